@@ -1,0 +1,1 @@
+"""INVERSE: what the data say about a loop. Pure functions of recorded windows."""

@@ -1,0 +1,1 @@
+"""Oscillation detectors, one a file."""

@@ -1,0 +1,1 @@
+"""Stiction quantifiers, one a file."""

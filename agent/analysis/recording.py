@@ -1,0 +1,97 @@
+"""The stretch of one loop that everything else looks at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class LoopHints:
+    """What an engineer knows about the loop and the data cannot tell as well."""
+
+    integrating: bool | None = None
+    """PV integrates the valve flow (levels); None: unknown."""
+    acting: str | None = None
+    """Controller action, ``reverse`` (process gain > 0) or ``direct`` (gain < 0); None: unknown."""
+    delay: int | None = None
+    """Samples D: y(t) depends first on MV(t - D), D >= 1; None: search it."""
+    order: int | None = None
+    """Order of the process model, 1 or 2; None: choose."""
+    op_range: tuple[float, float] | None = None
+    """Limits of the valve in OP units; None: unknown, so saturation is judged from the record."""
+
+
+@dataclass(frozen=True, slots=True)
+class LoopWindow:
+    """OP and PV of a loop on a uniform time grid; a missing sample is NaN, never a guess.
+
+    All arrays have shape (n,) and are read-only.
+    """
+
+    loop: str
+    start: float
+    """Time of the first sample, s UTC."""
+    ts: float
+    """Sampling time, s."""
+    op: FloatArray
+    """Controller output, OP units."""
+    pv: FloatArray
+    """Process variable, PV units."""
+    sp: FloatArray | None = None
+    """Set point, PV units."""
+    mv: FloatArray | None = None
+    """Measured valve position or flow, its own unit."""
+    automatic: NDArray[np.bool_] | None = None
+    """True where the loop was in an automatic mode; None where the mode is unknown."""
+    hints: LoopHints = field(default_factory=LoopHints)
+    duplicates: int = 0
+    """Samples dropped because their timestamp was there already."""
+
+    def __post_init__(self) -> None:
+        n = len(self.op)
+        for name in ("op", "pv", "sp", "mv", "automatic"):
+            values = getattr(self, name)
+            if values is None:
+                continue
+            if len(values) != n:
+                raise ValueError(f"{name} has {len(values)} samples, op has {n}")
+            frozen = np.array(values)  # a copy: freezing the caller's array would surprise him
+            frozen.setflags(write=False)
+            object.__setattr__(self, name, frozen)
+
+    def __len__(self) -> int:
+        return len(self.op)
+
+    @property
+    def time(self) -> FloatArray:
+        """Sample times, s UTC, shape (n,)."""
+        return self.start + self.ts * np.arange(len(self))
+
+    @property
+    def error(self) -> FloatArray:
+        """Control error SP - PV; without a set point the deviation of PV from its mean. PV units, (n,)."""
+        reference: FloatArray | float = float(np.nanmean(self.pv)) if self.sp is None else self.sp
+        return np.asarray(reference - self.pv, dtype=np.float64)
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """True where OP and PV are both finite, shape (n,)."""
+        return np.isfinite(self.op) & np.isfinite(self.pv)
+
+    @property
+    def op_span(self) -> float:
+        """Max - min of OP, OP units; 0 where nothing is finite."""
+        finite = self.op[np.isfinite(self.op)]
+        return float(np.ptp(finite)) if finite.size else 0.0
+
+    def with_hints(self, hints: LoopHints) -> LoopWindow:
+        """Return the same data with other prior knowledge."""
+        return replace(self, hints=hints)

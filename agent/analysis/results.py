@@ -1,0 +1,129 @@
+"""What an analysis says, as values. A number that is not known is None, never NaN."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
+    from agent.units import FrictionBands
+
+Verdict = Literal["stiction", "no_stiction", "undecided", "not_testable"]
+Cause = Literal["stiction", "tight_tuning", "external_disturbance", "no_oscillation", "undecided"]
+StictionClass = Literal["weak", "dead_band", "stick_slip", "dead_band_stick_slip"]
+MethodVerdict = Literal["stiction", "no_stiction", "undecided", "not_applicable"]
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A number with its 90 % interval."""
+
+    value: float
+    low: float | None = None
+    """Lower end, or None before intervals exist."""
+    high: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Oscillation:
+    """What an oscillation detector saw in one signal."""
+
+    detected: bool
+    period: float | None
+    """s; None where no period could be found."""
+    regularity: float | None
+    """Mean over three standard deviations of the period (Thornhill 2003); > 1 is regular."""
+
+
+@dataclass(frozen=True, slots=True)
+class StictionEstimate:
+    """How much a valve sticks, in OP units."""
+
+    f_s: Estimate
+    f_d: Estimate
+    s: Estimate
+    j: Estimate
+    identifiable_s: bool | None = None
+    """Whether the record determines S; None before this is judged."""
+    identifiable_j: bool | None = None
+
+    @classmethod
+    def of(cls, bands: FrictionBands) -> StictionEstimate:
+        """Return the estimate without intervals."""
+        return cls(Estimate(bands.f_s), Estimate(bands.f_d), Estimate(bands.s), Estimate(bands.j))
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessEstimate:
+    """The low-order process between valve and PV."""
+
+    kind: str
+    """``fopdt``, ``sopdt`` or ``integrator``."""
+    gain: float
+    """PV units per OP unit (per OP unit and second for an integrator)."""
+    tau: float | None
+    """Largest time constant, s; None for an integrator."""
+    delay: float
+    """s; y(t) depends first on MV(t - delay), delay >= ts."""
+    tau2: float | None = None
+    """Second time constant of a ``sopdt``, s."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quantification:
+    """Answer of one quantifier on one window."""
+
+    quantifier: str
+    stiction: StictionEstimate | None
+    """None where the valve model did not beat the linear one, or the fit failed (``failure`` says why)."""
+    process: ProcessEstimate | None
+    free_run_percent: float | None
+    """Fit of the simulated model, 100 (1 - ||PV - model|| / ||PV - mean PV||)."""
+    linear_percent: float | None
+    """The same without stiction."""
+    evidence: float | None
+    """Linear over stiction free-run mean squared error; 1 where stiction explains nothing."""
+    decision: MethodVerdict
+    model_pv: FloatArray | None = None
+    """Free-run PV of the chosen model, PV units, (n,)."""
+    model_mv: FloatArray | None = None
+    """Simulated valve position, OP units, (n,)."""
+    failure: str | None = None
+    """Why there is no answer, in plain words."""
+
+
+@dataclass(frozen=True, slots=True)
+class MethodResult:
+    """Verdict and index of one detector, for the table of methods."""
+
+    verdict: MethodVerdict
+    index: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class CauseShare:
+    """One of the causes of an oscillation with its part in it, 0 to 1."""
+
+    cause: Cause
+    share: float
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """Why a loop oscillates, or why that cannot be said."""
+
+    loop: str
+    verdict: Verdict
+    confidence: float
+    """0 to 1."""
+    cause: Cause
+    causes: tuple[CauseShare, ...]
+    stiction_class: StictionClass | None
+    """Only with verdict ``stiction``."""
+    reasons: tuple[str, ...]
+    oscillation: Oscillation | None
+    quantification: Quantification | None
+    methods: dict[str, MethodResult] = field(default_factory=dict)
+    seconds: float = 0.0
+    """Wall time of the analysis, s."""

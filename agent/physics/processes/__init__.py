@@ -1,0 +1,1 @@
+"""Low-order processes between valve and PV, one a file."""

@@ -1,0 +1,1 @@
+"""Stiction laws of the literature, one published model a file."""

@@ -1,0 +1,1 @@
+"""Pictures for an engineer; figures of matplotlib, no files."""

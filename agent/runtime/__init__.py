@@ -1,0 +1,1 @@
+"""TIME AND I/O: windows, pipeline, workers, supervision, wiring."""

@@ -1,0 +1,84 @@
+"""What every connector speaks: samples in, publications out, and the errors a caller can act on."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Mapping
+from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Protocol
+
+JsonValue = float | int | str | bool | None
+
+
+class Quality(IntEnum):
+    """Worth of a sample; the original code travels beside it."""
+
+    GOOD = 0
+    UNCERTAIN = 1
+    BAD = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One value of one tag."""
+
+    tag: str
+    """``LOOP.ROLE``, role one of pv, op, sp, mv, mode."""
+    time: float
+    """Source time, s UTC."""
+    value: float | str
+    """NaN where the source had none; text only for modes."""
+    quality: Quality = Quality.GOOD
+    code: int = 0
+    """The bus's own status code (OPC UA status, Modbus exception), 0 where it has none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Publication:
+    """Something to tell the plant about a subject; each bus maps the fields onto its own targets."""
+
+    subject: str
+    """Whom it is about, e.g. the loop's name."""
+    kind: str
+    """``state`` (the newest replaces the former) or ``event`` (each counts)."""
+    id: str
+    """Stable over retries: a consumer that honours it sees nothing twice."""
+    fields: Mapping[str, JsonValue]
+
+
+class ConnectionLostError(Exception):
+    """The peer is gone, refuses or stalls: wait and try again with a fresh session."""
+
+
+class ConfigError(Exception):
+    """The user must change a file; carries every fault with its path, one a line."""
+
+    def __init__(self, faults: list[str]) -> None:
+        super().__init__("\n".join(faults))
+        self.faults = faults
+
+
+class Session(Protocol):
+    """An open connection; used by one reader and one writer at a time."""
+
+    def samples(self) -> AsyncIterator[Sample]:
+        """Yield samples for ever; raises ConnectionLostError when the peer is gone."""
+        ...
+
+    async def publish(self, publication: Publication) -> None:
+        """Hand over to the bus and return when the peer took it; raises ConnectionLostError."""
+        ...
+
+
+class Connector(Protocol):
+    """A configured bus. Each ``session()`` is a fresh client; retrying is the supervisor's business."""
+
+    @property
+    def name(self) -> str:
+        """Name of the connection in the configuration."""
+        ...
+
+    def session(self) -> AbstractAsyncContextManager[Session]:
+        """Connect; raises ConnectionLostError where the peer cannot be reached in time."""
+        ...

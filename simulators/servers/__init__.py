@@ -1,0 +1,1 @@
+"""Servers that put simulated or recorded loops on a bus."""

@@ -1,0 +1,51 @@
+"""Rules of every test: a leaked task, an unawaited coroutine or a warning fails it."""
+
+import asyncio
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+IN_CI = os.environ.get("SLIPJUMP_CI") == "1"
+ROOT = Path(__file__).parent.parent
+
+
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if asyncio.iscoroutinefunction(getattr(item, "function", None)):
+            item.fixturenames.append("no_leaked_tasks")
+
+
+@pytest.fixture
+async def no_leaked_tasks():
+    """Fails an async test that leaves a task running."""
+    before = asyncio.all_tasks()
+    yield
+    leaked = [task for task in asyncio.all_tasks() - before if not task.done()]
+    assert not leaked, f"the test left tasks running: {leaked}"
+
+
+def missing(what: str):
+    """Skip on a user's machine, fail in CI, where everything must be there."""
+    if IN_CI:
+        pytest.fail(f"{what} is missing, and SLIPJUMP_CI=1 allows no skip")
+    pytest.skip(f"{what} is missing")
+
+
+@pytest.fixture(scope="session")
+def recordings() -> Path:
+    """The folder of real recordings, read in place."""
+    folder = Path(os.environ.get("SLIPJUMP_DATA", ROOT.parent / "shared" / "data"))
+    if not folder.is_dir():
+        missing(f"recordings folder {folder}")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def mosquitto() -> str:
+    """Path of the mosquitto broker."""
+    path = shutil.which("mosquitto", path=os.environ.get("PATH", "") + ":/usr/sbin")
+    if path is None:
+        missing("mosquitto")
+    return str(path)
