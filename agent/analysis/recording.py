@@ -73,7 +73,7 @@ class LoopWindow:
     @property
     def time(self) -> FloatArray:
         """Sample times, s UTC, shape (n,)."""
-        return self.start + self.ts * np.arange(len(self))
+        return np.asarray(self.start + self.ts * np.arange(len(self)), dtype=np.float64)
 
     @property
     def error(self) -> FloatArray:
