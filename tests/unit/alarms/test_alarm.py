@@ -1,0 +1,145 @@
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agent.alarms import Alarm, Delay, Event, State
+from agent.analysis.results import Diagnosis, Quantification, StictionEstimate
+from agent.units import FrictionBands
+
+
+def diagnosis(verdict):
+    found = StictionEstimate.of(FrictionBands(f_s=3.0, f_d=1.0)) if verdict == "stiction" else None
+    return Diagnosis(
+        loop="FIC101",
+        verdict=verdict,
+        confidence=1.0,
+        cause="undecided",
+        causes=(),
+        stiction_class=None,
+        reasons=(),
+        oscillation=None,
+        quantification=Quantification("any", found, None, None, None, None, "undecided"),
+    )
+
+
+def play(alarm, verdicts, start=0.0):
+    """The alarm and the states after each verdict, one window every 100 s."""
+    states = []
+    for k, verdict in enumerate(verdicts):
+        alarm, _ = alarm.on_diagnosis(diagnosis(verdict), start + 100.0 * k)
+        states.append(alarm.state)
+    return alarm, states
+
+
+def test_it_comes_after_the_on_delay_and_goes_after_the_off_delay():
+    alarm = Alarm("FIC101", delay=Delay(on=3, off=2))
+    alarm, states = play(alarm, ["stiction"] * 3 + ["no_stiction"] * 2)
+    assert states == [State.NORMAL] * 2 + [State.UNACKED_ACTIVE] * 2 + [State.RETURNED_UNACKED]
+
+
+def test_a_window_that_cannot_tell_counts_towards_neither():
+    alarm = Alarm("FIC101", delay=Delay(on=2, off=2))
+    alarm, states = play(alarm, ["stiction", "undecided", "not_testable", "stiction"])
+    assert states[-2:] == [State.NORMAL, State.UNACKED_ACTIVE]
+    alarm, states = play(alarm, ["no_stiction", "undecided", "not_testable", "no_stiction"])
+    assert states[-2:] == [State.UNACKED_ACTIVE, State.RETURNED_UNACKED]
+
+
+def test_a_window_that_says_the_opposite_starts_the_count_anew():
+    alarm = Alarm("FIC101", delay=Delay(on=2, off=2))
+    _, states = play(alarm, ["stiction", "no_stiction", "stiction", "no_stiction"])
+    assert set(states) == {State.NORMAL}
+
+
+def test_the_id_is_that_of_the_activation():
+    alarm, _ = play(Alarm("FIC101", delay=Delay(on=1, off=1)), ["stiction", "stiction"], start=100.0)
+    first = alarm.id
+    assert first == "FIC101/100.000"
+    alarm, _ = alarm.on_operator(Event.ACKNOWLEDGE, 250.0)
+    assert alarm.id == first
+    alarm, _ = play(alarm, ["no_stiction", "stiction"], start=300.0)
+    assert alarm.id == "FIC101/400.000"
+
+
+def test_state_is_announced_each_window_and_an_event_at_each_change():
+    alarm = Alarm("FIC101", delay=Delay(on=2, off=1))
+    kinds = []
+    for k, verdict in enumerate(["stiction", "stiction", "stiction", "no_stiction"]):
+        alarm, announcements = alarm.on_diagnosis(diagnosis(verdict), float(k))
+        kinds.append([a.kind for a in announcements])
+    assert kinds == [["state"], ["state", "event"], ["state"], ["state", "event"]]
+
+
+def test_what_is_announced_fits_a_bus():
+    _, announcements = Alarm("FIC101", delay=Delay(1, 1)).on_diagnosis(diagnosis("stiction"), 7.0)
+    fields = announcements[1].fields()
+    assert fields == {
+        "loop": "FIC101",
+        "id": "FIC101/7.000",
+        "active": True,
+        "state": "unacked_active",
+        "verdict": "stiction",
+        "priority": "medium",
+        "time": 7.0,
+        "f_s": 3.0,
+        "f_d": 1.0,
+        "s": 4.0,
+        "j": 2.0,
+    }
+    assert json.dumps(fields, allow_nan=False)
+    assert announcements[0].id != announcements[1].id
+
+
+def test_the_amount_stays_while_it_is_active_and_goes_with_it():
+    alarm, _ = play(Alarm("FIC101", delay=Delay(1, 2)), ["stiction", "no_stiction"])
+    assert alarm.stiction is not None
+    alarm, _ = play(alarm, ["no_stiction"])
+    assert alarm.stiction is None
+
+
+def test_a_shelved_alarm_is_silent_and_comes_back_if_the_condition_is_still_there():
+    alarm, _ = play(Alarm("FIC101", delay=Delay(1, 1)), ["stiction"])
+    alarm, _ = alarm.on_operator(Event.SHELVE, 10.0)
+    alarm, announcements = alarm.on_diagnosis(diagnosis("stiction"), 100.0)
+    assert not announcements[0].fields()["active"]
+    alarm, announcements = alarm.on_operator(Event.UNSHELVE, 200.0)
+    assert alarm.state is State.UNACKED_ACTIVE
+    assert [a.kind for a in announcements] == ["state", "event"]
+
+
+def test_a_shelved_alarm_comes_back_as_normal_if_the_condition_went():
+    alarm, _ = play(Alarm("FIC101", delay=Delay(1, 1)), ["stiction"])
+    alarm, _ = alarm.on_operator(Event.SHELVE, 10.0)
+    alarm, _ = play(alarm, ["no_stiction"], start=100.0)
+    alarm, _ = alarm.on_operator(Event.UNSHELVE, 200.0)
+    assert alarm.state is State.NORMAL
+
+
+def test_an_acknowledgement_of_nothing_announces_nothing():
+    assert Alarm("FIC101").on_operator(Event.ACKNOWLEDGE, 0.0)[1] == ()
+
+
+@pytest.mark.parametrize("event", [Event.RAISE, Event.CLEAR])
+def test_only_the_diagnosis_raises_and_clears(event):
+    with pytest.raises(ValueError, match="not for a person"):
+        Alarm("FIC101").on_operator(event, 0.0)
+
+
+@given(
+    st.lists(st.sampled_from(["stiction", "no_stiction", "undecided", "not_testable"]), max_size=60),
+    st.integers(1, 4),
+    st.integers(1, 4),
+)
+def test_the_delay_says_what_a_look_at_all_windows_says(verdicts, on, off):
+    alarm, _ = play(Alarm("FIC101", delay=Delay(on, off)), verdicts)
+    there, firm = False, []
+    for verdict in verdicts:
+        if verdict in {"stiction", "no_stiction"}:
+            firm.append(verdict)
+        if not there and firm[-on:] == ["stiction"] * on:
+            there = True
+        elif there and firm[-off:] == ["no_stiction"] * off:
+            there = False
+    assert alarm.state.active == there
