@@ -51,6 +51,10 @@ class ConnectionLostError(Exception):
     """The peer is gone, refuses or stalls: wait and try again with a fresh session."""
 
 
+class RefusedError(Exception):
+    """The peer is there but does not take this publication; asking again will not help, a person must look."""
+
+
 class ConfigError(Exception):
     """The user must change a file; carries every fault with its path, one a line."""
 
@@ -67,7 +71,7 @@ class Session(Protocol):
         ...
 
     async def publish(self, publication: Publication) -> None:
-        """Hand over to the bus and return when the peer took it; raises ConnectionLostError."""
+        """Hand over to the bus and return when the peer took it; raises ConnectionLostError, RefusedError."""
         ...
 
 

@@ -1,0 +1,47 @@
+"""The buses slipjump speaks: a new one is one more entry of ``KINDS``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from connectors.base import Connector
+from connectors.modbus.connector import ModbusConnector
+from connectors.modbus.options import ModbusOptions, ModbusTag, ModbusTarget
+from connectors.mqtt.connector import MqttConnector
+from connectors.mqtt.options import MqttOptions, MqttTag, MqttTarget
+from connectors.opcua.connector import OpcUaConnector
+from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
+from connectors.options import LoopTags, Options, TagT, Target, TargetT
+
+OptionsT = TypeVar("OptionsT", bound=Options)
+ROLES = ("pv", "op", "sp", "mv", "mode")
+"""What a tag can be to its loop."""
+
+
+@dataclass(frozen=True, slots=True)
+class ConnectorKind(Generic[OptionsT, TagT, TargetT]):
+    """A bus: the models of its part of the configuration file, and how a connection is made of them."""
+
+    kind: str
+    """``kind`` of an entry in ``connections``."""
+    options: type[OptionsT]
+    """The entry's other keys."""
+    tag: type[TagT]
+    """One entry of a loop's ``tags``."""
+    target: type[TargetT]
+    """One entry of a loop's ``publish``."""
+    open: Callable[[str, OptionsT, Mapping[str, LoopTags[TagT, TargetT]]], Connector]
+    """Connection name, its options, loop name -> what it reads and writes there. Opens nothing yet."""
+    roles: tuple[str, ...] = ROLES
+    """Keys allowed in a loop's ``tags``."""
+
+
+KINDS: tuple[ConnectorKind[Any, Any, Any], ...] = (
+    ConnectorKind("modbus", ModbusOptions, ModbusTag, ModbusTarget, ModbusConnector, (*ROLES, "time")),
+    ConnectorKind("opcua", OpcUaOptions, OpcUaTag, OpcUaTarget, OpcUaConnector),
+    ConnectorKind("mqtt", MqttOptions, MqttTag, MqttTarget, MqttConnector),
+)
+
+__all__ = ["KINDS", "ROLES", "ConnectorKind", "LoopTags", "Options", "Target"]

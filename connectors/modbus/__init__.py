@@ -1,0 +1,1 @@
+"""Modbus TCP: polls the registers of a loop in one request, writes its alarm to coils and registers."""

@@ -1,0 +1,84 @@
+"""Numbers in 16-bit registers: every type, byte order, scale and offset.
+
+Modbus itself knows only 16-bit registers, high byte first; how a device lays larger numbers over them is its
+maker's choice. The four orders cover what is sold (``ABCD`` names the bytes of a 32-bit number in the order they
+arrive, A the most significant).
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Sequence
+from typing import Literal
+
+RegisterType = Literal["int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"]
+Order = Literal["ABCD", "CDAB", "BADC", "DCBA"]
+
+_FORMATS = {
+    "int16": "h",
+    "uint16": "H",
+    "int32": "i",
+    "uint32": "I",
+    "int64": "q",
+    "uint64": "Q",
+    "float32": "f",
+    "float64": "d",
+}
+
+
+def register_count(type_: RegisterType) -> int:
+    """Return how many registers a number of this type takes."""
+    return struct.calcsize(f">{_FORMATS[type_]}") // 2
+
+
+def decode(registers: Sequence[int], type_: RegisterType, order: Order = "ABCD") -> float:
+    """Return the number in ``registers``: ``register_count(type_)`` of them, 0 to 65535 each.
+
+    A 64-bit integer beyond 2**53 loses its last digits, as samples are floats.
+    """
+    words = [register.to_bytes(2, "big") for register in registers]
+    (value,) = struct.unpack(f">{_FORMATS[type_]}", b"".join(_reordered(words, order)))
+    return float(value)
+
+
+def encode(value: float, type_: RegisterType, order: Order = "ABCD") -> list[int]:
+    """Return the registers that hold ``value``.
+
+    An integer type rounds, and stops at the ends of its range instead of wrapping. It has no NaN: there the
+    value that SunSpec calls "not implemented" stands for it (int16 0x8000, uint16 0xFFFF, and so on).
+    """
+    number = value if type_.startswith("float") else _integer(value, type_)
+    try:
+        raw = struct.pack(f">{_FORMATS[type_]}", number)
+    except OverflowError:  # too large for float32
+        raw = struct.pack(f">{_FORMATS[type_]}", math.copysign(math.inf, value))
+    words = [raw[i : i + 2] for i in range(0, len(raw), 2)]
+    return [int.from_bytes(word, "big") for word in _reordered(words, order)]
+
+
+def scaled(raw: float, scale: float, offset: float) -> float:
+    """Return the value in engineering units."""
+    return raw * scale + offset
+
+
+def unscaled(value: float, scale: float, offset: float) -> float:
+    """Return what to store so that ``scaled`` gives ``value`` again."""
+    return (value - offset) / scale
+
+
+def _reordered(words: list[bytes], order: Order) -> list[bytes]:
+    """Turn device order into big-endian order, or back: each order is its own inverse."""
+    if order in ("CDAB", "DCBA"):
+        words = words[::-1]
+    if order in ("BADC", "DCBA"):
+        words = [word[::-1] for word in words]
+    return words
+
+
+def _integer(value: float, type_: RegisterType) -> int:
+    bits = 16 * register_count(type_)
+    low, high = (0, 2**bits - 1) if type_.startswith("u") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    if math.isnan(value):
+        return high if type_.startswith("u") else low
+    return round(min(max(value, low), high)) if math.isfinite(value) else (high if value > 0 else low)

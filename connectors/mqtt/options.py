@@ -1,0 +1,50 @@
+"""The MQTT part of the configuration file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from connectors.options import Options, Port, Seconds, Target
+
+Topic = Annotated[str, Field(min_length=1, max_length=65_000, pattern=r"^[^+#\x00]+$")]
+"""One topic, no wildcards."""
+
+
+class MqttOptions(Options):
+    """One MQTT broker."""
+
+    host: str = "127.0.0.1"
+    port: Port = 1883
+    version: Literal["3.1.1", "5"] = "3.1.1"
+    """Version of the protocol."""
+    keepalive: Annotated[int, Field(ge=1, le=65535)] = 10
+    """Silence after which the broker is asked whether it is there, s; no answer for as long again: it is gone."""
+    timeout: Seconds = 5.0
+    """Longest wait for an answer, s."""
+    queue: Annotated[int, Field(ge=1)] = 10_000
+    """Messages that may wait to be read; more are dropped, with a warning."""
+
+
+class MqttTag(Options):
+    """Where a value is found: the whole payload of a topic, or a field of its JSON object."""
+
+    topic: Topic
+    field: str | None = None
+    """Path of the value in a JSON payload, dots between the keys. None: the payload is the value."""
+    time_field: str | None = None
+    """Path of the source time, in s since 1970 or ISO 8601 (without zone: UTC). None: time of arrival."""
+
+    @model_validator(mode="after")
+    def _time_needs_json(self) -> MqttTag:
+        if self.time_field is not None and self.field is None:
+            raise ValueError("time_field needs field: only a JSON payload carries both")
+        return self
+
+
+class MqttTarget(Target):
+    """Where a loop's alarm is published: its state, retained, on the topic, its events on topic + ``/event``."""
+
+    topic: Topic = "slipjump/{loop}/alarm"
+    """``{loop}`` stands for the loop's name."""

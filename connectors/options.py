@@ -1,0 +1,39 @@
+"""What the options of every bus have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Generic, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Port = Annotated[int, Field(ge=1, le=65535)]
+Seconds = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
+class Options(BaseModel):
+    """A part of the configuration file; an unknown key is a fault. Docstrings of fields go into the schema."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+
+class Target(Options):
+    """One entry of a loop's ``publish``: where its alarm is told."""
+
+    connection: str
+    """Name of the connection that carries the alarm; it need not be the one that is read."""
+
+
+TagT = TypeVar("TagT", bound=Options)
+TargetT = TypeVar("TargetT", bound=Target)
+
+
+@dataclass(frozen=True, slots=True)
+class LoopTags(Generic[TagT, TargetT]):
+    """What one connection reads and writes for one loop; either may be empty."""
+
+    tags: Mapping[str, TagT]
+    """Role -> where its value is found."""
+    targets: Sequence[TargetT] = ()
+    """Where the loop's alarm is told."""
