@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import AsyncIterator, Mapping
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
@@ -33,6 +34,20 @@ class Sample:
     code: int = 0
     """The bus's own status code (OPC UA status, Modbus exception), 0 where it has none."""
 
+    @classmethod
+    def measured(
+        cls, tag: str, time: float, value: float | str, quality: Quality = Quality.GOOD, code: int = 0
+    ) -> Sample:
+        """Make a sample of what a source sent; a number that is not finite counts as missing."""
+        if isinstance(value, str) or math.isfinite(value):
+            return cls(tag, time, value, quality, code)
+        return cls.missing(tag, time, code)
+
+    @classmethod
+    def missing(cls, tag: str, time: float, code: int = 0) -> Sample:
+        """Make the sample that says: here a value is missing."""
+        return cls(tag, time, math.nan, Quality.BAD, code)
+
 
 @dataclass(frozen=True, slots=True)
 class Publication:
@@ -52,7 +67,7 @@ class ConnectionLostError(Exception):
 
 
 class RefusedError(Exception):
-    """The peer is there but does not take this publication; asking again will not help, a person must look."""
+    """The peer is there but will not take this publication: do not retry, tell a person."""
 
 
 class ConfigError(Exception):

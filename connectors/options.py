@@ -13,7 +13,7 @@ Seconds = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 class Options(BaseModel):
-    """A part of the configuration file; an unknown key is a fault. Docstrings of fields go into the schema."""
+    """A part of the configuration file; an unknown key is a fault. The schema gets the fields' docstrings."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 

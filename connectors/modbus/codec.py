@@ -1,8 +1,8 @@
 """Numbers in 16-bit registers: every type, byte order, scale and offset.
 
 Modbus itself knows only 16-bit registers, high byte first; how a device lays larger numbers over them is its
-maker's choice. The four orders cover what is sold (``ABCD`` names the bytes of a 32-bit number in the order they
-arrive, A the most significant).
+maker's choice. The four orders cover what is sold: ``ABCD`` names the bytes of a 32-bit number in the order
+they arrive, A the most significant.
 """
 
 from __future__ import annotations
@@ -69,11 +69,9 @@ def unscaled(value: float, scale: float, offset: float) -> float:
 
 def _reordered(words: list[bytes], order: Order) -> list[bytes]:
     """Turn device order into big-endian order, or back: each order is its own inverse."""
-    if order in ("CDAB", "DCBA"):
-        words = words[::-1]
     if order in ("BADC", "DCBA"):
         words = [word[::-1] for word in words]
-    return words
+    return words[::-1] if order in ("CDAB", "DCBA") else words
 
 
 def _integer(value: float, type_: RegisterType) -> int:

@@ -26,6 +26,8 @@ class OpcUaOptions(Options):
     """Publishing intervals without a change after which the server must say that it is alive."""
     timeout: Seconds = 4.0
     """Longest wait for an answer, s; after that the server counts as gone."""
+    retry: Seconds = 30.0
+    """How often a node that was not found is asked for again, s."""
 
 
 class OpcUaTag(Options):
@@ -40,4 +42,7 @@ class OpcUaTarget(Target):
     active: OpcUaTag | None = None
     """Node that is true while the alarm is active."""
     fields: Mapping[str, OpcUaTag] = {}
-    """Field of the alarm -> node; the value takes the node's own type."""
+    """Field of the alarm -> node, which gets it in its own type.
+
+    Not known is NaN, or empty text; an integer node keeps what it had.
+    """

@@ -1,0 +1,143 @@
+"""Modbus TCP as a connector: polls every loop, one request each, and writes alarms."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import time
+from collections.abc import AsyncIterator, Mapping
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+
+from connectors.base import ConfigError, JsonValue, Publication, RefusedError, Sample, Session
+from connectors.modbus.blocks import Block, plan
+from connectors.modbus.client import ILLEGAL_ADDRESS, DeviceError, ModbusClient, connected
+from connectors.modbus.codec import encode, register_count, unscaled
+from connectors.modbus.options import Flag, HoldingRegister, ModbusOptions, ModbusTag, ModbusTarget
+from connectors.options import LoopTags
+
+ModbusLoops = Mapping[str, LoopTags[ModbusTag, ModbusTarget]]
+
+
+class ModbusConnector:
+    """A Modbus device, what is read from it and written to it; ConfigError for impossible addresses."""
+
+    def __init__(self, name: str, options: ModbusOptions, loops: ModbusLoops) -> None:
+        self.name = name
+        self._options = options
+        self._loops = loops
+        if faults := list(_address_faults(loops, options.address_base)):
+            raise ConfigError(faults)
+
+    def session(self) -> AbstractAsyncContextManager[Session]:
+        """Connect; raises ConnectionLostError."""
+        return self._session()
+
+    @asynccontextmanager
+    async def _session(self) -> AsyncIterator[Session]:
+        options = self._options
+        async with connected(options.host, options.port, options.unit, options.timeout) as client:
+            yield ModbusSession(client, options, self._loops)
+
+
+class ModbusSession:
+    """An open connection."""
+
+    def __init__(self, client: ModbusClient, options: ModbusOptions, loops: ModbusLoops) -> None:
+        self._client = client
+        self._options = options
+        self._loops = loops
+
+    async def samples(self) -> AsyncIterator[Sample]:
+        """Yield the values of every loop at every poll; raises ConnectionLostError."""
+        base = self._options.address_base
+        pollers = [LoopPoller(name, plan(loop.tags, base)) for name, loop in self._loops.items() if loop.tags]
+        clock = asyncio.get_running_loop()
+        due = clock.time()
+        while True:
+            for poller in pollers:
+                for sample in await poller.poll(self._client):
+                    yield sample
+            due = max(due + self._options.poll, clock.time())
+            await asyncio.sleep(due - clock.time())
+
+    async def publish(self, publication: Publication) -> None:
+        """Write a state, its numbers before the flag; raises ConnectionLostError, RefusedError."""
+        if publication.kind != "state" or publication.subject not in self._loops:
+            return
+        for target in self._loops[publication.subject].targets:
+            for name, register in target.fields.items():
+                await self._write_number(register, publication.fields.get(name))
+            if target.active is not None:
+                await self._write_flag(target.active, bool(publication.fields.get("active")))
+
+    async def _write_number(self, register: HoldingRegister, value: JsonValue) -> None:
+        number = float(value) if isinstance(value, int | float) else math.nan
+        raw = unscaled(number, register.scale, register.offset)
+        await self._write_registers(register.address, encode(raw, register.type, register.order))
+
+    async def _write_flag(self, flag: Flag, value: bool) -> None:  # noqa: FBT001 - the value is what it is
+        if flag.table == "holding":
+            await self._write_registers(flag.address, [int(value)])
+            return
+        try:
+            await self._client.write_coil(flag.address - self._options.address_base, value)
+        except DeviceError as error:
+            raise RefusedError(f"coil {flag.address}: {error}") from error
+
+    async def _write_registers(self, address: int, values: list[int]) -> None:
+        try:
+            await self._client.write_registers(address - self._options.address_base, values)
+        except DeviceError as error:
+            raise RefusedError(f"holding register {address}: {error}") from error
+
+
+class LoopPoller:
+    """Reads one loop; remembers the source time it saw last, and which blocks the device does not allow."""
+
+    def __init__(self, loop: str, blocks: list[Block]) -> None:
+        self._loop = loop
+        self._blocks = blocks
+        self._has_time = any("time" in block.tags for block in blocks)
+        self._last_time = math.nan
+
+    async def poll(self, client: ModbusClient) -> list[Sample]:
+        """Return one sample for each tag; none where the source's own time says that nothing is new."""
+        values: dict[str, float] = {}
+        refused: dict[str, int] = {}
+        for block in list(self._blocks):
+            try:
+                values |= block.values(await client.read(block.table, block.address, block.count))
+            except DeviceError as error:
+                refused |= dict.fromkeys(block.tags, error.code)
+                if error.code == ILLEGAL_ADDRESS and len(block.tags) > 1:
+                    self._blocks = [b for b in self._blocks if b is not block] + block.split()
+        arrival = time.time()
+        source_time = values.pop("time", math.nan)
+        if self._has_time and "time" not in refused:
+            if math.isnan(source_time) or source_time == self._last_time:
+                return []
+            self._last_time = arrival = source_time
+        refused.pop("time", None)
+        tag = self._loop + "."
+        return [Sample.measured(tag + role, arrival, value) for role, value in values.items()] + [
+            Sample.missing(tag + role, arrival, code) for role, code in refused.items()
+        ]
+
+
+def _address_faults(loops: ModbusLoops, base: int) -> list[str]:
+    """Return a line for each address outside the 65536 a table has."""
+    places: list[tuple[str, int, int]] = []
+    for name, loop in loops.items():
+        places += [(f"loops.{name}.tags.{role}", tag.address, tag.size) for role, tag in loop.tags.items()]
+        for target in loop.targets:
+            if target.active is not None:
+                places.append((f"loops.{name}.publish.active", target.active.address, 1))
+            places += [
+                (f"loops.{name}.publish.fields.{field}", register.address, register_count(register.type))
+                for field, register in target.fields.items()
+            ]
+    return [
+        f"{place}.address: {address} is outside {base} to {65536 + base - size}"
+        for place, address, size in places
+        if not base <= address <= 65536 + base - size
+    ]
