@@ -78,8 +78,10 @@ class LoopWindow:
     @property
     def error(self) -> FloatArray:
         """Control error SP - PV; without a set point the deviation of PV from its mean. PV units, (n,)."""
-        reference: FloatArray | float = float(np.nanmean(self.pv)) if self.sp is None else self.sp
-        return np.asarray(reference - self.pv, dtype=np.float64)
+        finite = self.pv[np.isfinite(self.pv)]
+        with np.errstate(invalid="ignore", over="ignore"):  # infinite readings become NaN or stay infinite
+            mean = float(np.mean(finite)) if finite.size else np.nan
+            return np.asarray((mean if self.sp is None else self.sp) - self.pv, dtype=np.float64)
 
     @property
     def valid(self) -> NDArray[np.bool_]:

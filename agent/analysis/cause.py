@@ -1,0 +1,54 @@
+"""Why a loop swings whose valve does not stick: too tight a controller, or something from outside.
+
+A first, thin answer from the free run of the linear model: what OP does to PV the model shows, what comes
+from elsewhere stays in its residual. See ``docs/methods/diagnosis.md`` for what it cannot tell.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from agent.analysis.recording import FloatArray, LoopWindow
+from agent.analysis.results import CauseShare, Oscillation, Quantification
+
+EXPLAINED = 0.8
+"""Part of the swing of PV that OP must explain before the controller is blamed."""
+UNEXPLAINED = 0.5
+"""Below this part the swing comes from outside."""
+
+
+def line_power(signal: FloatArray, period: float) -> float:
+    """Return the mean square of the wave of ``period`` (samples) in ``signal`` (n,), NaN left out.
+
+    Least squares of sine and cosine beside a line, so that gaps, broken periods and drift do no harm.
+    """
+    finite = np.isfinite(signal)
+    time = np.flatnonzero(finite) / len(signal)
+    angle = 2 * np.pi * len(signal) / period * time
+    wave = np.column_stack((np.cos(angle), np.sin(angle), np.ones(len(time)), time))
+    weights = np.linalg.lstsq(wave, signal[finite], rcond=None)[0]
+    return float(np.sum(weights[:2] ** 2) / 2)
+
+
+def swing_explained(window: LoopWindow, model_pv: FloatArray, period: float) -> float:
+    """Return the part of PV's wave of ``period`` (s) that the model's PV (n,) follows, 0 to 1."""
+    samples = period / window.ts
+    whole = line_power(window.pv, samples)
+    return 0.0 if whole <= 0 else max(0.0, 1.0 - line_power(window.pv - model_pv, samples) / whole)
+
+
+def cause_without_stiction(
+    window: LoopWindow, oscillation: Oscillation, quantification: Quantification
+) -> tuple[CauseShare, ...]:
+    """Return the causes of the oscillation, the largest first; never stiction."""
+    if not oscillation.detected or oscillation.period is None:
+        return (CauseShare("no_oscillation", 1.0),)
+    linear = quantification.model_pv if quantification.decision == "no_stiction" else None
+    if linear is None or quantification.stiction is not None:
+        return (CauseShare("undecided", 1.0),)
+    explained = swing_explained(window, linear, oscillation.period)
+    if explained >= EXPLAINED:
+        return (CauseShare("tight_tuning", explained), CauseShare("external_disturbance", 1 - explained))
+    if explained <= UNEXPLAINED:
+        return (CauseShare("external_disturbance", 1 - explained), CauseShare("tight_tuning", explained))
+    return (CauseShare("undecided", 1.0),)

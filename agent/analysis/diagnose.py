@@ -1,0 +1,180 @@
+"""From evidence to a diagnosis, with reasons an engineer can check."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.cause import cause_without_stiction
+from agent.analysis.gates import gates
+from agent.analysis.oscillation import detect_oscillation
+from agent.analysis.quantify import Quantifier
+from agent.analysis.quantify import quantifier as quantifier_named
+from agent.analysis.recording import FloatArray, LoopWindow
+from agent.analysis.results import (
+    CauseShare,
+    Diagnosis,
+    MethodResult,
+    Oscillation,
+    Quantification,
+    StictionEstimate,
+    Verdict,
+)
+from agent.analysis.stiction_class import stiction_class
+from agent.units import FrictionBands
+
+if TYPE_CHECKING:
+    from agent.analysis.results import StictionClass
+
+LARGEST = 1e15
+"""No plant has such numbers: historians mark lost values by 1e30 and the like."""
+DEFAULT_QUANTIFIER = "free_run"
+COARSE = 15.0
+"""Samples a period below which the shape of a stroke is hardly seen; the paper asks for 50."""
+
+CLASS_WORDS: dict[StictionClass, str] = {
+    "weak": "weak stiction",
+    "dead_band": "mostly a dead band",
+    "stick_slip": "stick and slip",
+    "dead_band_stick_slip": "a dead band with stick and slip",
+}
+
+
+def diagnose(window: LoopWindow, *, quantifier: Quantifier | None = None) -> Diagnosis:
+    """Say whether the valve sticks, by how much, and else why the loop swings.
+
+    Never raises on the content of a window: what forbids a verdict is told in ``reasons``.
+
+    Args:
+        window: The stretch to judge.
+        quantifier: The method that measures stiction; None takes the default one.
+    """
+    started = time.perf_counter()
+    diagnosis = _judge(_without_impossible(window), quantifier or quantifier_named(DEFAULT_QUANTIFIER))
+    return replace(diagnosis, seconds=time.perf_counter() - started)
+
+
+def _without_impossible(window: LoopWindow) -> LoopWindow:
+    return replace(
+        window,
+        op=_possible(window.op),
+        pv=_possible(window.pv),
+        sp=None if window.sp is None else _possible(window.sp),
+        mv=None if window.mv is None else _possible(window.mv),
+    )
+
+
+def _possible(values: FloatArray) -> FloatArray:
+    return np.where(np.abs(values) < LARGEST, values, np.nan)
+
+
+def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
+    faults = gates(window)
+    if faults:
+        return Diagnosis(
+            loop=window.loop,
+            verdict="not_testable",
+            confidence=0.0,
+            cause="undecided",
+            causes=(CauseShare("undecided", 1.0),),
+            stiction_class=None,
+            reasons=tuple(fault.reason for fault in faults),
+            oscillation=None,
+            quantification=None,
+        )
+    oscillation = detect_oscillation(window)
+    found = quantifier.quantify(window)
+    verdict = _verdict(found)
+    causes: tuple[CauseShare, ...]
+    if verdict == "stiction":
+        causes = (CauseShare("stiction", _share_explained(found)),)
+    else:
+        causes = cause_without_stiction(window, oscillation, found)
+    sticking = found.stiction if verdict == "stiction" else None
+    return Diagnosis(
+        loop=window.loop,
+        verdict=verdict,
+        confidence=_confidence(verdict, found),
+        cause=causes[0].cause,
+        causes=causes,
+        stiction_class=None if sticking is None else stiction_class(_bands(sticking), window.op_span),
+        reasons=(
+            *_data_words(window),
+            *_oscillation_words(window, oscillation),
+            *_fit_words(window, found, verdict),
+        ),
+        oscillation=oscillation,
+        quantification=found,
+        methods={found.quantifier: MethodResult(found.decision, found.evidence)},
+    )
+
+
+def _verdict(found: Quantification) -> Verdict:
+    if found.failure is not None or found.decision == "not_applicable":
+        return "undecided"
+    if found.decision == "stiction" and found.stiction is None:
+        return "undecided"
+    return found.decision
+
+
+def _bands(stiction: StictionEstimate) -> FrictionBands:
+    return FrictionBands(stiction.f_s.value, stiction.f_d.value)
+
+
+def _share_explained(found: Quantification) -> float:
+    """Part of the variance of PV that the model explains; ``fit`` percent is of the root."""
+    left = 1 - (found.free_run_percent or 0.0) / 100
+    return max(0.0, 1 - left**2)
+
+
+def _confidence(verdict: Verdict, found: Quantification) -> float:
+    """Return 0.5 for a bare majority of the evidence up to 1: an ordering, not a calibrated probability."""
+    if verdict == "stiction":
+        return 1 - 0.5 / max(found.evidence or 1.0, 1.0)
+    if verdict == "no_stiction":
+        return 0.5 + 0.5 * min(max((found.linear_percent or 0.0) / 100, 0.0), 1.0)
+    return 0.0
+
+
+def _data_words(window: LoopWindow) -> list[str]:
+    words = []
+    lost = int((~window.valid).sum())
+    if lost:
+        words.append(f"{lost} of {len(window)} samples are gaps and were left out")
+    if window.duplicates:
+        words.append(f"{window.duplicates} samples repeat a timestamp and were dropped")
+    return words
+
+
+def _oscillation_words(window: LoopWindow, oscillation: Oscillation) -> list[str]:
+    if not oscillation.detected or oscillation.period is None:
+        return ["the loop shows no regular oscillation"]
+    words = [f"the loop oscillates with a period of {oscillation.period:.4g} s"]
+    samples = oscillation.period / window.ts
+    if samples < COARSE:
+        words.append(f"with {samples:.0f} samples a period the record is coarse")
+    return words
+
+
+def _fit_words(window: LoopWindow, found: Quantification, verdict: Verdict) -> list[str]:
+    if found.failure is not None:
+        return [f"{found.quantifier} gave no answer: {found.failure}"]
+    linear = f"the process alone follows PV to {_percent(found.linear_percent)}"
+    if found.stiction is None:
+        return [f"{linear}, and a sticking valve does not explain more"]
+    s, j = found.stiction.s.value, found.stiction.j.value
+    span = f"{100 * s / window.op_span:.3g} % of the span of OP"
+    valve = f"with a valve of S = {s:.4g} ({span}) and J = {j:.4g}"
+    words = [f"{linear}, {valve} to {_percent(found.free_run_percent)}"]
+    if verdict == "stiction":
+        words.append(f"the valve shows {CLASS_WORDS[stiction_class(_bands(found.stiction), window.op_span)]}")
+    else:
+        words.append("that is too little better to blame the valve")
+    return words
+
+
+def _percent(value: float | None) -> str:
+    return "an unknown part" if value is None else f"{value:.3g} %"

@@ -1,0 +1,72 @@
+"""A diagnosis as the JSON object of ``slipjump diagnose --json``: all keys always there, null for unknown."""
+
+from __future__ import annotations
+
+import math
+
+from agent.analysis.results import Diagnosis, Estimate, ProcessEstimate, StictionEstimate
+
+
+def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
+    """Return the object for one recording; ``recording`` is the name of its file."""
+    oscillation, found = diagnosis.oscillation, diagnosis.quantification
+    return {
+        "recording": recording,
+        "loop": diagnosis.loop,
+        "verdict": diagnosis.verdict,
+        "confidence": _number(diagnosis.confidence),
+        "cause": diagnosis.cause,
+        "causes": [{"cause": each.cause, "share": _number(each.share)} for each in diagnosis.causes],
+        "class": diagnosis.stiction_class,
+        "reasons": list(diagnosis.reasons),
+        "oscillation": {
+            "detected": None if oscillation is None else oscillation.detected,
+            "period_s": None if oscillation is None else _number(oscillation.period),
+            "regularity": None if oscillation is None else _number(oscillation.regularity),
+        },
+        "stiction": stiction_json(None if found is None else found.stiction),
+        "process": _process_json(None if found is None else found.process),
+        "fit": {
+            "free_run_percent": None if found is None else _number(found.free_run_percent),
+            "linear_percent": None if found is None else _number(found.linear_percent),
+        },
+        "methods": {
+            name: {"verdict": result.verdict, "index": _number(result.index)}
+            for name, result in diagnosis.methods.items()
+        },
+        "seconds": _number(diagnosis.seconds),
+    }
+
+
+def stiction_json(stiction: StictionEstimate | None) -> dict[str, object]:
+    """Return f_s, f_d, s, j in OP units with their intervals; ``replay`` prints the same object."""
+    return {
+        "f_s": _estimate_json(None if stiction is None else stiction.f_s),
+        "f_d": _estimate_json(None if stiction is None else stiction.f_d),
+        "s": _estimate_json(None if stiction is None else stiction.s),
+        "j": _estimate_json(None if stiction is None else stiction.j),
+        "identifiable": {
+            "s": None if stiction is None else stiction.identifiable_s,
+            "j": None if stiction is None else stiction.identifiable_j,
+        },
+    }
+
+
+def _estimate_json(estimate: Estimate | None) -> dict[str, float | None]:
+    if estimate is None:
+        return {"value": None, "low": None, "high": None}
+    return {"value": _number(estimate.value), "low": _number(estimate.low), "high": _number(estimate.high)}
+
+
+def _process_json(process: ProcessEstimate | None) -> dict[str, object]:
+    return {
+        "kind": None if process is None else process.kind,
+        "gain": None if process is None else _number(process.gain),
+        "tau_s": None if process is None else _number(process.tau),
+        "delay_s": None if process is None else _number(process.delay),
+    }
+
+
+def _number(value: float | None) -> float | None:
+    """Return a plain float; JSON has neither NaN nor infinity."""
+    return None if value is None or not math.isfinite(value) else float(value)

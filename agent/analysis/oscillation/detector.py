@@ -1,0 +1,22 @@
+"""What every oscillation detector is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import LoopWindow
+    from agent.analysis.results import Oscillation
+
+
+class OscillationDetector(Protocol):
+    """Says whether a loop oscillates, how fast and how regularly."""
+
+    @property
+    def name(self) -> str:
+        """Short name, as the literature calls it."""
+        ...
+
+    def detect(self, window: LoopWindow) -> Oscillation:
+        """Judge one window; never raises on its content."""
+        ...
