@@ -38,8 +38,8 @@ class Sample:
     def measured(
         cls, tag: str, time: float, value: float | str, quality: Quality = Quality.GOOD, code: int = 0
     ) -> Sample:
-        """Make a sample of what a source sent; a number that is not finite counts as missing."""
-        if isinstance(value, str) or math.isfinite(value):
+        """Make a sample of what a source sent; text (but for modes), NaN and infinity count as missing."""
+        if tag.endswith(".mode") if isinstance(value, str) else math.isfinite(value):
             return cls(tag, time, value, quality, code)
         return cls.missing(tag, time, code)
 

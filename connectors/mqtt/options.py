@@ -10,6 +10,8 @@ from connectors.options import Options, Port, Seconds, Target
 
 Topic = Annotated[str, Field(min_length=1, max_length=65_000, pattern=r"^[^+#\x00]+$")]
 """One topic, no wildcards."""
+Path = Annotated[str, Field(min_length=1)]
+"""Keys of nested JSON objects, or positions in a list, with dots between."""
 
 
 class MqttOptions(Options):
@@ -20,7 +22,7 @@ class MqttOptions(Options):
     version: Literal["3.1.1", "5"] = "3.1.1"
     """Version of the protocol."""
     keepalive: Annotated[int, Field(ge=1, le=65535)] = 10
-    """Silence after which the broker is asked whether it is there, s; no answer for as long again: it is gone."""
+    """Silence after which the broker is asked whether it is there, s; after as long again it is gone."""
     timeout: Seconds = 5.0
     """Longest wait for an answer, s."""
     queue: Annotated[int, Field(ge=1)] = 10_000
@@ -31,10 +33,10 @@ class MqttTag(Options):
     """Where a value is found: the whole payload of a topic, or a field of its JSON object."""
 
     topic: Topic
-    field: str | None = None
-    """Path of the value in a JSON payload, dots between the keys. None: the payload is the value."""
-    time_field: str | None = None
-    """Path of the source time, in s since 1970 or ISO 8601 (without zone: UTC). None: time of arrival."""
+    field: Path | None = None
+    """Where the value is in a JSON payload. None: the payload is the value."""
+    time_field: Path | None = None
+    """Where the source time is, in s since 1970 or ISO 8601 (without zone: UTC). None: time of arrival."""
 
     @model_validator(mode="after")
     def _time_needs_json(self) -> MqttTag:
@@ -44,7 +46,7 @@ class MqttTag(Options):
 
 
 class MqttTarget(Target):
-    """Where a loop's alarm is published: its state, retained, on the topic, its events on topic + ``/event``."""
+    """Where a loop's alarm is published: its state retained on the topic, events on topic + ``/event``."""
 
     topic: Topic = "slipjump/{loop}/alarm"
     """``{loop}`` stands for the loop's name."""

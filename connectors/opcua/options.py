@@ -15,7 +15,13 @@ NodeId = Annotated[str, Field(pattern=r"^(ns=\d+;)?[isgb]=.+$", examples=["ns=2;
 class OpcUaOptions(Options):
     """One OPC UA server."""
 
-    url: Annotated[str, Field(pattern=r"^opc\.tcp://[^/]+", examples=["opc.tcp://127.0.0.1:4840"])]
+    url: Annotated[
+        str,
+        Field(
+            pattern=r"^opc\.tcp://(\[[0-9a-fA-F:]+\]|[^/:@\s]+)(:\d{1,5})?(/\S*)?$",
+            examples=["opc.tcp://127.0.0.1:4840"],
+        ),
+    ]
     publishing_interval: Seconds = 0.5
     """Time between two notifications of the server, s."""
     sampling_interval: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
@@ -44,5 +50,5 @@ class OpcUaTarget(Target):
     fields: Mapping[str, OpcUaTag] = {}
     """Field of the alarm -> node, which gets it in its own type.
 
-    Not known is NaN, or empty text; an integer node keeps what it had.
+    Not known is NaN, or empty text; a node of another type keeps what it had.
     """

@@ -1,0 +1,118 @@
+"""MQTT as a connector: every session is a fresh client with a clean session."""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+import time
+from collections.abc import AsyncIterator, Iterator, Mapping
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
+
+from aiomqtt import Client, MqttError, ProtocolVersion
+
+from connectors.base import ConnectionLostError, Publication, Sample, Session
+from connectors.mqtt.options import MqttOptions, MqttTag, MqttTarget
+from connectors.mqtt.reader import TopicReader
+from connectors.options import LoopTags
+
+_LOG = logging.getLogger(__name__)
+_VERSIONS = {"3.1.1": ProtocolVersion.V311, "5": ProtocolVersion.V5}
+_AT_LEAST_ONCE = 1
+
+MqttLoops = Mapping[str, LoopTags[MqttTag, MqttTarget]]
+
+
+class MqttConnector:
+    """An MQTT broker, what is read from it and published to it."""
+
+    def __init__(self, name: str, options: MqttOptions, loops: MqttLoops) -> None:
+        self.name = name
+        self._options = options
+        self._loops = loops
+
+    def session(self) -> AbstractAsyncContextManager[Session]:
+        """Connect; raises ConnectionLostError."""
+        return self._session()
+
+    @asynccontextmanager
+    async def _session(self) -> AsyncIterator[Session]:
+        async with connected(self._options) as client:
+            yield MqttSession(client, self._loops)
+
+
+class MqttSession:
+    """An open connection."""
+
+    def __init__(self, client: Client, loops: MqttLoops) -> None:
+        self._client = client
+        self._loops = loops
+        topics: dict[str, dict[str, MqttTag]] = {}
+        for name, loop in loops.items():
+            for role, tag in loop.tags.items():
+                topics.setdefault(tag.topic, {})[f"{name}.{role}"] = tag
+        self._tags = topics
+        self._readers = {topic: TopicReader(tags) for topic, tags in topics.items()}
+
+    async def samples(self) -> AsyncIterator[Sample]:
+        """Yield the samples of every message; a topic that the broker refuses is told once."""
+        with _as_connection_lost():
+            for topic, code in (await self._refused()).items():
+                for name in self._tags[topic]:
+                    yield Sample.missing(name, time.time(), code)
+            async for message in self._client.messages:
+                reader = self._readers[message.topic.value]
+                malformed = reader.malformed
+                for sample in reader.samples(bytes(message.payload), time.time(), retained=message.retain):
+                    yield sample
+                if malformed == 0 and reader.malformed:
+                    _LOG.warning("topic %s: a message cannot be read as configured", message.topic)
+
+    async def publish(self, publication: Publication) -> None:
+        """Publish a state, retained, or an event, until the broker has it; raises ConnectionLostError."""
+        loop = self._loops.get(publication.subject)
+        payload = json.dumps({name: _json(value) for name, value in publication.fields.items()})
+        for target in loop.targets if loop else ():
+            topic = target.topic.replace("{loop}", publication.subject)
+            is_state = publication.kind == "state"
+            with _as_connection_lost():
+                await self._client.publish(
+                    topic if is_state else f"{topic}/event", payload, qos=_AT_LEAST_ONCE, retain=is_state
+                )
+
+    async def _refused(self) -> dict[str, int]:
+        """Subscribe to all topics; return those the broker does not allow, with its reason code."""
+        if not self._tags:
+            return {}
+        reasons = await self._client.subscribe([(topic, _AT_LEAST_ONCE) for topic in self._tags])
+        codes = [getattr(reason, "value", reason) for reason in reasons]
+        return {topic: code for topic, code in zip(self._tags, codes, strict=True) if code >= 0x80}
+
+
+@asynccontextmanager
+async def connected(options: MqttOptions) -> AsyncIterator[Client]:
+    """Connect a fresh client; raises ConnectionLostError."""
+    client = Client(
+        options.host,
+        options.port,
+        protocol=_VERSIONS[options.version],
+        timeout=options.timeout,
+        keepalive=options.keepalive,
+        max_queued_incoming_messages=options.queue,
+    )
+    with _as_connection_lost():
+        async with client:
+            yield client
+
+
+@contextmanager
+def _as_connection_lost() -> Iterator[None]:
+    try:
+        yield
+    except (MqttError, OSError) as error:
+        raise ConnectionLostError(str(error)) from error
+
+
+def _json(value: object) -> object:
+    """JSON has no NaN: what is not known is null."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,81 @@
+"""What a message says: a bare value, or fields of a JSON object. Nothing that a peer sends breaks it."""
+
+from __future__ import annotations
+
+import json
+import math
+from datetime import UTC, datetime
+
+JsonTree = dict[str, "JsonTree"] | list["JsonTree"] | str | int | float | bool | None
+
+
+class MalformedError(ValueError):
+    """The payload is not what the configuration says."""
+
+
+def parse(payload: bytes) -> JsonTree:
+    """Return the JSON value in a payload; raises MalformedError."""
+    try:
+        tree: JsonTree = json.loads(payload)
+    except (ValueError, RecursionError) as error:
+        raise MalformedError("no JSON") from error
+    return tree
+
+
+def bare(payload: bytes) -> float | str:
+    """Return the value that is the whole payload: a number, else the text itself; raises MalformedError."""
+    try:
+        text = payload.decode().strip()
+    except UnicodeDecodeError as error:
+        raise MalformedError("no text") from error
+    return _number_if_any(text)
+
+
+def field(tree: JsonTree, path: str) -> JsonTree:
+    """Return what stands at a dotted path, e.g. ``loop.pv`` or ``values.0``; raises MalformedError."""
+    for key in path.split("."):
+        if isinstance(tree, dict) and key in tree:
+            tree = tree[key]
+        elif isinstance(tree, list) and key.isdecimal() and int(key) < len(tree):
+            tree = tree[int(key)]
+        else:
+            raise MalformedError(f"no field {path}")
+    return tree
+
+
+def value(tree: JsonTree) -> float | str:
+    """Return the number in a JSON value, else its text; null is NaN. Raises MalformedError."""
+    if tree is None:
+        return math.nan
+    if isinstance(tree, str):
+        return _number_if_any(tree)
+    if isinstance(tree, int | float):
+        return _float(tree)
+    raise MalformedError("neither number nor text")
+
+
+def seconds(tree: JsonTree) -> float:
+    """Return s since 1970 from a time given so or as ISO 8601, UTC without a zone; raises MalformedError."""
+    if isinstance(tree, str):
+        try:
+            stamp = datetime.fromisoformat(tree)
+            return stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp()
+        except (ValueError, OverflowError) as error:
+            raise MalformedError("no ISO 8601 time") from error
+    if isinstance(tree, bool) or not isinstance(tree, int | float) or not math.isfinite(_float(tree)):
+        raise MalformedError("no time")
+    return _float(tree)
+
+
+def _number_if_any(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _float(number: float) -> float:
+    try:
+        return float(number)
+    except OverflowError as error:
+        raise MalformedError("too large") from error

@@ -1,0 +1,55 @@
+"""Messages become samples; what cannot be read becomes a missing value, and is counted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from connectors.base import Quality, Sample
+from connectors.mqtt.options import MqttTag
+from connectors.mqtt.payload import JsonTree, MalformedError, bare, field, parse, seconds, value
+
+
+class TopicReader:
+    """All tags that one topic carries."""
+
+    def __init__(self, tags: Mapping[str, MqttTag]) -> None:
+        self._tags = tags
+        self._newest = math.nan
+        self.malformed = 0
+        """Messages of which some tag could not be read."""
+
+    def samples(self, payload: bytes, arrival: float, *, retained: bool) -> Sequence[Sample]:
+        """Return one sample for each tag.
+
+        A tag without a source time gets ``arrival`` (s UTC); if the broker had kept the message, nobody knows
+        how old it is, and its quality is uncertain. Where the source time cannot be read, the newest stands in.
+        """
+        try:
+            tree = parse(payload) if any(tag.field for tag in self._tags.values()) else None
+        except MalformedError:
+            self.malformed += 1
+            return [Sample.missing(name, self._fallback(tag, arrival)) for name, tag in self._tags.items()]
+        samples = []
+        intact = True
+        for name, tag in self._tags.items():
+            try:
+                samples.append(self._sample(name, tag, tree, payload, arrival, retained=retained))
+            except MalformedError:
+                samples.append(Sample.missing(name, self._fallback(tag, arrival)))
+                intact = False
+        self.malformed += not intact
+        return samples
+
+    def _sample(
+        self, name: str, tag: MqttTag, tree: JsonTree, payload: bytes, arrival: float, *, retained: bool
+    ) -> Sample:
+        at, quality = arrival, Quality.UNCERTAIN if retained else Quality.GOOD
+        if tag.time_field is not None:
+            at, quality = seconds(field(tree, tag.time_field)), Quality.GOOD
+            self._newest = at
+        found = bare(payload) if tag.field is None else value(field(tree, tag.field))
+        return Sample.measured(name, at, found, quality)
+
+    def _fallback(self, tag: MqttTag, arrival: float) -> float:
+        return arrival if tag.time_field is None or math.isnan(self._newest) else self._newest

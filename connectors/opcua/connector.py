@@ -1,0 +1,138 @@
+"""OPC UA as a connector: every session is a fresh client with its own subscription."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import AsyncIterator, Iterator, Mapping
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
+
+from asyncua import Client, ua
+from asyncua.common.ua_utils import data_type_to_variant_type
+
+from connectors.base import ConnectionLostError, JsonValue, Publication, RefusedError, Sample, Session
+from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
+from connectors.opcua.subscription import subscription
+from connectors.opcua.values import sample, variant
+from connectors.options import LoopTags
+
+logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # what it logs, the session raises
+
+OpcUaLoops = Mapping[str, LoopTags[OpcUaTag, OpcUaTarget]]
+
+
+class OpcUaConnector:
+    """An OPC UA server, what is read from it and written to it."""
+
+    def __init__(self, name: str, options: OpcUaOptions, loops: OpcUaLoops) -> None:
+        self.name = name
+        self._options = options
+        self._loops = loops
+
+    def session(self) -> AbstractAsyncContextManager[Session]:
+        """Connect; raises ConnectionLostError."""
+        return self._session()
+
+    @asynccontextmanager
+    async def _session(self) -> AsyncIterator[Session]:
+        async with connected(self._options.url, self._options.timeout) as client:
+            yield OpcUaSession(client, self._options, self._loops)
+
+
+class OpcUaSession:
+    """An open connection."""
+
+    def __init__(self, client: Client, options: OpcUaOptions, loops: OpcUaLoops) -> None:
+        self._client = client
+        self._options = options
+        self._loops = loops
+        self._types: dict[str, ua.VariantType] = {}
+        self._tags: dict[str, list[str]] = {}
+        for name, loop in loops.items():
+            for role, tag in loop.tags.items():
+                self._tags.setdefault(tag.node, []).append(f"{name}.{role}")
+
+    async def samples(self) -> AsyncIterator[Sample]:
+        """Yield every change; a node that is not there is told once and asked for again now and then."""
+        with _as_connection_lost():
+            watched = await subscription(self._client, self._options)
+            names = {ua.NodeId.from_string(node): names for node, names in self._tags.items()}
+            absent: set[str] = set()
+            wanted = list(self._tags)
+            due = time.monotonic()
+            while True:
+                if wanted and time.monotonic() >= due:
+                    refused = await watched.add(wanted)
+                    for node in refused.keys() - absent:
+                        for name in self._tags[node]:
+                            yield Sample.missing(name, time.time(), refused[node].value)
+                    absent = set(refused)
+                    wanted = list(refused)
+                    due = time.monotonic() + self._options.retry
+                event = await watched.next_change(min(self._options.timeout, self._options.retry))
+                if event is not None:
+                    for name in names[event.node.nodeid]:
+                        yield sample(name, event.data.monitored_item.Value)
+
+    async def publish(self, publication: Publication) -> None:
+        """Write a state, the flag last; raises ConnectionLostError, RefusedError."""
+        if publication.kind != "state" or publication.subject not in self._loops:
+            return
+        for target in self._loops[publication.subject].targets:
+            fields = {tag.node: publication.fields.get(name) for name, tag in target.fields.items()}
+            if target.active is not None:
+                fields[target.active.node] = bool(publication.fields.get("active"))
+            with _as_connection_lost():
+                await self._write(fields)
+
+    async def _write(self, fields: Mapping[str, JsonValue]) -> None:
+        """Write each node's value in the node's own type, all in one request."""
+        await self._learn_types([node for node in fields if node not in self._types])
+        values = {node: variant(value, self._types[node]) for node, value in fields.items()}
+        nodes = [node for node, value in values.items() if value is not None]
+        results = await self._client.uaclient.write_attributes(
+            [ua.NodeId.from_string(node) for node in nodes], [ua.DataValue(values[node]) for node in nodes]
+        )
+        _refuse({node: status for node, status in zip(nodes, results, strict=True) if not status.is_good()})
+
+    async def _learn_types(self, nodes: list[str]) -> None:
+        answers = await self._client.uaclient.read_attributes(
+            [ua.NodeId.from_string(node) for node in nodes], ua.AttributeIds.DataType
+        )
+        found = dict(zip(nodes, answers, strict=True))
+        _refuse(
+            {node: answer.StatusCode for node, answer in found.items() if not answer.StatusCode.is_good()}
+        )
+        for node, answer in found.items():
+            self._types[node] = await data_type_to_variant_type(self._client.get_node(answer.Value.Value))
+
+
+@asynccontextmanager
+async def connected(url: str, timeout: float) -> AsyncIterator[Client]:  # noqa: ASYNC109
+    """Connect a fresh client; ``timeout`` (s) bounds this and every request. Raises ConnectionLostError."""
+    client = Client(url, timeout=timeout, watchdog_intervall=timeout)
+    with _as_connection_lost():
+        try:
+            await client.connect()
+        except BaseException:
+            client.disconnect_socket()
+            raise
+    try:
+        yield client
+    finally:
+        await client.disconnect()
+
+
+@contextmanager
+def _as_connection_lost() -> Iterator[None]:
+    try:
+        yield
+    except TimeoutError as error:
+        raise ConnectionLostError("the server does not answer") from error
+    except (OSError, ua.UaError) as error:
+        raise ConnectionLostError(str(error) or type(error).__name__) from error
+
+
+def _refuse(faults: Mapping[str, ua.StatusCode]) -> None:
+    if faults:
+        raise RefusedError("; ".join(f"{node}: {status.name}" for node, status in faults.items()))
