@@ -1,0 +1,84 @@
+"""Keeps work alive that must never end: counts what goes wrong, waits, starts it anew.
+
+The one place of the program that may catch every exception: a fault nobody thought of must cost one attempt
+and a line in the log, never the loop behind it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import random
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import NoReturn
+
+from connectors.base import ConnectionLostError
+
+LOG = logging.getLogger(__name__)
+FIRST_WAIT = 0.1
+"""s; doubles with each attempt that fails."""
+LONGEST_WAIT = 3.0
+"""s"""
+
+
+@dataclass(slots=True)
+class Health:
+    """How a piece of work fares."""
+
+    name: str
+    up: bool = False
+    """Whether it works now."""
+    losses: int = 0
+    """Times the peer was gone or did not answer."""
+    faults: int = 0
+    """Times something happened that should not."""
+    attempts: int = 0
+    """Since it worked last."""
+
+    def works(self) -> None:
+        """Say that it does what it should; logged when it did not before."""
+        self.attempts = 0
+        if not self.up:
+            self.up = True
+            LOG.info("%s is up", self.name)
+
+    def lost(self, error: Exception) -> None:
+        """Say that it failed; a peer that is gone is logged once, until it is back."""
+        expected = isinstance(error, ConnectionLostError)
+        if expected:
+            self.losses += 1
+        else:
+            self.faults += 1
+        if not expected:
+            LOG.error("%s failed, this is a fault of the program", self.name, exc_info=error)
+        elif self.up or self.attempts == 0:
+            LOG.warning("%s is down: %s", self.name, error)
+        self.up = False
+        self.attempts += 1
+
+
+async def keep_alive(
+    work: Callable[[], Awaitable[object]], health: Health, uniform: Callable[[float, float], float] = random.uniform
+) -> NoReturn:
+    """Run ``work`` again and again until cancelled.
+
+    Between attempts it waits a random time of up to 0.1 s, 0.2 s, 0.4 s, ..., 3 s (full jitter), so that many
+    clients of a server that comes back don't come all at once.
+    """
+    while True:
+        try:
+            await work()
+            health.lost(ConnectionLostError("it ended"))
+        except* ConnectionLostError as group:
+            health.lost(_first(group))
+        except* Exception as group:
+            health.lost(_first(group))
+        longest = min(FIRST_WAIT * 2 ** min(health.attempts - 1, 10), LONGEST_WAIT)
+        await asyncio.sleep(uniform(0, longest))
+
+
+def _first(group: BaseExceptionGroup[Exception]) -> Exception:
+    """Return the exception itself, out of the groups that a TaskGroup put around it."""
+    error = group.exceptions[0]
+    return _first(error) if isinstance(error, BaseExceptionGroup) else error

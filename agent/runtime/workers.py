@@ -1,0 +1,84 @@
+"""Where heavy calculations run: in other processes, or right here for tests in virtual time."""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+import signal
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from types import TracebackType
+from typing import Protocol, Self, TypeVar
+
+T = TypeVar("T")
+
+_CONTEXT = multiprocessing.get_context("forkserver")
+"""Workers come from a process that has no threads, event loop or sockets; a plain fork would copy ours."""
+
+
+class Executor(Protocol):
+    """Runs a function of values and gives its value."""
+
+    async def run(self, function: Callable[..., T], *args: object) -> T:
+        """Return ``function(*args)``, or raise what it raises."""
+        ...
+
+
+class InlineExecutor:
+    """Runs in the event loop, which stands still meanwhile."""
+
+    async def run(self, function: Callable[..., T], *args: object) -> T:
+        """Return ``function(*args)``."""
+        return function(*args)
+
+
+class PoolExecutor:
+    """Runs in processes of its own. Functions and arguments are pickled, so functions are module-level ones.
+
+    For example::
+
+        async with PoolExecutor(workers=2) as executor:
+            diagnosis = await executor.run(diagnose, window)
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self._pool = self._new_pool()
+
+    async def run(self, function: Callable[..., T], *args: object) -> T:
+        """Return ``function(*args)``. Where a worker died (out of memory, killed), the call is done once more."""
+        pool = self._pool
+        try:
+            return await asyncio.get_running_loop().run_in_executor(pool, function, *args)
+        except BrokenProcessPool:
+            if pool is self._pool:  # the first of those that waited for this pool
+                pool.shutdown(wait=False)
+                self._pool = self._new_pool()
+            return await asyncio.get_running_loop().run_in_executor(self._pool, function, *args)
+
+    async def __aenter__(self) -> Self:
+        """Start the workers, so that the first window doesn't wait for imports."""
+        await asyncio.gather(*(self.run(_import_analysis) for _ in range(self._workers)))
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """End the workers at once, whatever they do: nobody waits for their answers any more."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        for process in multiprocessing.active_children():
+            if isinstance(process, _CONTEXT.Process):
+                process.terminate()
+
+    def _new_pool(self) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(self._workers, mp_context=_CONTEXT, initializer=_ignore_interrupt)
+
+
+def _import_analysis() -> None:
+    import agent.analysis.diagnose  # noqa: F401, PLC0415  # here, so that only workers pay for it at start
+
+
+def _ignore_interrupt() -> None:
+    """Ctrl-C goes to the whole group of processes; only the agent may act on it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,1 +1,0 @@
-"""The YAML file as models; reports every fault at once, each with its path."""

@@ -1,0 +1,23 @@
+"""The YAML file as models; reports every fault at once, each with its path."""
+
+from agent.settings.load import connectors_of, load_settings, settings_of
+from agent.settings.models import (
+    AgentSettings,
+    AlarmSettings,
+    ConnectionSettings,
+    LoopSettings,
+    Settings,
+    WindowSettings,
+)
+
+__all__ = [
+    "AgentSettings",
+    "AlarmSettings",
+    "ConnectionSettings",
+    "LoopSettings",
+    "Settings",
+    "WindowSettings",
+    "connectors_of",
+    "load_settings",
+    "settings_of",
+]

@@ -1,0 +1,198 @@
+"""Reads the configuration file and tells every fault in it at once, each with its path."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import TypeAdapter, ValidationError
+
+from agent.settings.models import AgentSettings, ConnectionSettings, LoopSettings, Settings
+from connectors.base import ConfigError, Connector
+from connectors.kinds import KINDS, ConnectorKind, LoopTags
+from connectors.options import Options, Target
+
+Kind = ConnectorKind[Any, Any, Any]
+_KINDS: dict[str, Kind] = {kind.kind: kind for kind in KINDS}
+T = TypeVar("T")
+
+
+def load_settings(path: Path) -> Settings:
+    """Read a YAML file; raises ConfigError with a line for each fault: file, path in it, what is wrong."""
+    try:
+        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError([f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}"]) from error
+    except yaml.MarkedYAMLError as error:
+        line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
+        raise ConfigError([f"{path}: {line}not YAML: {error.problem}"]) from error
+    except yaml.YAMLError as error:
+        raise ConfigError([f"{path}: not YAML: {error}"]) from error
+    try:
+        return settings_of(raw)
+    except ConfigError as error:
+        raise ConfigError([f"{path}: {fault}" for fault in error.faults]) from error
+
+
+def settings_of(raw: object) -> Settings:
+    """Settings from what a YAML file holds; raises ConfigError with a line for each fault."""
+    faults: list[str] = []
+    if not isinstance(raw, Mapping):
+        raise ConfigError(["expected a mapping with the keys agent, connections and loops"])
+    faults += [f"{key}: unknown key" for key in raw if key not in {"agent", "connections", "loops"}]
+    agent = _checked(AgentSettings, raw.get("agent") or {}, "agent", faults)
+    connections = _connections(raw.get("connections"), faults)
+    kinds = {name: _KINDS.get(str(entry.get("kind"))) for name, entry in _mappings(raw.get("connections"))}
+    loops = _loops(raw.get("loops"), kinds, faults)
+    if faults or agent is None:
+        raise ConfigError(faults)
+    settings = Settings(agent, connections, loops)
+    connectors_of(settings)  # what only the bus itself can judge
+    return settings
+
+
+def connectors_of(settings: Settings) -> tuple[Connector, ...]:
+    """One connector for each connection, not opened; raises ConfigError with the faults of all of them."""
+    connectors, faults = [], []
+    for name, connection in settings.connections.items():
+        loops = {
+            loop.name: LoopTags(
+                tags=loop.tags if loop.connection == name else {},
+                targets=[target for target in loop.publish if target.connection == name],
+            )
+            for loop in settings.loops
+            if loop.connection == name or any(target.connection == name for target in loop.publish)
+        }
+        try:
+            connectors.append(_KINDS[connection.kind].open(name, connection.options, loops))
+        except ConfigError as error:
+            faults += error.faults
+    if faults:
+        raise ConfigError(faults)
+    return tuple(connectors)
+
+
+def _connections(raw: object, faults: list[str]) -> dict[str, ConnectionSettings]:
+    if not isinstance(raw, Mapping) or not raw:
+        faults.append("connections: expected at least one, name: {kind: ...}")
+        return {}
+    connections = {}
+    for name, entry in raw.items():
+        path = f"connections.{name}"
+        if not isinstance(entry, Mapping):
+            faults.append(f"{path}: expected a mapping with a key kind")
+            continue
+        kind = _KINDS.get(str(entry.get("kind")))
+        if kind is None:
+            faults.append(f"{path}.kind: expected one of {', '.join(_KINDS)}, not {entry.get('kind')!r}")
+            continue
+        rest = {key: value for key, value in entry.items() if key != "kind"}
+        options = _checked(kind.options, rest, path, faults)
+        if options is not None:
+            connections[str(name)] = ConnectionSettings(kind.kind, options)
+    return connections
+
+
+def _loops(raw: object, kinds: Mapping[str, Kind | None], faults: list[str]) -> tuple[LoopSettings, ...]:
+    if not isinstance(raw, list) or not raw:
+        faults.append("loops: expected a list with at least one loop")
+        return ()
+    loops = []
+    for index, entry in enumerate(raw):
+        path = f"loops.{index}"
+        if not isinstance(entry, Mapping):
+            faults.append(f"{path}: expected a mapping with the keys name, connection, ts and tags")
+            continue
+        joined = {
+            **entry,
+            "tags": _tags(entry, kinds, path, faults),
+            "publish": _targets(entry, kinds, path, faults),
+        }
+        loop = _checked(LoopSettings, joined, path, faults)
+        if loop is not None:
+            loops.append(loop)
+    names = Counter(str(entry.get("name")) for entry in raw if isinstance(entry, Mapping) and "name" in entry)
+    faults += [f"loops: {count} loops are called {name}" for name, count in names.items() if count > 1]
+    return tuple(loops)
+
+
+def _tags(
+    loop: Mapping[str, Any], kinds: Mapping[str, Kind | None], path: str, faults: list[str]
+) -> dict[str, Options]:
+    kind = _kind(loop, kinds, path, faults)
+    raw = loop.get("tags")
+    if not isinstance(raw, Mapping):
+        faults.append(f"{path}.tags: expected a mapping of pv and op to their addresses")
+        return {}
+    faults += [f"{path}.tags.{role}: is missing" for role in ("pv", "op") if role not in raw]
+    if kind is None:
+        return {}
+    tags = {}
+    for role, tag in raw.items():
+        if role not in kind.roles:
+            faults.append(f"{path}.tags.{role}: expected one of {', '.join(kind.roles)}")
+        elif (checked := _checked(kind.tag, tag, f"{path}.tags.{role}", faults)) is not None:
+            tags[str(role)] = checked
+    return tags
+
+
+def _targets(
+    loop: Mapping[str, Any], kinds: Mapping[str, Kind | None], path: str, faults: list[str]
+) -> tuple[Target, ...]:
+    raw = loop.get("publish") or []
+    if not isinstance(raw, list):
+        faults.append(f"{path}.publish: expected a list")
+        return ()
+    targets = []
+    for index, entry in enumerate(raw):
+        place = f"{path}.publish.{index}"
+        if not isinstance(entry, Mapping):
+            faults.append(f"{place}: expected a mapping with a key connection")
+            continue
+        kind = _kind(entry, kinds, place, faults)
+        if kind is not None and (target := _checked(kind.target, entry, place, faults)) is not None:
+            targets.append(target)
+    return tuple(targets)
+
+
+def _kind(
+    entry: Mapping[str, Any], kinds: Mapping[str, Kind | None], path: str, faults: list[str]
+) -> Kind | None:
+    """Kind of the connection that an entry names; None, and told, where there is no such connection."""
+    name = str(entry.get("connection"))
+    if name not in kinds:
+        known = ", ".join(kinds) or "none"
+        faults.append(f"{path}.connection: no connection is called {name} (there are: {known})")
+        return None
+    return kinds[name]
+
+
+def _mappings(raw: object) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    if isinstance(raw, Mapping):
+        yield from ((str(name), entry) for name, entry in raw.items() if isinstance(entry, Mapping))
+
+
+def _checked(model: type[T], raw: object, path: str, faults: list[str]) -> T | None:
+    """Return the model, or None after adding its faults."""
+    try:
+        return TypeAdapter(model).validate_python(raw)
+    except ValidationError as error:
+        for fault in error.errors(include_url=False):
+            place = ".".join([path, *(str(part) for part in fault["loc"])])
+            faults.append(f"{place}: {_told(fault['type'], fault['msg'])}")
+        return None
+
+
+def _told(kind: str, message: str) -> str:
+    match kind:
+        case "extra_forbidden":
+            return "unknown key"
+        case "missing":
+            return "is missing"
+        case "value_error":
+            return message.removeprefix("Value error, ")
+        case _:
+            return message[0].lower() + message[1:]

@@ -1,0 +1,50 @@
+"""JSON Schema of the configuration file, for editors that complete and check while one types."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
+
+from agent.settings.models import AgentSettings, LoopSettings
+from connectors.kinds import KINDS, ROLES
+
+
+def json_schema() -> dict[str, Any]:
+    """Schema of the whole file. Which addresses fit which connection is for ``slipjump check`` to say."""
+    models: list[type[BaseModel]] = [AgentSettings, LoopSettings]
+    models += [model for kind in KINDS for model in (kind.options, kind.tag, kind.target)]
+    refs, joint = models_json_schema([(model, "validation") for model in models])
+    definitions = joint["$defs"]
+    for kind in KINDS:
+        options = definitions[kind.options.__name__]
+        options["properties"] = {"kind": {"const": kind.kind}, **options.get("properties", {})}
+        options["required"] = ["kind", *options.get("required", [])]
+    loop = definitions["LoopSettings"]["properties"]
+    tag = {"anyOf": [refs[kind.tag, "validation"] for kind in KINDS]}
+    roles = dict.fromkeys((*ROLES, *(role for kind in KINDS for role in kind.roles)), tag)
+    loop["tags"] = {
+        "type": "object",
+        "description": loop["tags"]["description"],
+        "properties": roles,
+        "required": ["pv", "op"],
+        "additionalProperties": False,
+    }
+    loop["publish"]["items"] = {"anyOf": [refs[kind.target, "validation"] for kind in KINDS]}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "slipjump",
+        "type": "object",
+        "additionalProperties": False,
+        "required": ["connections", "loops"],
+        "properties": {
+            "agent": refs[AgentSettings, "validation"],
+            "connections": {
+                "type": "object",
+                "additionalProperties": {"anyOf": [refs[kind.options, "validation"] for kind in KINDS]},
+            },
+            "loops": {"type": "array", "minItems": 1, "items": refs[LoopSettings, "validation"]},
+        },
+        "$defs": definitions,
+    }
