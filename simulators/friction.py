@@ -1,0 +1,81 @@
+"""How friction holds a valve stem: one step of time under Karnopp's law and under LuGre.
+
+All forces are divided by the rate of the spring, so that force and position share one unit, the unit of OP:
+
+    m dv/dt = p - x - c v - F(v),        dx/dt = v
+
+with the actuator force p and the position x (OP units), the inertia m (s2) and the viscous damping c (s).
+Both steps are implicit in spring and damping and therefore stable at any step; their error is first order.
+
+Sources: Karnopp (1985), J. Dyn. Sys. Meas. Control 107:100; Canudas de Wit, Olsson, Astrom, Lischinsky
+(1995), IEEE TAC 40:419; constants of valves in reference ``methods.md`` 1.8.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from agent.jit import kernel
+
+Motion = tuple[float, float, float]
+"""Position (OP units), speed (OP units per second) and mean deflection of the bristles (LuGre, OP units)."""
+
+
+class Stem(NamedTuple):
+    """A stem in its packing, in numbers a compiled loop takes."""
+
+    f_s: float
+    """Static friction, OP units."""
+    f_d: float
+    """Kinetic friction, OP units."""
+    inertia: float
+    """Moving mass over spring rate, s2."""
+    damping: float
+    """Viscous damping over spring rate, s."""
+    stribeck: float
+    """Speed over which friction falls from static to kinetic, OP units per second, > 0."""
+    still: float
+    """Karnopp's DV: below this speed a stem sticks if static friction can hold it, OP units per second."""
+    bristle_stiffness: float
+    """LuGre's sigma_0 over spring rate, without unit."""
+    bristle_damping: float
+    """LuGre's sigma_1 over spring rate, s."""
+
+
+@kernel
+def sliding_friction(speed: float, stem: Stem) -> float:
+    """Friction of a stem that moves at ``speed`` OP units per second (Stribeck), OP units."""
+    return stem.f_d + (stem.f_s - stem.f_d) * math.exp(-((speed / stem.stribeck) ** 2))
+
+
+@kernel
+def karnopp_step(motion: Motion, p: float, dt: float, stem: Stem) -> Motion:
+    """Motion one step of ``dt`` s later under Karnopp's law, with the actuator force ``p`` in OP units."""
+    x, v, z = motion
+    force = p - x
+    holds = abs(force) <= stem.f_s
+    if v == 0.0 and holds:
+        return x, 0.0, z
+    direction = math.copysign(1.0, force if v == 0.0 else v)
+    friction = direction * sliding_friction(v, stem)
+    moved = (stem.inertia * v / dt + force - friction) / (stem.inertia / dt + stem.damping + dt)
+    if moved * direction < 0.0 or (abs(moved) < stem.still and holds):
+        return x, 0.0, z  # friction stops a stem, it never drives it back
+    return x + dt * moved, moved, z
+
+
+@kernel
+def lugre_step(motion: Motion, p: float, dt: float, stem: Stem) -> Motion:
+    """Motion one step of ``dt`` s later under LuGre, with the actuator force ``p`` in OP units.
+
+    The bristles' equation is solved for the new speed, with the wear-off rate |v|/g(v) of the step before.
+    Both frictions must be > 0.
+    """
+    x, v, z = motion
+    wear = dt * abs(v) * stem.bristle_stiffness / sliding_friction(v, stem)
+    kept = 1.0 / (1.0 + wear)  # the new deflection is (z + dt v) kept
+    hold = stem.bristle_stiffness + stem.bristle_damping / dt
+    drive = stem.inertia * v / dt + (p - x) - hold * kept * z + stem.bristle_damping * z / dt
+    moved = drive / (stem.inertia / dt + stem.damping + dt + hold * kept * dt)
+    return x + dt * moved, moved, (z + dt * moved) * kept

@@ -1,0 +1,110 @@
+"""A control loop in simulated time: a pure function of the scenario, with no clock of its own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from simulators.controller import Controller
+from simulators.disturbance import Load, TransmitterNoise
+from simulators.process import Process
+from simulators.valve import STEP, Valve
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from simulators.scenario import Scenario, Truth
+
+    FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What a loop shows at one moment."""
+
+    time: float
+    """Source time, s UTC."""
+    values: Mapping[str, float | str]
+    """By role: pv, op, sp, mv, mode. NaN is a value of bad quality."""
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedRecord:
+    """A whole run of a scenario. Arrays have shape (n,)."""
+
+    time: FloatArray
+    """s UTC."""
+    op: FloatArray
+    """OP units, held from this sample to the next."""
+    pv: FloatArray
+    """PV units."""
+    sp: FloatArray
+    """PV units."""
+    mv: FloatArray
+    """Stem position when PV was sampled, OP units."""
+    truth: Truth
+
+
+def quantised(value: float, quantum: float) -> float:
+    """``value`` to the nearest multiple of ``quantum``; as it is where the quantum is 0."""
+    return round(value / quantum) * quantum if quantum > 0.0 else value
+
+
+class Plant:
+    """One loop: PI controller, valve, process and what disturbs them.
+
+    At each sample PV is measured, the controller sets OP, and OP is held while valve and process move on
+    to the next sample in steps of milliseconds.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        ts = scenario.ts
+        self._steps = math.ceil(ts / STEP[scenario.valve.law])
+        self._dt = ts / self._steps
+        noise_rng, load_rng = np.random.default_rng(scenario.seed).spawn(2)
+        self._controller = Controller(scenario.controller, scenario.op_range, ts)
+        self._valve = Valve(scenario.valve, scenario.op_range, scenario.controller.op)
+        self._process = Process(scenario.process, self._dt)
+        self._load = Load(scenario.disturbance, scenario.drift, ts, load_rng)
+        self._noise = TransmitterNoise(scenario.noise, ts, noise_rng)
+        self._sample = -round(scenario.warm_up / ts)
+        while self._sample < 0:
+            self.advance()
+
+    def advance(self) -> Row:
+        """Return the loop's values now, and move it on by one sampling time."""
+        scenario = self._scenario
+        elapsed = self._sample * scenario.ts
+        sp = scenario.set_point(elapsed)
+        measured = scenario.controller.sp + self._process.pv + self._noise.next()
+        pv = quantised(measured, scenario.quantisation.pv)
+        op = quantised(self._controller.update(sp, pv), scenario.quantisation.op)
+        row = Row(scenario.start + elapsed, {"pv": pv, "op": op, "sp": sp, "mv": self._valve.position})
+        positions = self._valve.stroke(op, self._steps, self._dt)
+        self._process.respond(positions - scenario.controller.op, self._load.over(elapsed))
+        self._sample += 1
+        return row
+
+
+def rows(scenario: Scenario) -> Iterator[Row]:
+    """All rows of a scenario, in order of time."""
+    plant = Plant(scenario)
+    for _ in range(scenario.samples):
+        yield plant.advance()
+
+
+def simulate(scenario: Scenario) -> SimulatedRecord:
+    """Run a scenario to its end."""
+    columns: dict[str, FloatArray] = {
+        name: np.empty(scenario.samples) for name in ("time", "op", "pv", "sp", "mv")
+    }
+    for i, row in enumerate(rows(scenario)):
+        columns["time"][i] = row.time
+        for role in ("op", "pv", "sp", "mv"):
+            columns[role][i] = row.values[role]
+    return SimulatedRecord(**columns, truth=scenario.truth)

@@ -1,0 +1,66 @@
+"""What the flow through the valve does to PV: lags or an integrator behind a dead time."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.jit import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from simulators.scenario import ProcessParameters
+
+    FloatArray = NDArray[np.float64]
+
+
+@kernel
+def lag(inputs: FloatArray, level: float, keep: float) -> FloatArray:
+    """Answer of a first-order lag to inputs held over each step, same unit, shape (n,).
+
+    Args:
+        inputs: Shape (n,).
+        level: Output before the first step.
+        keep: exp(-dt / tau).
+    """
+    outputs = np.empty(inputs.size)
+    for i in range(inputs.size):
+        level = inputs[i] + (level - inputs[i]) * keep
+        outputs[i] = level
+    return outputs
+
+
+class Process:
+    """The process of one loop, moving through time, in deviations from its operating point."""
+
+    def __init__(self, parameters: ProcessParameters, dt: float) -> None:
+        self._parameters = parameters
+        self._dt = dt
+        self._keep = [math.exp(-dt / tau) for tau in parameters.taus]
+        self._levels = [0.0] * len(self._keep)
+        self._volume = 0.0
+        self._travelling = np.zeros(round(parameters.delay / dt))
+
+    @property
+    def pv(self) -> float:
+        """PV now, deviation from its operating point, PV units."""
+        has = self._parameters
+        return has.gain * (self._volume if has.kind == "integrating" else self._levels[-1])
+
+    def respond(self, flow: FloatArray, load: float) -> None:
+        """Take in the valve's flow over the next steps and a load held meanwhile.
+
+        Args:
+            flow: Deviation of the valve position from the operating point, OP units, shape (steps,).
+            load: Disturbance at the process input behind the dead time, OP units.
+        """
+        line = np.concatenate((self._travelling, flow))
+        through, self._travelling = line[: flow.size] + load, line[flow.size :]
+        for i, keep in enumerate(self._keep):
+            through = lag(through, self._levels[i], keep)
+            self._levels[i] = float(through[-1])
+        if self._parameters.kind == "integrating":
+            self._volume += float(through.sum()) * self._dt

@@ -1,0 +1,92 @@
+"""A pneumatic valve: I/P converter, actuator with spring, stem with friction, stops at both ends."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from agent.jit import kernel
+from simulators.friction import Stem, karnopp_step, lugre_step
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from simulators.scenario import ValveParameters
+
+    FloatArray = NDArray[np.float64]
+
+STEP = {"none": 0.002, "karnopp": 0.002, "lugre": 0.001}
+"""Longest step of integration by friction law, s (docs/simulators.md shows what a finer one changes)."""
+
+
+class Actuator(NamedTuple):
+    """The valve around the stem, in numbers a compiled loop takes."""
+
+    stem: Stem
+    lugre: bool
+    """LuGre's law; otherwise Karnopp's."""
+    tau_ip: float
+    """Lag of I/P converter and actuator, s."""
+    low: float
+    """Lower stop, OP units."""
+    high: float
+    """Upper stop, OP units."""
+
+
+@kernel
+def stroke(state: FloatArray, op: float, steps: int, dt: float, actuator: Actuator) -> FloatArray:
+    """Stem positions over ``steps`` steps of ``dt`` s with OP held, OP units, shape (steps,).
+
+    ``state`` is actuator force, position, speed and bristle deflection; it is left as the stroke ends.
+    """
+    positions = np.empty(steps)
+    keep = math.exp(-dt / actuator.tau_ip) if actuator.tau_ip > 0.0 else 0.0
+    p, motion = state[0], (state[1], state[2], state[3])
+    for i in range(steps):
+        p = op + (p - op) * keep
+        if actuator.lugre:
+            motion = lugre_step(motion, p, dt, actuator.stem)
+        else:
+            motion = karnopp_step(motion, p, dt, actuator.stem)
+        x, _, z = motion
+        if x < actuator.low or x > actuator.high:
+            motion = (min(max(x, actuator.low), actuator.high), 0.0, z)
+        positions[i] = motion[0]
+    state[0] = p
+    state[1], state[2], state[3] = motion
+    return positions
+
+
+class Valve:
+    """The valve of one loop, moving through time.
+
+    It starts at rest and as far behind its balance as friction can hold it: a sticking loop then begins
+    to cycle without waiting for a disturbance.
+    """
+
+    def __init__(self, parameters: ValveParameters, op_range: tuple[float, float], op: float) -> None:
+        low, high = op_range
+        span = high - low
+        stem = Stem(
+            f_s=parameters.f_s,
+            f_d=parameters.f_d,
+            inertia=parameters.inertia,
+            damping=parameters.damping,
+            stribeck=parameters.stribeck * span,
+            still=parameters.still * span,
+            bristle_stiffness=parameters.bristle_stiffness,
+            bristle_damping=parameters.bristle_damping,
+        )
+        self._actuator = Actuator(stem, parameters.law == "lugre", parameters.tau_ip, low, high)
+        self._state = np.array([op, max(op - parameters.f_s, low), 0.0, 0.0])
+
+    @property
+    def position(self) -> float:
+        """Stem position now, OP units."""
+        return float(self._state[1])
+
+    def stroke(self, op: float, steps: int, dt: float) -> FloatArray:
+        """Hold ``op`` for ``steps`` steps of ``dt`` s; the positions on the way, OP units, shape (steps,)."""
+        return stroke(self._state, op, steps, dt, self._actuator)
