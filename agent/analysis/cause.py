@@ -43,10 +43,9 @@ def cause_without_stiction(
     """Return the causes of the oscillation, the largest first; never stiction."""
     if not oscillation.detected or oscillation.period is None:
         return (CauseShare("no_oscillation", 1.0),)
-    linear = quantification.model_pv if quantification.decision == "no_stiction" else None
-    if linear is None or quantification.stiction is not None:
+    if quantification.decision != "no_stiction" or quantification.model_pv is None:
         return (CauseShare("undecided", 1.0),)
-    explained = swing_explained(window, linear, oscillation.period)
+    explained = swing_explained(window, quantification.model_pv, oscillation.period)
     if explained >= EXPLAINED:
         return (CauseShare("tight_tuning", explained), CauseShare("external_disturbance", 1 - explained))
     if explained <= UNEXPLAINED:

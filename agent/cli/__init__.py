@@ -1,1 +1,63 @@
-"""The command line."""
+"""The command line. Each command is a thin file of its own and imports what is heavy when it runs."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+
+import typer
+
+from agent.cli.diagnose import diagnose
+from agent.cli.errors import BAD_INPUT, complain
+from agent.cli.warm import warm
+from connectors.base import ConfigError
+
+EPILOG = """Examples:
+
+slipjump demo  (a simulated plant on three buses, with its alarms)
+
+slipjump diagnose FIC101.csv --plot pictures  (does it stick, how much)
+
+slipjump diagnose *.csv --op CO --ts 5 --json  (one JSON object a line)
+
+slipjump replay FIC101.csv --bus mqtt  (a recording through the agent)
+
+slipjump check plant.yaml --connect, then slipjump run plant.yaml
+"""
+
+app = typer.Typer(
+    name="slipjump",
+    help="Find sticking control valves from controller output (OP) and process variable (PV), "
+    "say how much they stick, and raise the alarm on the bus.",
+    epilog=EPILOG,
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+
+COMMANDS: tuple[Callable[..., None], ...] = (diagnose,)
+"""Each is named as its function; its docstring is its help."""
+HIDDEN: tuple[Callable[..., None], ...] = (warm,)
+
+for command in COMMANDS:
+    app.command()(command)
+for command in HIDDEN:
+    app.command(hidden=True)(command)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit: 0 done, 2 bad usage or unreadable input.
+
+    Args:
+        arguments: Words after the command's name; None takes those of the process.
+    """
+    try:
+        code = app(arguments, prog_name="slipjump", standalone_mode=False)
+    except ConfigError as error:
+        for fault in error.faults:
+            complain(fault)
+        code = BAD_INPUT
+    except typer.TyperException as error:
+        complain(" ".join(error.format_message().split()))
+        code = BAD_INPUT
+    sys.exit(code)

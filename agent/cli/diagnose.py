@@ -1,0 +1,186 @@
+"""``slipjump diagnose``: recordings in, diagnoses out."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from agent.cli import recordings as option
+from agent.cli.errors import BAD_INPUT, complain
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import LoopHints
+    from agent.analysis.results import Diagnosis
+    from connectors.recording import Columns
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One recording to diagnose, in any process."""
+
+    path: Path
+    columns: Columns
+    hints: LoopHints
+    quantifier: str
+    picture: Path | None
+    """Where to draw the fit; None: nowhere."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What became of a task: a diagnosis, or the faults of its recording."""
+
+    path: Path
+    diagnosis: Diagnosis | None
+    faults: tuple[str, ...] = ()
+
+
+def diagnose(
+    recordings: option.Recordings,
+    *,
+    quantifier: Annotated[
+        str, typer.Option(metavar="NAME", help="How stiction is measured: free_run or lee2008.")
+    ] = "free_run",
+    delay: Annotated[
+        int | None,
+        typer.Option(min=1, metavar="D", help="Dead time in samples, if known: PV depends first on MV(t-D)."),
+    ] = None,
+    order: Annotated[
+        int | None, typer.Option(min=1, max=2, help="Order of the process model, 1 or 2, if known.")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="One JSON object a line for each recording.")
+    ] = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Draw measurement and model into DIR/<loop>.png.")
+    ] = None,
+    time: option.Time = "time",
+    op: option.Op = "OP",
+    pv: option.Pv = "PV",
+    sp: option.Sp = "SP",
+    mv: option.Mv = "MV",
+    mode: option.Mode = "mode",
+    ts: option.Ts = None,
+) -> None:
+    """Tell from recordings whether the valve sticks, and by how much."""
+    from agent.analysis.quantify import quantifier as quantifier_named
+    from agent.analysis.recording import LoopHints
+    from connectors.recording import Columns
+
+    try:
+        quantifier_named(quantifier)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="'--quantifier'") from error
+    columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
+    hints = LoopHints(delay=delay, order=order)
+    tasks = [
+        Task(path, columns, hints, quantifier, picture)
+        for path, picture in zip(recordings, _pictures(recordings, plot), strict=True)
+    ]
+    failed = False
+    with _progress(len(tasks)) as advance:
+        for answer in _answers(tasks):
+            advance()
+            failed |= answer.diagnosis is None
+            for fault in answer.faults:
+                complain(fault)
+            if answer.diagnosis is not None:
+                _say(answer.diagnosis, answer.path, as_json=as_json)
+    if failed:
+        raise typer.Exit(BAD_INPUT)
+
+
+def answer(task: Task) -> Answer:
+    """Read, diagnose and draw one recording; runs in a process of the pool."""
+    from agent.analysis.diagnose import diagnose as judge
+    from agent.analysis.quantify import quantifier
+    from connectors.base import ConfigError
+    from connectors.recording import read_recording
+
+    try:
+        window = option.loop_window(read_recording(task.path, task.columns), task.hints)
+    except ConfigError as error:
+        return Answer(task.path, None, tuple(error.faults))
+    diagnosis = judge(window, quantifier=quantifier(task.quantifier))
+    if task.picture is not None:
+        from agent.plots.fit import fit_figure
+
+        try:
+            fit_figure(window, diagnosis).savefig(task.picture, dpi=110)
+        except OSError as error:
+            return Answer(task.path, None, (f"{task.picture}: cannot be written: {error.strerror}",))
+    return Answer(task.path, diagnosis)
+
+
+def _pictures(recordings: Sequence[Path], folder: Path | None) -> list[Path | None]:
+    """Return a file for each recording; recordings of one name get a number."""
+    if folder is None:
+        return [None] * len(recordings)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        fault = f"{folder}: cannot be made a folder: {error.strerror}"
+        raise typer.BadParameter(fault, param_hint="'--plot'") from error
+    stems = [path.stem for path in recordings]
+    before = [stems[:k].count(stem) for k, stem in enumerate(stems)]
+    return [
+        folder / f"{stem}_{n + 1}.png" if n else folder / f"{stem}.png"
+        for stem, n in zip(stems, before, strict=True)
+    ]
+
+
+def _answers(tasks: Sequence[Task]) -> Iterator[Answer]:
+    """Yield the answers in the order of the tasks, worked out on all cores."""
+    workers = min(len(tasks), len(os.sched_getaffinity(0)))
+    if workers == 1:
+        yield from map(answer, tasks)
+        return
+    context = multiprocessing.get_context("forkserver")  # imports once; no thread of ours is forked
+    context.set_forkserver_preload(["agent.analysis.diagnose"])
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        yield from pool.map(answer, tasks)
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Callable[[], None]]:
+    """Show a bar on stderr while results go elsewhere; on a terminal the results themselves show progress."""
+    if total == 1 or not sys.stderr.isatty() or sys.stdout.isatty():
+        yield lambda: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    bar = (TextColumn("diagnosing"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*bar, console=Console(stderr=True), redirect_stdout=False) as progress:
+        work = progress.add_task("", total=total)
+        yield lambda: progress.advance(work)
+
+
+def _say(diagnosis: Diagnosis, path: Path, *, as_json: bool) -> None:
+    if as_json:
+        from agent.analysis.diagnosis_json import diagnosis_json
+
+        text = json.dumps(diagnosis_json(diagnosis, path.name), allow_nan=False)
+    else:
+        text = "\n".join(_lines(diagnosis))
+    print(text, flush=True)  # noqa: T201 - this is the command's output
+
+
+def _lines(diagnosis: Diagnosis) -> Iterator[str]:
+    verdict = diagnosis.verdict.replace("_", " ")
+    confidence = f" (confidence {diagnosis.confidence:.2f})" if diagnosis.confidence else ""
+    yield f"{diagnosis.loop}: {verdict}{confidence}"
+    if diagnosis.cause not in ("stiction", "undecided"):
+        yield f"  cause: {diagnosis.cause.replace('_', ' ')}"
+    for reason in diagnosis.reasons:
+        yield f"  - {reason}"

@@ -1,0 +1,98 @@
+"""Measurement and model of one loop in one picture."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.results import Diagnosis, Quantification
+
+MEASURED = "#30435b"
+MODEL = "#d9541e"
+VALVE = "#1f8a70"
+SET_POINT = "#9aa5b1"
+TIME_UNITS = (
+    (3 * 86400.0, 86400.0, "days"),
+    (3 * 3600.0, 3600.0, "h"),
+    (600.0, 60.0, "min"),
+    (0.0, 1.0, "s"),
+)
+"""Records longer than the first number (s) are drawn in units of the second, named by the third."""
+
+
+def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
+    """Draw PV with the model's PV on top, OP with the model's valve position, and OP against PV.
+
+    Args:
+        window: What was measured.
+        diagnosis: What it was found to be; where it has no model, the measurement alone is drawn.
+    """
+    figure = Figure(figsize=(12.0, 6.0), layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=(2.3, 1.0))
+    pv_axes = figure.add_subplot(grid[0, 0])
+    op_axes = figure.add_subplot(grid[1, 0], sharex=pv_axes)
+    plane = figure.add_subplot(grid[:, 1])
+    time, unit = _time(window)
+    found = diagnosis.quantification
+    model_pv = None if found is None else found.model_pv
+    valve = None if found is None or found.stiction is None else found.model_mv
+
+    if window.sp is not None:
+        pv_axes.plot(time, window.sp, color=SET_POINT, linewidth=1.0, label="SP")
+    pv_axes.plot(time, window.pv, color=MEASURED, linewidth=1.1, label="PV measured")
+    if found is not None and model_pv is not None:
+        pv_axes.plot(time, model_pv, color=MODEL, linewidth=1.1, label=f"PV of the model{_fit(found)}")
+    op_axes.plot(time, window.op, color=MEASURED, linewidth=1.1, label="OP measured")
+    if valve is not None:
+        op_axes.plot(time, valve, color=VALVE, linewidth=1.1, label="valve position of the model")
+    plane.plot(window.op, window.pv, color=MEASURED, linewidth=0.6, alpha=0.7, label="measured")
+    if model_pv is not None:
+        plane.plot(window.op, model_pv, color=MODEL, linewidth=0.6, alpha=0.8, label="model")
+
+    pv_axes.set_ylabel("PV (PV units)")
+    pv_axes.tick_params(labelbottom=False)
+    op_axes.set_ylabel("OP (OP units)")
+    op_axes.set_xlabel(f"time from the start of the record ({unit})")
+    plane.set_xlabel("OP (OP units)")
+    plane.set_ylabel("PV (PV units)")
+    plane.xaxis.set_major_locator(MaxNLocator(5))
+    for axes in (pv_axes, op_axes, plane):
+        _finish(axes)
+    figure.suptitle(_title(diagnosis), x=0.01, ha="left", fontsize=12)
+    return figure
+
+
+def _finish(axes: Axes) -> None:
+    axes.grid(visible=True, color="#e4e8ec", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    legend = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False, "fontsize": 9}
+    axes.legend(ncols=3, borderaxespad=0.2, handlelength=1.6, **legend)  # above the data, never on it
+
+
+def _time(window: LoopWindow) -> tuple[FloatArray, str]:
+    seconds = np.asarray(window.ts * np.arange(len(window)), dtype=np.float64)
+    scale, unit = next((scale, unit) for least, scale, unit in TIME_UNITS if len(window) * window.ts > least)
+    return seconds / scale, unit
+
+
+def _fit(found: Quantification) -> str:
+    percent = found.free_run_percent if found.stiction is not None else found.linear_percent
+    return "" if percent is None else f" (fit {percent:.1f} %)"
+
+
+def _title(diagnosis: Diagnosis) -> str:
+    title = f"{diagnosis.loop}: {diagnosis.verdict.replace('_', ' ')}"
+    found = diagnosis.quantification
+    if found is not None and found.stiction is not None:
+        title += f",  S = {found.stiction.s.value:.3g},  J = {found.stiction.j.value:.3g} OP units"
+    if diagnosis.oscillation is not None and diagnosis.oscillation.detected:
+        title += f",  period {diagnosis.oscillation.period:.4g} s"
+    return title
