@@ -1,0 +1,137 @@
+"""The two local searches: a simplex for what is smooth, random steps for what is not.
+
+Delay and time constants move the error smoothly. S, J and the valve's start move it in steps, for only the
+instants of slip matter; and S trades off with the delay, so that its steps go along that ridge.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.quantify.free_run.objective import (
+    DELAY,
+    J_RATIO,
+    LOG_TAU,
+    START,
+    S,
+    free_run_error,
+)
+from agent.analysis.quantify.free_run.problem import Problem
+from agent.jit import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from agent.analysis.recording import FloatArray
+
+
+@kernel
+def simplex(
+    start: FloatArray,
+    step: FloatArray,
+    axes: NDArray[np.int64],
+    structure: int,
+    problem: Problem,
+    evaluations: int,
+) -> tuple[FloatArray, float]:
+    """Return the best candidate over the coordinates ``axes`` and its error (Nelder and Mead 1965)."""
+    k = axes.size
+    points = np.empty((k + 1, start.size))
+    errors = np.empty(k + 1)
+    for i in range(k + 1):
+        points[i] = start
+        if i > 0:
+            points[i, axes[i - 1]] += step[axes[i - 1]]
+        errors[i] = free_run_error(points[i], structure, problem)
+        if i > 0 and not np.isfinite(errors[i]):
+            points[i, axes[i - 1]] -= 2.0 * step[axes[i - 1]]
+            errors[i] = free_run_error(points[i], structure, problem)
+    used = k + 1
+    while used < evaluations:
+        order = np.argsort(errors)
+        points = points[order]
+        errors = errors[order]
+        if errors[k] - errors[0] < 1e-7 * errors[0]:
+            break
+        centre = np.zeros(start.size)
+        for i in range(k):
+            centre += points[i] / k
+        reflected = 2.0 * centre - points[k]
+        e_reflected = free_run_error(reflected, structure, problem)
+        used += 1
+        if e_reflected < errors[0]:
+            expanded = 3.0 * centre - 2.0 * points[k]
+            e_expanded = free_run_error(expanded, structure, problem)
+            used += 1
+            if e_expanded < e_reflected:
+                points[k], errors[k] = expanded, e_expanded
+            else:
+                points[k], errors[k] = reflected, e_reflected
+        elif e_reflected < errors[k - 1]:
+            points[k], errors[k] = reflected, e_reflected
+        else:
+            toward = reflected if e_reflected < errors[k] else points[k]
+            contracted = 0.5 * (centre + toward)
+            e_contracted = free_run_error(contracted, structure, problem)
+            used += 1
+            if e_contracted < min(e_reflected, errors[k]):
+                points[k], errors[k] = contracted, e_contracted
+            else:
+                for i in range(1, k + 1):
+                    points[i] = 0.5 * (points[0] + points[i])
+                    errors[i] = free_run_error(points[i], structure, problem)
+                used += k
+    best = np.argmin(errors)
+    return points[best].copy(), errors[best]
+
+
+@kernel
+def random_steps(
+    start: FloatArray,
+    error: float,
+    scale: float,
+    structure: int,
+    problem: Problem,
+    evaluations: int,
+    rng: np.random.Generator,
+) -> tuple[FloatArray, float]:
+    """Return the best candidate met by an adaptive random search around ``start``, and its error.
+
+    Steps shrink after fifteen failures in a row; ``scale`` 1 starts them at 2 % of the OP span in S.
+    """
+    samples_per_op = 0.0 if problem.fixed_delay > 0.0 else 1.0 / problem.op_speed
+    step_s = 0.02 * problem.op_span
+    best = start.copy()
+    failures = 0
+    for _ in range(evaluations):
+        trial = best.copy()
+        move = rng.integers(0, 5)
+        if move in (0, 3, 4):
+            change = scale * step_s * rng.standard_normal()
+            trial[S] += change
+            if move != 4:
+                trial[DELAY] -= change * samples_per_op
+            if rng.random() < 0.5 and trial[S] > 0.0:
+                trial[J_RATIO] *= best[S] / trial[S]
+        if move in (1, 3):
+            trial[J_RATIO] += scale * 0.12 * rng.standard_normal()
+        if move in (2, 3):
+            trial[START] += scale * 0.25 * rng.standard_normal()
+        if move == 3:
+            trial[DELAY] += scale * 0.5 * step_s * samples_per_op * rng.standard_normal()
+            trial[LOG_TAU] += scale * 0.2 * rng.standard_normal()
+        trial[J_RATIO] = min(max(trial[J_RATIO], 0.0), 1.0)
+        trial[START] = min(max(trial[START], -0.999), 0.999)
+        trial[DELAY] = max(trial[DELAY], 1.0)
+        trial_error = free_run_error(trial, structure, problem)
+        if trial_error < error:
+            best, error = trial, trial_error
+            failures = 0
+        else:
+            failures += 1
+            if failures > 15:
+                scale *= 0.6
+                failures = 0
+    return best, error
