@@ -1,0 +1,95 @@
+"""Global search over the bounded space of stiction: Lee, Ren and Huang (2008), sections V.C and V.D.
+
+The space is f_D >= 0, J >= 0, 2 f_D + J <= S0. The error has many local minima in it and is flat between
+jumps, so derivatives are of no use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
+
+Objective = Callable[["FloatArray"], "FloatArray"]
+"""Errors (k,) of bands (k, 2): f_S and f_D, OP units. Infinite where no process fits."""
+
+Search = Callable[[Objective, float], "FloatArray"]
+"""Best bands (2,), OP units, within 2 f_D + J <= S0, OP units."""
+
+RESOLUTION = 0.01
+"""Step of the grid, share of S0; the paper says 1 % to 2 %."""
+
+
+def grid(largest: float) -> FloatArray:
+    """Return the bands of the contour map, OP units, shape (2601, 2); the first is no stiction."""
+    count = round(1 / RESOLUTION)
+    f_s, f_d = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
+    inside = (f_d <= f_s) & (f_s + f_d <= count)
+    return np.stack([f_s[inside], f_d[inside]], axis=1) * np.float64(RESOLUTION * largest)
+
+
+def grid_search(objective: Objective, largest: float) -> FloatArray:
+    """Return the lowest point of the contour map; the paper's Table I prints such multiples of 1 %."""
+    bands = grid(largest)
+    return np.asarray(bands[np.argmin(objective(bands))])
+
+
+def random_search(objective: Objective, largest: float) -> FloatArray:
+    """Multistart adaptive random search, then a local search from the best of its ends.
+
+    Each start makes normal steps about its best point and halves them after some that fail. No stiction is
+    one of the starts, so that a healthy valve comes out as exactly zero. The seed is fixed: one record, one
+    answer.
+    """
+    starts, failures_allowed, kept = 32, 6, 4
+    random = np.random.default_rng(2008)
+    best = _within(largest * random.random((starts, 2)), largest)
+    best[0] = 0.0
+    errors = objective(_bands(best))
+    scale = np.full(starts, largest / 4)
+    failures = np.zeros(starts, dtype=int)
+    while scale.max() > RESOLUTION * largest:
+        trial = _within(best + scale[:, None] * random.standard_normal((starts, 2)), largest)
+        trial_errors = objective(_bands(trial))
+        better = trial_errors < errors
+        best[better], errors[better] = trial[better], trial_errors[better]
+        failures = np.where(better, 0, failures + 1)
+        stale = failures >= failures_allowed
+        scale[stale] /= 2
+        failures[stale] = 0
+    most_promising = np.argsort(errors, kind="stable")[:kept]
+    ends = [_local_search(objective, best[start], largest) for start in most_promising]
+    point, _ = min(ends, key=lambda end: end[1])
+    bands: FloatArray = _bands(point[None])[0]
+    return bands
+
+
+def _local_search(objective: Objective, point: FloatArray, largest: float) -> tuple[FloatArray, float]:
+    """Go from a point (S, J) to its best neighbour, halving the step where none is better; OP units."""
+    ways = np.array([(s, j) for s in (-1, 0, 1) for j in (-1, 0, 1) if s or j])
+    error = float(objective(_bands(point[None]))[0])
+    step = RESOLUTION * largest
+    while step > RESOLUTION * largest / 16:
+        neighbours = _within(point + step * ways, largest)
+        errors = objective(_bands(neighbours))
+        if errors.min() < error:
+            point, error = neighbours[np.argmin(errors)], float(errors.min())
+        else:
+            step /= 2
+    return point, error
+
+
+def _within(s_j: FloatArray, largest: float) -> FloatArray:
+    """Return the points (k, 2) put back onto 0 <= J <= S <= S0. The bounds matter: often f_D is zero."""
+    s = np.clip(s_j[:, 0], 0.0, largest)
+    return np.stack([s, np.clip(s_j[:, 1], 0.0, s)], axis=1)
+
+
+def _bands(s_j: FloatArray) -> FloatArray:
+    """Return f_S and f_D of points (S, J), shape (k, 2)."""
+    s, j = s_j[:, 0], s_j[:, 1]
+    return np.stack([(s + j) / 2, (s - j) / 2], axis=1)
