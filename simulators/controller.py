@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from simulators.scenario import ControllerParameters
+    from simulators.parameters import ControllerParameters
 
 
 class Controller:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from simulators.scenario import Drift, Noise, Sinusoid
+    from simulators.parameters import Drift, Noise, Sinusoid
 
 
 class Load:

@@ -12,7 +12,7 @@ from agent.jit import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from simulators.scenario import ProcessParameters
+    from simulators.parameters import ProcessParameters
 
     FloatArray = NDArray[np.float64]
 

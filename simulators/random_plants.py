@@ -10,18 +10,18 @@ from typing import Literal
 
 import numpy as np
 
-from simulators.periodicity import swing
-from simulators.plant import simulate
-from simulators.scenario import (
+from simulators.parameters import (
     ControllerParameters,
     Drift,
     Noise,
     ProcessParameters,
     Quantisation,
-    Scenario,
     Sinusoid,
     ValveParameters,
 )
+from simulators.periodicity import swing
+from simulators.plant import simulate
+from simulators.scenario import Scenario
 
 Kind = Literal["stiction", "none_noise", "tuning", "sinusoid", "drift"]
 

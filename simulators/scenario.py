@@ -8,150 +8,28 @@ from __future__ import annotations
 
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, model_validator
+import yaml
+from pydantic import Field, PositiveFloat, ValidationError, model_validator
 
-from connectors.yaml_file import read_yaml
+from connectors.base import ConfigError
+from simulators.parameters import (
+    ControllerParameters,
+    Drift,
+    Noise,
+    NotNegative,
+    Part,
+    ProcessParameters,
+    Quantisation,
+    SetPointStep,
+    Sinusoid,
+    ValveParameters,
+)
 from simulators.stability import peak_sensitivity
 
 TIGHT = 4.0
 """Peak sensitivity beyond which a loop swings by itself: its gain margin is then 1.33 or less."""
-
-NotNegative = Annotated[float, Field(ge=0)]
-
-
-class Part(BaseModel):
-    """Something of a scenario: no unknown keys, no infinite numbers, fixed once read."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class ControllerParameters(Part):
-    """PI controller."""
-
-    kc: PositiveFloat
-    """Gain, OP units per PV unit."""
-    ti: PositiveFloat
-    """Integral time, s."""
-    acting: Literal["reverse", "direct"] = "reverse"
-    """Reverse: OP falls when PV rises."""
-    sp: float
-    """Set point, PV units."""
-    op: float = 50.0
-    """OP that holds PV at the set point without load, OP units."""
-
-
-class ValveParameters(Part):
-    """Pneumatic valve; forces are in OP units, divided by the rate of the spring."""
-
-    law: Literal["none", "karnopp", "lugre"] = "none"
-    """Friction law."""
-    f_s: NotNegative = 0.0
-    """Static friction, OP units."""
-    f_d: NotNegative = 0.0
-    """Kinetic friction, OP units."""
-    tau_ip: NotNegative = 0.1
-    """Lag of the I/P converter and actuator, s."""
-    damping: PositiveFloat = 0.2
-    """Viscous damping over spring rate, s: the time constant of a stroke without friction."""
-    inertia: PositiveFloat = 2.6e-5
-    """Moving mass over spring rate, s2."""
-    stribeck: PositiveFloat = 2e-4
-    """Speed over which friction falls from static to kinetic, OP spans per second."""
-    still: PositiveFloat = 1e-5
-    """Speed under which a stem counts as standing (Karnopp), OP spans per second."""
-    bristle_stiffness: PositiveFloat = 2000.0
-    """Stiffness of the bristles over spring rate (LuGre)."""
-    bristle_damping: PositiveFloat = 0.1
-    """Damping of the bristles over spring rate, s (LuGre)."""
-
-    @model_validator(mode="after")
-    def _friction_fits_law(self) -> Self:
-        if self.law == "none":
-            if self.f_s or self.f_d:
-                raise ValueError("f_s and f_d need a friction law: karnopp or lugre")
-        elif not 0 < self.f_s >= self.f_d:
-            raise ValueError(f"expected 0 <= f_d <= f_s and f_s > 0, got f_s {self.f_s:g}, f_d {self.f_d:g}")
-        elif self.law == "lugre" and self.f_d == 0:
-            raise ValueError("f_d must be > 0 with lugre, whose bristles else never wear off")
-        return self
-
-
-class ProcessParameters(Part):
-    """What the flow through the valve does to PV."""
-
-    kind: Literal["first_order", "second_order", "integrating"] = "first_order"
-    gain: float
-    """PV units per OP unit; per OP unit and second where integrating. Below 0 with a direct controller."""
-    tau: PositiveFloat | None = None
-    """Time constant, s; none where integrating."""
-    tau2: PositiveFloat | None = None
-    """Second time constant, s; second order only."""
-    delay: NotNegative = 0.0
-    """Dead time, s."""
-
-    @property
-    def taus(self) -> tuple[float, ...]:
-        """All time constants, s."""
-        return tuple(tau for tau in (self.tau, self.tau2) if tau is not None)
-
-    @model_validator(mode="after")
-    def _taus_fit_kind(self) -> Self:
-        wanted = {"first_order": (True, False), "second_order": (True, True), "integrating": (False, False)}
-        if (self.tau is not None, self.tau2 is not None) != wanted[self.kind]:
-            needs = {
-                "first_order": "tau",
-                "second_order": "tau and tau2",
-                "integrating": "neither tau nor tau2",
-            }
-            raise ValueError(f"kind {self.kind} takes {needs[self.kind]}")
-        return self
-
-
-class Noise(Part):
-    """Noise of the transmitter."""
-
-    std: NotNegative = 0.0
-    """PV units."""
-    correlation: NotNegative = 0.0
-    """Time over which it forgets itself, s; 0 is white."""
-
-
-class Sinusoid(Part):
-    """Load swinging at the process input."""
-
-    amplitude: NotNegative = 0.0
-    """OP units."""
-    period: PositiveFloat = 100.0
-    """s."""
-
-
-class Drift(Part):
-    """Load drifting at the process input."""
-
-    ramp: float = 0.0
-    """OP units per second."""
-    walk: NotNegative = 0.0
-    """Standard deviation a random walk gains over one second, OP units."""
-
-
-class Quantisation(Part):
-    """Steps of the converters; 0 is none."""
-
-    pv: NotNegative = 0.0
-    """PV units."""
-    op: NotNegative = 0.0
-    """OP units."""
-
-
-class SetPointStep(Part):
-    """A new set point from a time on."""
-
-    time: NotNegative
-    """s from the start of the record."""
-    sp: float
-    """PV units."""
 
 
 class Truth(Part):
@@ -241,10 +119,15 @@ class Scenario(Part):
         times = [step.time for step in self.set_points]
         if times != sorted(times):
             faults.append("set_points: must be in order of time")
-        if not faults and self.stated is not None and self.stated != self.truth:
-            faults.append(f"truth: the parameters say {self.truth}, the file {self.stated}")
+        if not faults and self.stated is not None:
+            stated, follows = self.stated.model_dump(), self.truth.model_dump()
+            faults += [
+                f"truth.{key}: {stated[key]} is stated, {follows[key]} follows from the parameters"
+                for key in stated
+                if stated[key] != follows[key]
+            ]
         if faults:
-            raise ValueError("; ".join(faults))
+            raise ValueError("\n".join(faults))
         return self
 
 
@@ -252,6 +135,31 @@ def load_scenario(path: Path) -> Scenario:
     """Read a scenario file.
 
     Raises:
-        ConfigError: every fault with its path in the file, one a line.
+        ConfigError: unreadable, no YAML or no scenario; every fault with its path in the file, one a line.
     """
-    return read_yaml(path, Scenario)
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except UnicodeDecodeError as error:
+        raise ConfigError([f"{path}: not UTF-8 text"]) from error
+    except OSError as error:
+        raise ConfigError([f"{path}: {error.strerror}"]) from error
+    except yaml.MarkedYAMLError as error:
+        line = f":{error.problem_mark.line + 1}" if error.problem_mark else ""
+        raise ConfigError([f"{path}{line}: not YAML: {error.problem}"]) from error
+    except yaml.YAMLError as error:
+        raise ConfigError([f"{path}: not YAML: {error}"]) from error
+    if not isinstance(document, dict):
+        raise ConfigError([f"{path}: expected a scenario, keys and values"])
+    try:
+        return Scenario.model_validate(document)
+    except ValidationError as error:
+        raise ConfigError([f"{path}: {fault}" for fault in _faults(error)]) from error
+
+
+def _faults(error: ValidationError) -> list[str]:
+    """Say of each fault where it is and what is wrong there."""
+    return [
+        ": ".join(filter(None, (".".join(map(str, fault["loc"])), message)))
+        for fault in error.errors()
+        for message in fault["msg"].removeprefix("Value error, ").splitlines()
+    ]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from simulators.scenario import ControllerParameters, ProcessParameters, ValveParameters
+    from simulators.parameters import ControllerParameters, ProcessParameters, ValveParameters
 
 
 def peak_sensitivity(

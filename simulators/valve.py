@@ -13,7 +13,7 @@ from simulators.friction import Stem, karnopp_step, lugre_step
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from simulators.scenario import ValveParameters
+    from simulators.parameters import ValveParameters
 
     FloatArray = NDArray[np.float64]
 

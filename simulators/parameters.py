@@ -1,0 +1,142 @@
+"""Parameters of a simulated loop's parts, as a scenario file gives them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, model_validator
+
+NotNegative = Annotated[float, Field(ge=0)]
+
+
+class Part(BaseModel):
+    """Something of a scenario: no unknown keys, no infinite numbers, fixed once read."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class ControllerParameters(Part):
+    """PI controller."""
+
+    kc: PositiveFloat
+    """Gain, OP units per PV unit."""
+    ti: PositiveFloat
+    """Integral time, s."""
+    acting: Literal["reverse", "direct"] = "reverse"
+    """Reverse: OP falls when PV rises."""
+    sp: float
+    """Set point, PV units."""
+    op: float = 50.0
+    """OP that holds PV at the set point without load, OP units."""
+
+
+class ValveParameters(Part):
+    """Pneumatic valve; forces are in OP units, divided by the rate of the spring."""
+
+    law: Literal["none", "karnopp", "lugre"] = "none"
+    """Friction law."""
+    f_s: NotNegative = 0.0
+    """Static friction, OP units."""
+    f_d: NotNegative = 0.0
+    """Kinetic friction, OP units."""
+    tau_ip: NotNegative = 0.1
+    """Lag of the I/P converter and actuator, s."""
+    damping: PositiveFloat = 0.2
+    """Viscous damping over spring rate, s: the time constant of a stroke without friction."""
+    inertia: PositiveFloat = 2.6e-5
+    """Moving mass over spring rate, s2."""
+    stribeck: PositiveFloat = 2e-4
+    """Speed over which friction falls from static to kinetic, OP spans per second."""
+    still: PositiveFloat = 1e-5
+    """Speed under which a stem counts as standing (Karnopp), OP spans per second."""
+    bristle_stiffness: PositiveFloat = 2000.0
+    """Stiffness of the bristles over spring rate (LuGre)."""
+    bristle_damping: PositiveFloat = 0.1
+    """Damping of the bristles over spring rate, s (LuGre)."""
+
+    @model_validator(mode="after")
+    def _friction_fits_law(self) -> Self:
+        if self.law == "none":
+            if self.f_s or self.f_d:
+                raise ValueError("f_s and f_d need a friction law: karnopp or lugre")
+        elif not 0 < self.f_s >= self.f_d:
+            raise ValueError(f"expected 0 <= f_d <= f_s and f_s > 0, got f_s {self.f_s:g}, f_d {self.f_d:g}")
+        elif self.law == "lugre" and self.f_d == 0:
+            raise ValueError("f_d must be > 0 with lugre, whose bristles else never wear off")
+        return self
+
+
+class ProcessParameters(Part):
+    """What the flow through the valve does to PV."""
+
+    kind: Literal["first_order", "second_order", "integrating"] = "first_order"
+    gain: float
+    """PV units per OP unit; per OP unit and second where integrating. Below 0 with a direct controller."""
+    tau: PositiveFloat | None = None
+    """Time constant, s; none where integrating."""
+    tau2: PositiveFloat | None = None
+    """Second time constant, s; second order only."""
+    delay: NotNegative = 0.0
+    """Dead time, s."""
+
+    @property
+    def taus(self) -> tuple[float, ...]:
+        """All time constants, s."""
+        return tuple(tau for tau in (self.tau, self.tau2) if tau is not None)
+
+    @model_validator(mode="after")
+    def _taus_fit_kind(self) -> Self:
+        wanted = {"first_order": (True, False), "second_order": (True, True), "integrating": (False, False)}
+        if (self.tau is not None, self.tau2 is not None) != wanted[self.kind]:
+            needs = {
+                "first_order": "tau",
+                "second_order": "tau and tau2",
+                "integrating": "neither tau nor tau2",
+            }
+            raise ValueError(f"kind {self.kind} takes {needs[self.kind]}")
+        return self
+
+
+class Noise(Part):
+    """Noise of the transmitter."""
+
+    std: NotNegative = 0.0
+    """PV units."""
+    correlation: NotNegative = 0.0
+    """Time over which it forgets itself, s; 0 is white."""
+
+
+class Sinusoid(Part):
+    """Load swinging at the process input."""
+
+    amplitude: NotNegative = 0.0
+    """OP units."""
+    period: PositiveFloat = 100.0
+    """s."""
+
+
+class Drift(Part):
+    """Load drifting at the process input."""
+
+    ramp: float = 0.0
+    """OP units per second."""
+    walk: NotNegative = 0.0
+    """Standard deviation a random walk gains over one second, OP units."""
+
+
+class Quantisation(Part):
+    """Steps of the converters; 0 is none."""
+
+    pv: NotNegative = 0.0
+    """PV units."""
+    op: NotNegative = 0.0
+    """OP units."""
+
+
+class SetPointStep(Part):
+    """A new set point from a time on."""
+
+    time: NotNegative
+    """s from the start of the record."""
+    sp: float
+    """PV units."""

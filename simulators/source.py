@@ -1,0 +1,83 @@
+"""Where the rows of a loop come from: a simulated plant or a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from simulators.plant import Row, rows
+
+if TYPE_CHECKING:
+    from connectors.recording import RecordedLoop
+    from simulators.scenario import Scenario
+
+
+class Source(Protocol):
+    """A loop that can be played."""
+
+    @property
+    def loop(self) -> str:
+        """Name of the loop."""
+        ...
+
+    @property
+    def ts(self) -> float:
+        """Sampling time, s."""
+        ...
+
+    def rows(self) -> Iterator[Row]:
+        """All rows from the first on, in order of time."""
+        ...
+
+
+class PlantSource:
+    """A simulated loop."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+
+    @property
+    def loop(self) -> str:
+        """Name of the loop."""
+        return self._scenario.loop
+
+    @property
+    def ts(self) -> float:
+        """Sampling time, s."""
+        return self._scenario.ts
+
+    def rows(self) -> Iterator[Row]:
+        """All rows from the first on; each call starts the plant anew."""
+        return rows(self._scenario)
+
+
+class RecordingSource:
+    """A recorded loop, with the gaps it has."""
+
+    def __init__(self, recording: RecordedLoop) -> None:
+        self._recording = recording
+
+    @property
+    def loop(self) -> str:
+        """Name of the loop."""
+        return self._recording.name
+
+    @property
+    def ts(self) -> float:
+        """Median distance of the samples, s; 1 where there is but one."""
+        time = self._recording.time
+        return float(np.median(np.diff(time))) if time.size > 1 else 1.0
+
+    def rows(self) -> Iterator[Row]:
+        """All rows from the first on; only the roles that were recorded."""
+        recording = self._recording
+        columns = {"pv": recording.pv, "op": recording.op, "sp": recording.sp, "mv": recording.mv}
+        for i, time in enumerate(recording.time):
+            values: dict[str, float | str] = {
+                role: float(column[i]) for role, column in columns.items() if column is not None
+            }
+            if recording.mode is not None:
+                values["mode"] = recording.mode[i]
+            yield Row(float(time), values)
