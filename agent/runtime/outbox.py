@@ -28,8 +28,8 @@ class Outbox(Protocol):
 class MemoryOutbox:
     """An outbox in memory. What it holds is lost when the process ends.
 
-    A state replaces the former of the same subject, as only the newest matters. Of events the oldest goes when
-    there are too many.
+    A state replaces the former of the same subject, as only the newest matters. Where there are too many
+    events, the oldest goes.
     """
 
     def __init__(self, limit: int = 1000) -> None:

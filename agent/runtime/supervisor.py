@@ -36,30 +36,41 @@ class Health:
     attempts: int = 0
     """Since it worked last."""
 
+    problem: str = ""
+    """What is wrong now, as last logged."""
+
     def works(self) -> None:
         """Say that it does what it should; logged when it did not before."""
         self.attempts = 0
         if not self.up:
-            self.up = True
+            self.up, self.problem = True, ""
             LOG.info("%s is up", self.name)
 
-    def lost(self, error: Exception) -> None:
-        """Say that it failed; a peer that is gone is logged once, until it is back."""
-        expected = isinstance(error, ConnectionLostError)
-        if expected:
-            self.losses += 1
-        else:
-            self.faults += 1
-        if not expected:
-            LOG.error("%s failed, this is a fault of the program", self.name, exc_info=error)
-        elif self.up or self.attempts == 0:
+    def lost(self, error: ConnectionLostError) -> None:
+        """Say that its peer is gone; logged once, until it is back."""
+        self.losses += 1
+        if not self.problem:
+            self.problem = str(error)
             LOG.warning("%s is down: %s", self.name, error)
+        self._failed()
+
+    def failed(self, error: Exception) -> None:
+        """Say that something happened that should not; logged with its trace, once while it is the same."""
+        self.faults += 1
+        if self.problem != repr(error):
+            self.problem = repr(error)
+            LOG.error("%s failed, which is a fault of this program", self.name, exc_info=error)
+        self._failed()
+
+    def _failed(self) -> None:
         self.up = False
         self.attempts += 1
 
 
 async def keep_alive(
-    work: Callable[[], Awaitable[object]], health: Health, uniform: Callable[[float, float], float] = random.uniform
+    work: Callable[[], Awaitable[object]],
+    health: Health,
+    uniform: Callable[[float, float], float] = random.uniform,
 ) -> NoReturn:
     """Run ``work`` again and again until cancelled.
 
@@ -71,9 +82,12 @@ async def keep_alive(
             await work()
             health.lost(ConnectionLostError("it ended"))
         except* ConnectionLostError as group:
-            health.lost(_first(group))
-        except* Exception as group:
-            health.lost(_first(group))
+            health.lost(ConnectionLostError(_first(group)))
+        except* Exception as group:  # noqa: BLE001  # see the top of this file
+            health.failed(_first(group))
+        task = asyncio.current_task()
+        if task is not None and task.cancelling():
+            raise asyncio.CancelledError  # some library swallowed it on the way out
         longest = min(FIRST_WAIT * 2 ** min(health.attempts - 1, 10), LONGEST_WAIT)
         await asyncio.sleep(uniform(0, longest))
 

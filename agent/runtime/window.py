@@ -110,7 +110,7 @@ class RollingWindow:
             ring.interrupt(after)
 
     def _start_anew(self) -> None:
-        self._rings = {role: SlotRing(self._capacity) for role in ("pv", "op", *self._settings.extra_roles)}
+        self._rings = {role: SlotRing(self._capacity) for role in self._settings.roles}
         self._origin = None
         self._before_pv = {}
         self._due_at = None

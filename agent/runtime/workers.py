@@ -47,7 +47,7 @@ class PoolExecutor:
         self._pool = self._new_pool()
 
     async def run(self, function: Callable[..., T], *args: object) -> T:
-        """Return ``function(*args)``. Where a worker died (out of memory, killed), the call is done once more."""
+        """Return ``function(*args)``; tries once more where a worker died (out of memory, killed)."""
         pool = self._pool
         try:
             return await asyncio.get_running_loop().run_in_executor(pool, function, *args)

@@ -115,9 +115,9 @@ class LoopSettings(Options):
         return self
 
     @property
-    def extra_roles(self) -> tuple[str, ...]:
-        """Roles beside PV and OP that are read."""
-        return tuple(role for role in ("sp", "mv", "mode") if role in self.tags)
+    def roles(self) -> tuple[str, ...]:
+        """What is read of the loop, PV and OP first."""
+        return tuple(role for role in ("pv", "op", "sp", "mv", "mode") if role in self.tags)
 
     @property
     def hints(self) -> LoopHints:

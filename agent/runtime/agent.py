@@ -1,0 +1,128 @@
+"""The daemon: connections and loops wired together, each a task that cannot die."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from agent.alarms import State
+from agent.analysis.diagnose import diagnose
+from agent.analysis.results import Diagnosis, Oscillation
+from agent.runtime.connection import Connection
+from agent.runtime.outbox import MemoryOutbox
+from agent.runtime.pipeline import Diagnose, LoopPipeline
+from agent.runtime.supervisor import Health, keep_alive
+from agent.runtime.workers import Executor
+from agent.settings import Settings, connectors_of
+from connectors.base import Connector, Sample
+
+
+@dataclass(frozen=True, slots=True)
+class LoopStatus:
+    """What is known of a loop at this moment."""
+
+    loop: str
+    bus: str
+    """Kind of the connection that it is read from."""
+    samples: int
+    gaps: int
+    """Grid points without PV or OP in the newest window."""
+    data_age: float | None
+    """Time since the newest sample arrived, s; None before the first."""
+    oscillation: Oscillation | None
+    diagnosis: Diagnosis | None
+    alarm: State
+
+
+class Agent:
+    """Reads loops, diagnoses them and publishes alarms, until cancelled.
+
+    For example::
+
+        async with PoolExecutor(settings.agent.workers) as executor:
+            await Agent(settings, executor).run()
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        executor: Executor,
+        on_diagnosis: Callable[[Diagnosis], None] | None = None,
+        *,
+        connectors: Sequence[Connector] | None = None,
+        diagnose: Diagnose = diagnose,
+    ) -> None:
+        """Wire it up; nothing is opened yet.
+
+        Args:
+            settings: What to read and where to publish.
+            executor: Where diagnoses run.
+            on_diagnosis: Called with each diagnosis, in the event loop.
+            connectors: One for each connection; None makes those of the settings.
+            diagnose: What judges a window.
+        """
+        self._settings = settings
+        connectors = connectors_of(settings) if connectors is None else connectors
+        self.outboxes = {connector.name: MemoryOutbox() for connector in connectors}
+        self._pipelines = {
+            loop.name: LoopPipeline(
+                loop,
+                executor,
+                [self.outboxes[name] for name in dict.fromkeys(t.connection for t in loop.publish)],
+                on_diagnosis,
+                diagnose,
+            )
+            for loop in settings.loops
+        }
+        self.connections = [self._connection(connector) for connector in connectors]
+        self.health = {name: Health(f"loop {name}") for name in self._pipelines}
+
+    async def run(self) -> None:
+        """Work until cancelled, then clean up within some seconds."""
+        async with asyncio.TaskGroup() as tasks:
+            for connection in self.connections:
+                work = keep_alive(connection.attempt, connection.health)
+                tasks.create_task(work, name=connection.health.name)
+            for name, pipeline in self._pipelines.items():
+                tasks.create_task(keep_alive(pipeline.run, self.health[name]), name=self.health[name].name)
+
+    def newest(self, loop: str) -> float | None:
+        """Newest source time that came in for a loop, s UTC; None before the first sample."""
+        return self._pipelines[loop].window.newest
+
+    def status(self) -> tuple[LoopStatus, ...]:
+        """Look at every loop; call it while the agent runs."""
+        now = asyncio.get_running_loop().time()
+        return tuple(self._status(pipeline, now) for pipeline in self._pipelines.values())
+
+    def _status(self, pipeline: LoopPipeline, now: float) -> LoopStatus:
+        window, settings, diagnosis = pipeline.window, pipeline.settings, pipeline.diagnosis
+        return LoopStatus(
+            loop=settings.name,
+            bus=self._settings.connections[settings.connection].kind,
+            samples=window.counters.samples,
+            gaps=window.counters.missing,
+            data_age=None if window.arrival is None else now - window.arrival,
+            oscillation=None if diagnosis is None else diagnosis.oscillation,
+            diagnosis=diagnosis,
+            alarm=pipeline.alarm.state,
+        )
+
+    def _connection(self, connector: Connector) -> Connection:
+        read = [p for p in self._pipelines.values() if p.settings.connection == connector.name]
+
+        def deliver(sample: Sample) -> None:
+            pipeline = self._pipelines.get(sample.tag.rpartition(".")[0])
+            if pipeline is not None:
+                pipeline.push(sample, asyncio.get_running_loop().time())
+
+        def interrupted() -> None:
+            for pipeline in read:
+                pipeline.window.interrupt()
+
+        slowest = max((p.settings.ts for p in read), default=0.0)
+        data_age = max(self._settings.agent.data_age, 5 * slowest)
+        return Connection(
+            connector, self.outboxes[connector.name], deliver if read else None, interrupted, data_age
+        )

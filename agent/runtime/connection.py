@@ -1,0 +1,102 @@
+"""One connection's life: open, read, publish, and notice when the peer is silently dead."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import sys
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+
+from agent.runtime.outbox import Outbox
+from agent.runtime.supervisor import Health
+from connectors.base import ConnectionLostError, Connector, RefusedError, Sample, Session
+
+LOG = logging.getLogger(__name__)
+OPEN_WITHIN = 30.0
+"""s; connectors have shorter limits of their own, this is for those that fail to keep them."""
+CLOSE_WITHIN = 2.0
+"""s; a peer that doesn't answer must not hold up the end of the program."""
+
+
+class Connection:
+    """A connector at work. ``attempt`` is one session; whoever supervises it starts the next."""
+
+    def __init__(
+        self,
+        connector: Connector,
+        outbox: Outbox,
+        deliver: Callable[[Sample], None] | None,
+        interrupted: Callable[[], None],
+        data_age: float,
+    ) -> None:
+        """Make a connection.
+
+        Args:
+            connector: The bus.
+            outbox: What to publish there.
+            deliver: Takes each sample; None where nothing is read from this connection.
+            interrupted: Called when a session ends, as samples may be lost from then on.
+            data_age: Time without a sample after which the peer counts as gone, s.
+        """
+        self.health = Health(f"connection {connector.name}")
+        self.refused = 0
+        """Publications that the peer would not take."""
+        self._connector = connector
+        self._outbox = outbox
+        self._deliver = deliver
+        self._interrupted = interrupted
+        self._data_age = data_age
+
+    async def attempt(self) -> None:
+        """Open a fresh session and use it until it fails."""
+        name = self._connector.name
+        try:
+            async with _opened(self._connector.session()) as session, asyncio.TaskGroup() as tasks:
+                tasks.create_task(self._publish(session), name=f"publish {name}")
+                if self._deliver is None:
+                    self.health.works()
+                else:
+                    tasks.create_task(self._read(session, self._deliver), name=f"read {name}")
+        finally:
+            self._interrupted()
+
+    async def _read(self, session: Session, deliver: Callable[[Sample], None]) -> None:
+        clock = asyncio.get_running_loop()
+        try:
+            async with asyncio.timeout(self._data_age) as silence:
+                async for sample in session.samples():
+                    silence.reschedule(clock.time() + self._data_age)
+                    self.health.works()
+                    deliver(sample)
+        except TimeoutError as error:
+            raise ConnectionLostError(f"no data for {self._data_age:g} s") from error
+        raise ConnectionLostError("the stream of samples ended")
+
+    async def _publish(self, session: Session) -> None:
+        while True:
+            publication = await self._outbox.first()
+            try:
+                await session.publish(publication)
+            except RefusedError as error:
+                self.refused += 1
+                LOG.warning("connection %s refuses to publish: %s", self._connector.name, error)
+            self._outbox.remove(publication)
+
+
+@asynccontextmanager
+async def _opened(session: AbstractAsyncContextManager[Session]) -> AsyncIterator[Session]:
+    """Open and close within bounded times, which a plain ``async with`` cannot do apart."""
+    try:
+        async with asyncio.timeout(OPEN_WITHIN):
+            opened = await session.__aenter__()
+    except TimeoutError as error:
+        raise ConnectionLostError(f"no answer within {OPEN_WITHIN:.0f} s") from error
+    try:
+        yield opened
+    finally:
+        try:
+            async with asyncio.timeout(CLOSE_WITHIN):
+                await session.__aexit__(*sys.exc_info())
+        except TimeoutError:
+            LOG.debug("a session did not close within %.0f s and is left to itself", CLOSE_WITHIN)

@@ -1,0 +1,94 @@
+"""One loop's way from sample to alarm: window, trigger, diagnosis, alarm, publication."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Sequence
+from typing import NoReturn
+
+from agent.alarms import Alarm, Announcement, Delay
+from agent.analysis.diagnose import diagnose
+from agent.analysis.quiet import quiet
+from agent.analysis.recording import LoopWindow
+from agent.analysis.results import Diagnosis
+from agent.runtime.outbox import Outbox
+from agent.runtime.trigger import trigger
+from agent.runtime.window import RollingWindow
+from agent.runtime.workers import Executor
+from agent.settings import LoopSettings
+from connectors.base import Publication, Sample
+
+LOG = logging.getLogger(__name__)
+Diagnose = Callable[[LoopWindow], Diagnosis]
+
+
+class LoopPipeline:
+    """All that the agent does for one loop.
+
+    ``push`` takes samples at any rate; ``run`` diagnoses the windows that come due, one at a time.
+    """
+
+    def __init__(
+        self,
+        settings: LoopSettings,
+        executor: Executor,
+        outboxes: Sequence[Outbox] = (),
+        on_diagnosis: Callable[[Diagnosis], None] | None = None,
+        diagnose: Diagnose = diagnose,
+    ) -> None:
+        self.settings = settings
+        self.window = RollingWindow(settings)
+        delay = Delay(settings.alarm.on_delay, settings.alarm.off_delay)
+        self.alarm = Alarm(settings.name, settings.alarm.priority, delay)
+        self.diagnosis: Diagnosis | None = None
+        """Of the newest window."""
+        self.superseded = 0
+        """Windows that were never diagnosed, because a newer one came due before their turn."""
+        self._executor = executor
+        self._outboxes = outboxes
+        self._on_diagnosis = on_diagnosis
+        self._diagnose = diagnose
+        self._waiting: LoopWindow | None = None
+        self._due = asyncio.Event()
+
+    def push(self, sample: Sample, arrival: float) -> None:
+        """Take a sample that arrived at ``arrival`` (monotonic, s)."""
+        window = self.window.push(sample, arrival)
+        if window is None:
+            return
+        self.superseded += self._waiting is not None
+        self._waiting = window
+        self._due.set()
+
+    async def run(self) -> NoReturn:
+        """Diagnose what comes due, until cancelled."""
+        while True:
+            await self._due.wait()
+            self._due.clear()
+            window, self._waiting = self._waiting, None
+            if window is not None:
+                await self._judge(window)
+
+    async def _judge(self, window: LoopWindow) -> None:
+        seen = trigger(window)
+        if seen.fires:
+            diagnosis = await self._executor.run(self._diagnose, window)
+        else:
+            diagnosis = quiet(window, seen.oscillation)
+        self.diagnosis = diagnosis
+        if diagnosis.oscillation is not None:
+            self.window.period = diagnosis.oscillation.period if diagnosis.oscillation.detected else None
+        self.alarm, announcements = self.alarm.on_diagnosis(diagnosis, float(window.time[-1]))
+        for announcement in announcements:
+            self._announce(announcement)
+        if self._on_diagnosis is not None:
+            self._on_diagnosis(diagnosis)
+
+    def _announce(self, announcement: Announcement) -> None:
+        if announcement.kind == "event":
+            LOG.info("%s: alarm is %s", self.settings.name, announcement.alarm.state)
+        for outbox in self._outboxes:
+            outbox.put(
+                Publication(self.settings.name, announcement.kind, announcement.id, announcement.fields())
+            )
