@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         arguments: Words after the command's name; None takes those of the process.
     """
     try:
-        code = app(arguments, prog_name="slipjump", standalone_mode=False)
+        code = app(arguments, prog_name="slipjump", standalone_mode=False) or 0
     except ConfigError as error:
         for fault in error.faults:
             complain(fault)

@@ -19,6 +19,7 @@ from agent.cli import recordings as option
 from agent.cli.errors import BAD_INPUT, complain
 
 if TYPE_CHECKING:
+    from agent.analysis.quantify import Quantifier
     from agent.analysis.recording import LoopHints
     from agent.analysis.results import Diagnosis
     from connectors.recording import Columns
@@ -31,7 +32,8 @@ class Task:
     path: Path
     columns: Columns
     hints: LoopHints
-    quantifier: str
+    quantifier: Quantifier | None
+    """None: the default one."""
     picture: Path | None
     """Where to draw the fit; None: nowhere."""
 
@@ -49,8 +51,8 @@ def diagnose(
     recordings: option.Recordings,
     *,
     quantifier: Annotated[
-        str, typer.Option(metavar="NAME", help="How stiction is measured: free_run or lee2008.")
-    ] = "free_run",
+        str | None, typer.Option(metavar="NAME", help="How stiction is measured: free_run, lee2008, ...")
+    ] = None,
     delay: Annotated[
         int | None,
         typer.Option(min=1, metavar="D", help="Dead time in samples, if known: PV depends first on MV(t-D)."),
@@ -73,18 +75,14 @@ def diagnose(
     ts: option.Ts = None,
 ) -> None:
     """Tell from recordings whether the valve sticks, and by how much."""
-    from agent.analysis.quantify import quantifier as quantifier_named
     from agent.analysis.recording import LoopHints
     from connectors.recording import Columns
 
-    try:
-        quantifier_named(quantifier)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="'--quantifier'") from error
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
     hints = LoopHints(delay=delay, order=order)
+    method = None if quantifier is None else _method(quantifier)
     tasks = [
-        Task(path, columns, hints, quantifier, picture)
+        Task(path, columns, hints, method, picture)
         for path, picture in zip(recordings, _pictures(recordings, plot), strict=True)
     ]
     failed = False
@@ -103,7 +101,6 @@ def diagnose(
 def answer(task: Task) -> Answer:
     """Read, diagnose and draw one recording; runs in a process of the pool."""
     from agent.analysis.diagnose import diagnose as judge
-    from agent.analysis.quantify import quantifier
     from connectors.base import ConfigError
     from connectors.recording import read_recording
 
@@ -111,7 +108,7 @@ def answer(task: Task) -> Answer:
         window = option.loop_window(read_recording(task.path, task.columns), task.hints)
     except ConfigError as error:
         return Answer(task.path, None, tuple(error.faults))
-    diagnosis = judge(window, quantifier=quantifier(task.quantifier))
+    diagnosis = judge(window, quantifier=task.quantifier)
     if task.picture is not None:
         from agent.plots.fit import fit_figure
 
@@ -120,6 +117,15 @@ def answer(task: Task) -> Answer:
         except OSError as error:
             return Answer(task.path, None, (f"{task.picture}: cannot be written: {error.strerror}",))
     return Answer(task.path, diagnosis)
+
+
+def _method(name: str) -> Quantifier:
+    from agent.analysis.quantify import quantifier
+
+    try:
+        return quantifier(name)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="'--quantifier'") from error
 
 
 def _pictures(recordings: Sequence[Path], folder: Path | None) -> list[Path | None]:

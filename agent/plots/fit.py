@@ -65,6 +65,7 @@ def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
     plane.xaxis.set_major_locator(MaxNLocator(5))
     for axes in (pv_axes, op_axes, plane):
         _finish(axes)
+    figure.align_ylabels((pv_axes, op_axes))
     figure.suptitle(_title(diagnosis), x=0.01, ha="left", fontsize=12)
     return figure
 
@@ -91,7 +92,7 @@ def _fit(found: Quantification) -> str:
 def _title(diagnosis: Diagnosis) -> str:
     title = f"{diagnosis.loop}: {diagnosis.verdict.replace('_', ' ')}"
     found = diagnosis.quantification
-    if found is not None and found.stiction is not None:
+    if diagnosis.verdict == "stiction" and found is not None and found.stiction is not None:
         title += f",  S = {found.stiction.s.value:.3g},  J = {found.stiction.j.value:.3g} OP units"
     if diagnosis.oscillation is not None and diagnosis.oscillation.detected:
         title += f",  period {diagnosis.oscillation.period:.4g} s"

@@ -1,0 +1,178 @@
+"""``slipjump diagnose`` as its user meets it: output, exit codes, one clear line for what is wrong."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from agent.cli import main
+
+SLIPJUMP = Path(sys.executable).with_name("slipjump")
+KEYS = [
+    "recording",
+    "loop",
+    "verdict",
+    "confidence",
+    "cause",
+    "causes",
+    "class",
+    "reasons",
+    "oscillation",
+    "stiction",
+    "process",
+    "fit",
+    "methods",
+    "seconds",
+]
+HEAVY = "{'numba', 'scipy', 'matplotlib', 'pyarrow', 'asyncua'}"
+
+
+@pytest.fixture
+def slipjump(capsys):
+    def _run(*words):
+        with pytest.raises(SystemExit) as left:
+            main([str(word) for word in words])
+        out, err = capsys.readouterr()
+        return left.value.code, out, err
+
+    return _run
+
+
+def write(path, op, pv, header="time,OP,PV"):
+    rows = [f"{k},{u},{y}" for k, (u, y) in enumerate(zip(op, pv, strict=True))]
+    path.write_text("\n".join([header, *rows, ""]))
+    return path
+
+
+@pytest.fixture
+def still(tmp_path):
+    return write(tmp_path / "STILL.csv", np.full(200, 42.0), np.sin(np.arange(200) / 5))
+
+
+@pytest.fixture
+def moving(tmp_path):
+    t = np.arange(400)
+    return write(tmp_path / "MOVING.csv", 50 + 5 * np.sin(t / 8), 20 + 2 * np.sin((t - 6) / 8))
+
+
+def one_line(err):
+    assert err.count("\n") == 1, err
+    assert err.startswith("slipjump: ")
+    assert "Traceback" not in err
+    return err
+
+
+def test_constant_op_is_not_testable_and_done(slipjump, still):
+    code, out, err = slipjump("diagnose", still)
+    assert (code, err) == (0, "")
+    assert out.splitlines() == ["STILL: not testable", "  - OP does not move: it stands at 42"]
+
+
+def test_json_is_one_object_a_line(slipjump, still, moving):
+    code, out, err = slipjump(
+        "diagnose", still, moving, "--json", "--quantifier", "lee2008", "--delay", 6, "--order", 1
+    )
+    assert (code, err) == (0, "")
+    first, second = [json.loads(line) for line in out.splitlines()]
+    assert list(first) == list(second) == KEYS
+    assert (first["recording"], first["loop"], first["verdict"]) == ("STILL.csv", "STILL", "not_testable")
+    assert second["recording"] == "MOVING.csv"
+    assert second["oscillation"]["detected"]
+    assert second["oscillation"]["period_s"] == pytest.approx(2 * np.pi * 8, rel=0.05)
+
+
+def test_one_bad_file_among_many(slipjump, still, tmp_path):
+    bad = tmp_path / "BAD.csv"
+    bad.write_text("time,OP,PV\n0,1,2\n1,open,2\n")
+    code, out, err = slipjump("diagnose", bad, still, tmp_path / "none.csv", still, "--json")
+    assert code == 2
+    assert [json.loads(line)["loop"] for line in out.splitlines()] == ["STILL", "STILL"]
+    first, second = err.splitlines()
+    assert first == f"slipjump: {bad}, line 3: OP is 'open', expected a number or an empty cell"
+    assert "none.csv: cannot be read: No such file or directory" in second
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ([], "Missing argument"),
+        (["x.csv", "--delay", "0"], "--delay"),
+        (["x.csv", "--order", "3"], "--order"),
+        (["x.csv", "--ts", "0"], "--ts"),
+        (["x.csv", "--ts", "nan"], "--ts"),
+        (["x.csv", "--quantifier", "guess"], "lee2008"),
+        (["x.csv", "--frobnicate"], "--frobnicate"),
+        (["x.csv", "--plot", "/dev/null/x"], "--plot"),
+    ],
+)
+def test_bad_usage(slipjump, words, expected):
+    code, out, err = slipjump("diagnose", *words)
+    assert (code, out) == (2, "")
+    assert expected in one_line(err)
+
+
+def test_unknown_command(slipjump):
+    code, out, err = slipjump("frobnicate")
+    assert (code, out) == (2, "")
+    assert "frobnicate" in one_line(err)
+
+
+def test_other_names_and_no_time_column(slipjump, tmp_path):
+    path = tmp_path / "A.csv"
+    path.write_text("CO,FLOW\n" + "".join(f"42,{k % 9}\n" for k in range(150)))
+    code, out, _ = slipjump("diagnose", path, "--op", "CO", "--pv", "FLOW", "--ts", "5")
+    assert code == 0
+    assert "OP does not move" in out
+
+
+def test_a_jump_in_time_that_makes_no_grid(slipjump, tmp_path):
+    path = tmp_path / "A.csv"
+    path.write_text("time,OP,PV\n0,1,2\n1,2,3\n2,2,3\n1e15,2,3\n")
+    code, _, err = slipjump("diagnose", path)
+    assert code == 2
+    assert str(path) in one_line(err)
+
+
+def test_pictures_of_loops_of_one_name(slipjump, still, tmp_path):
+    other = tmp_path / "unit2" / "STILL.csv"
+    other.parent.mkdir()
+    other.write_bytes(still.read_bytes())
+    code, _, err = slipjump("diagnose", still, other, "--plot", tmp_path / "pictures")
+    assert (code, err) == (0, "")
+    pictures = sorted((tmp_path / "pictures").iterdir())
+    assert [picture.name for picture in pictures] == ["STILL.png", "STILL_2.png"]
+    assert all(picture.read_bytes().startswith(b"\x89PNG") for picture in pictures)
+
+
+def test_installed_command_is_quiet_and_quick_to_help(still):
+    help_text = subprocess.run([SLIPJUMP, "--help"], capture_output=True, text=True, check=True, timeout=20)
+    assert "diagnose" in help_text.stdout
+    assert "warm" not in help_text.stdout
+    done = subprocess.run(
+        [SLIPJUMP, "diagnose", still, "--json"], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stderr == ""
+    assert json.loads(done.stdout)["verdict"] == "not_testable"
+
+
+def test_help_imports_nothing_heavy():
+    code = f"import sys, agent.cli; print(sorted({HEAVY} & set(sys.modules)))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=20
+    )
+    assert done.stdout.strip() == "[]"
+
+
+def test_industrial_loop_of_the_paper(slipjump, recordings):
+    """Loop 6 of Table I (CHEM12): f_S = 0.78, f_D = 0.64."""
+    code, out, err = slipjump(
+        "diagnose", recordings / "isdb" / "CHEM12.csv", "--quantifier", "lee2008", "--json"
+    )
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    assert found["verdict"] == "stiction"
+    assert found["stiction"]["f_s"]["value"] == pytest.approx(0.78, abs=0.02)
+    assert found["stiction"]["f_d"]["value"] == pytest.approx(0.64, abs=0.02)
