@@ -22,7 +22,7 @@ async def no_leaked_tasks():
     """Fails an async test that leaves a task running."""
     before = asyncio.all_tasks()
     yield
-    leaked = [task for task in asyncio.all_tasks() - before if not task.done()]
+    leaked = asyncio.all_tasks() - before - {asyncio.current_task()}
     assert not leaked, f"the test left tasks running: {leaked}"
 
 
