@@ -7,8 +7,11 @@ from collections.abc import Callable, Sequence
 
 import typer
 
+from agent.cli.check import check
 from agent.cli.diagnose import diagnose
 from agent.cli.errors import BAD_INPUT, complain
+from agent.cli.run import run
+from agent.cli.simulate import simulate
 from agent.cli.warm import warm
 from connectors.base import ConfigError
 
@@ -35,7 +38,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-COMMANDS: tuple[Callable[..., None], ...] = (diagnose,)
+COMMANDS: tuple[Callable[..., None], ...] = (run, check, diagnose, simulate)
 """Each is named as its function; its docstring is its help."""
 HIDDEN: tuple[Callable[..., None], ...] = (warm,)
 
