@@ -9,9 +9,9 @@ from __future__ import annotations
 import asyncio
 import logging
 import random
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from connectors.base import ConnectionLostError
 
@@ -20,6 +20,8 @@ FIRST_WAIT = 0.1
 """s; doubles with each attempt that fails."""
 LONGEST_WAIT = 3.0
 """s"""
+LASTED = 10.0
+"""Time after which an attempt that fails counts as a success all the same, s: waits start small again."""
 
 
 @dataclass(slots=True)
@@ -34,14 +36,13 @@ class Health:
     faults: int = 0
     """Times something happened that should not."""
     attempts: int = 0
-    """Since it worked last."""
+    """In a row that did not last."""
 
     problem: str = ""
     """What is wrong now, as last logged."""
 
     def works(self) -> None:
         """Say that it does what it should; logged when it did not before."""
-        self.attempts = 0
         if not self.up:
             self.up, self.problem = True, ""
             LOG.info("%s is up", self.name)
@@ -68,7 +69,7 @@ class Health:
 
 
 async def keep_alive(
-    work: Callable[[], Awaitable[object]],
+    work: Callable[[], Coroutine[Any, Any, object]],
     health: Health,
     uniform: Callable[[float, float], float] = random.uniform,
 ) -> NoReturn:
@@ -77,9 +78,12 @@ async def keep_alive(
     Between attempts it waits a random time of up to 0.1 s, 0.2 s, 0.4 s, ..., 3 s (full jitter), so that many
     clients of a server that comes back don't come all at once.
     """
+    clock = asyncio.get_running_loop()
     while True:
+        began = clock.time()
         try:
-            await work()
+            # A task of its own: in Python 3.11 a TaskGroup that fails leaves its task marked as cancelled.
+            await asyncio.create_task(work(), name=health.name)
             health.lost(ConnectionLostError("it ended"))
         except* ConnectionLostError as group:
             health.lost(ConnectionLostError(_first(group)))
@@ -88,6 +92,8 @@ async def keep_alive(
         task = asyncio.current_task()
         if task is not None and task.cancelling():
             raise asyncio.CancelledError  # some library swallowed it on the way out
+        if clock.time() - began > LASTED:
+            health.attempts = 1
         longest = min(FIRST_WAIT * 2 ** min(health.attempts - 1, 10), LONGEST_WAIT)
         await asyncio.sleep(uniform(0, longest))
 

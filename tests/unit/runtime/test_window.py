@@ -89,7 +89,10 @@ def test_what_nobody_heard_while_the_connection_was_gone_is_a_gap():
     push_all(rolling, [sample("sp", -5, 50.0), *both(range(10))])
     rolling.interrupt()
     rolling.interrupt()
-    after = [sample("sp", -5, 50.0), *both(range(12, 40 + LATEST))]  # the server tells all anew; SP is the same
+    after = [
+        sample("sp", -5, 50.0),
+        *both(range(12, 40 + LATEST)),
+    ]  # the server tells all anew; SP is the same
     window = push_all(rolling, after)[0]
     assert np.flatnonzero(np.isnan(window.pv)).tolist() == [10, 11]
     assert np.flatnonzero(np.isnan(window.op)).tolist() == [10, 11]
@@ -160,7 +163,9 @@ def test_mode_says_where_the_loop_was_automatic():
 
 
 def test_roles_that_are_configured_but_never_told_are_unknown():
-    (window,) = push_all(RollingWindow(loop_settings(roles=("pv", "op", "sp", "mv", "mode"))), both(range(40)))
+    (window,) = push_all(
+        RollingWindow(loop_settings(roles=("pv", "op", "sp", "mv", "mode"))), both(range(40))
+    )
     assert (window.sp, window.mv, window.automatic) == (None, None, None)
 
 
