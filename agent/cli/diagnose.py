@@ -40,11 +40,13 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What became of a task: a diagnosis, or the faults of its recording."""
+    """What became of a task."""
 
     path: Path
     diagnosis: Diagnosis | None
+    """None where the recording could not be read."""
     faults: tuple[str, ...] = ()
+    """What went wrong, a line each."""
 
 
 def diagnose(
@@ -89,7 +91,7 @@ def diagnose(
     with _progress(len(tasks)) as advance:
         for answer in _answers(tasks):
             advance()
-            failed |= answer.diagnosis is None
+            failed |= bool(answer.faults)
             for fault in answer.faults:
                 complain(fault)
             if answer.diagnosis is not None:
@@ -98,7 +100,7 @@ def diagnose(
         raise typer.Exit(BAD_INPUT)
 
 
-def answer(task: Task) -> Answer:
+def work_out(task: Task) -> Answer:
     """Read, diagnose and draw one recording; runs in a process of the pool."""
     from agent.analysis.diagnose import diagnose as judge
     from connectors.base import ConfigError
@@ -115,7 +117,7 @@ def answer(task: Task) -> Answer:
         try:
             fit_figure(window, diagnosis).savefig(task.picture, dpi=110)
         except OSError as error:
-            return Answer(task.path, None, (f"{task.picture}: cannot be written: {error.strerror}",))
+            return Answer(task.path, diagnosis, (f"{task.picture}: cannot be written: {error.strerror}",))
     return Answer(task.path, diagnosis)
 
 
@@ -149,12 +151,12 @@ def _answers(tasks: Sequence[Task]) -> Iterator[Answer]:
     """Yield the answers in the order of the tasks, worked out on all cores."""
     workers = min(len(tasks), len(os.sched_getaffinity(0)))
     if workers == 1:
-        yield from map(answer, tasks)
+        yield from map(work_out, tasks)
         return
     context = multiprocessing.get_context("forkserver")  # imports once; no thread of ours is forked
     context.set_forkserver_preload(["agent.analysis.diagnose"])
     with ProcessPoolExecutor(workers, mp_context=context) as pool:
-        yield from pool.map(answer, tasks)
+        yield from pool.map(work_out, tasks)
 
 
 @contextmanager

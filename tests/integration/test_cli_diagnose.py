@@ -147,6 +147,14 @@ def test_pictures_of_loops_of_one_name(slipjump, still, tmp_path):
     assert all(picture.read_bytes().startswith(b"\x89PNG") for picture in pictures)
 
 
+def test_a_picture_that_cannot_be_written_does_not_cost_the_answer(slipjump, still, tmp_path):
+    (tmp_path / "pictures" / "STILL.png").mkdir(parents=True)
+    code, out, err = slipjump("diagnose", still, "--plot", tmp_path / "pictures")
+    assert code == 2
+    assert out.startswith("STILL: not testable")
+    assert "STILL.png: cannot be written" in one_line(err)
+
+
 def test_installed_command_is_quiet_and_quick_to_help(still):
     help_text = subprocess.run([SLIPJUMP, "--help"], capture_output=True, text=True, check=True, timeout=20)
     assert "diagnose" in help_text.stdout
