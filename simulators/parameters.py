@@ -49,7 +49,7 @@ class ValveParameters(Part):
     """Speed over which friction falls from static to kinetic, OP spans per second."""
     still: PositiveFloat = 1e-5
     """Speed under which a stem counts as standing (Karnopp), OP spans per second."""
-    bristle_stiffness: PositiveFloat = 2000.0
+    bristle_stiffness: PositiveFloat = 10_000.0
     """Stiffness of the bristles over spring rate (LuGre)."""
     bristle_damping: PositiveFloat = 0.1
     """Damping of the bristles over spring rate, s (LuGre)."""

@@ -53,7 +53,7 @@ class Scenario(Part):
     """Sampling time, s."""
     duration: PositiveFloat
     """s."""
-    warm_up: NotNegative = 300.0
+    warm_up: NotNegative = 600.0
     """Time the loop runs before the first row, s, so that a record never begins at rest."""
     seed: int = Field(default=0, ge=0)
     op_range: tuple[float, float] = (0.0, 100.0)
