@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import AsyncIterator, Awaitable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 
 from pymodbus.client import AsyncModbusTcpClient
@@ -16,6 +16,7 @@ from connectors.modbus.options import Table
 logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # what it logs, the session raises
 
 ILLEGAL_ADDRESS = 2
+Request = Callable[..., Awaitable[ModbusPDU]]
 
 
 class DeviceError(Exception):
@@ -41,7 +42,7 @@ class ModbusClient:
             "coil": self._client.read_coils,
             "discrete": self._client.read_discrete_inputs,
         }[table]
-        answer = await self._answer(read(address, count=count, device_id=self._unit))
+        answer = await self._ask(read, address, count=count)
         values = answer.bits[:count] if table in ("coil", "discrete") else answer.registers
         if len(values) != count:
             raise ConnectionLostError(f"the device sent {len(values)} values of {count} asked for")
@@ -49,15 +50,15 @@ class ModbusClient:
 
     async def write_coil(self, address: int, value: bool) -> None:  # noqa: FBT001 - the value is what it is
         """Set one coil; raises DeviceError."""
-        await self._answer(self._client.write_coil(address, value, device_id=self._unit))
+        await self._ask(self._client.write_coil, address, value)
 
     async def write_registers(self, address: int, values: list[int]) -> None:
         """Set adjacent holding registers; raises DeviceError."""
-        await self._answer(self._client.write_registers(address, values, device_id=self._unit))
+        await self._ask(self._client.write_registers, address, values)
 
-    async def _answer(self, request: Awaitable[ModbusPDU]) -> ModbusPDU:
+    async def _ask(self, request: Request, *args: int | list[int], **more: int) -> ModbusPDU:
         try:
-            answer = await request
+            answer = await request(*args, device_id=self._unit, **more)
         except (ModbusException, OSError) as error:
             raise ConnectionLostError(str(error)) from error
         if answer.isError():

@@ -23,8 +23,11 @@ class TopicReader:
         """Return one sample for each tag.
 
         A tag without a source time gets ``arrival`` (s UTC); if the broker had kept the message, nobody knows
-        how old it is, and its quality is uncertain. Where the source time cannot be read, the newest stands in.
+        how old it is, and its quality is uncertain. Where the source time cannot be read, the newest is
+        taken. An empty payload only takes a kept message back.
         """
+        if not payload:
+            return []
         try:
             tree = parse(payload) if any(tag.field for tag in self._tags.values()) else None
         except MalformedError:

@@ -13,10 +13,13 @@ from asyncua.common.ua_utils import data_type_to_variant_type
 from connectors.base import ConnectionLostError, JsonValue, Publication, RefusedError, Sample, Session
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
 from connectors.opcua.subscription import subscription
-from connectors.opcua.values import sample, variant
+from connectors.opcua.values import is_waiting, sample, variant
 from connectors.options import LoopTags
 
 logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # what it logs, the session raises
+
+_SESSION_TIMEOUT = 60_000
+"""How long the server keeps a session that it hears nothing from, ms; its watchdog reads more often."""
 
 OpcUaLoops = Mapping[str, LoopTags[OpcUaTag, OpcUaTarget]]
 
@@ -70,7 +73,7 @@ class OpcUaSession:
                     wanted = list(refused)
                     due = time.monotonic() + self._options.retry
                 event = await watched.next_change(min(self._options.timeout, self._options.retry))
-                if event is not None:
+                if event is not None and not is_waiting(event.data.monitored_item.Value):
                     for name in names[event.node.nodeid]:
                         yield sample(name, event.data.monitored_item.Value)
 
@@ -111,6 +114,7 @@ class OpcUaSession:
 async def connected(url: str, timeout: float) -> AsyncIterator[Client]:  # noqa: ASYNC109
     """Connect a fresh client; ``timeout`` (s) bounds this and every request. Raises ConnectionLostError."""
     client = Client(url, timeout=timeout, watchdog_intervall=timeout)
+    client.session_timeout = _SESSION_TIMEOUT
     with _as_connection_lost():
         try:
             await client.connect()

@@ -29,6 +29,11 @@ def quality(status: ua.StatusCode) -> Quality:
     return Quality.UNCERTAIN if status.is_uncertain() else Quality.BAD
 
 
+def is_waiting(data: ua.DataValue) -> bool:
+    """Return whether the server has had no value yet."""
+    return data.StatusCode is not None and data.StatusCode.value == ua.StatusCodes.BadWaitingForInitialData
+
+
 def sample(tag: str, data: ua.DataValue) -> Sample:
     """Return the sample that a server sent for ``tag``.
 

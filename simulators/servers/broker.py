@@ -1,0 +1,33 @@
+"""An MQTT broker inside this process, for demo and replay where none runs."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from amqtt.broker import Broker
+from amqtt.errors import BrokerError
+
+for library in ("amqtt", "transitions"):
+    logging.getLogger(library).setLevel(logging.CRITICAL)  # a client that comes and goes is nothing to tell
+
+
+@asynccontextmanager
+async def embedded_broker(host: str = "127.0.0.1", port: int = 0) -> AsyncIterator[int]:
+    """Run a broker and yield its port; port 0 takes any that is free. Raises OSError."""
+    broker = Broker(
+        {
+            "listeners": {"default": {"type": "tcp", "bind": f"{host}:{port}"}},
+            "plugins": {"amqtt.plugins.authentication.AnonymousAuthPlugin": {"allow_anonymous": True}},
+        }
+    )
+    try:
+        await broker.start()
+    except BrokerError as error:
+        raise OSError(f"MQTT broker: cannot listen on {host}:{port}") from error
+    try:
+        listener = broker._servers["default"].instance  # noqa: SLF001 - the only place that knows a port it chose
+        yield listener.sockets[0].getsockname()[1]
+    finally:
+        await broker.shutdown()
