@@ -166,6 +166,12 @@ def test_installed_command_is_quiet_and_quick_to_help(still):
     assert json.loads(done.stdout)["verdict"] == "not_testable"
 
 
+def test_warm_compiles_every_quantifier(slipjump):
+    code, out, err = slipjump("warm")
+    assert (code, err) == (0, "")
+    assert "done in" in out
+
+
 def test_help_imports_nothing_heavy():
     code = f"import sys, agent.cli; print(sorted({HEAVY} & set(sys.modules)))"
     done = subprocess.run(

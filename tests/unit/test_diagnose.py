@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from agent.analysis.cause import line_power, swing_explained
 from agent.analysis.diagnose import diagnose
 from agent.analysis.diagnosis_json import diagnosis_json
-from agent.analysis.quantify import quantifier
+from agent.analysis.quantify import QUANTIFIERS
 from agent.analysis.recording import LoopHints, LoopWindow
 from agent.analysis.results import Estimate, ProcessEstimate, Quantification, StictionEstimate
 from agent.analysis.stiction_class import stiction_class
@@ -241,14 +241,14 @@ STORMS = st.lists(
 )
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(SIGNALS, SIGNALS, STORMS, STORMS, st.sampled_from(["lee2008"]))
-def test_no_window_breaks_it(op, pv, op_storms, pv_storms, name):
+@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(SIGNALS, SIGNALS, STORMS, STORMS, st.sampled_from(QUANTIFIERS))
+def test_no_window_breaks_it(op, pv, op_storms, pv_storms, method):
     for values, storms in ((op, op_storms), (pv, pv_storms)):
         for start, length, value in storms:
             values[start : start + length] = value
     window = LoopWindow("x", 0.0, 1.0, op=op, pv=pv, sp=pv, hints=LoopHints(delay=2, order=1))
-    found = diagnose(window, quantifier=quantifier(name))
+    found = diagnose(window, quantifier=method)
     assert found.verdict in ("stiction", "no_stiction", "undecided", "not_testable")
     assert found.reasons
     assert 0 <= found.confidence <= 1
