@@ -30,7 +30,7 @@ def load_settings(path: Path) -> Settings:
         line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
         raise ConfigError([f"{path}: {line}not YAML: {error.problem}"]) from error
     except yaml.YAMLError as error:
-        raise ConfigError([f"{path}: not YAML: {error}"]) from error
+        raise ConfigError([f"{path}: not YAML: {' '.join(str(error).split())}"]) from error
     try:
         return settings_of(raw)
     except ConfigError as error:
