@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 LARGEST = 1e15
 """No plant has such numbers: historians mark lost values by 1e30 and the like."""
-DEFAULT_QUANTIFIER = "lee2008"
+DEFAULT_QUANTIFIER = "free_run"
 COARSE = 15.0
 """Samples a period below which the shape of a stroke is hardly seen; the paper asks for 50."""
 

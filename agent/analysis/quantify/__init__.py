@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from agent.analysis.quantify.free_run import FreeRun
 from agent.analysis.quantify.lee2008 import Lee2008
 from agent.analysis.quantify.quantifier import Quantifier
 
 __all__ = ["QUANTIFIERS", "Quantifier", "quantifier"]
 
-QUANTIFIERS: tuple[Quantifier, ...] = (Lee2008("grid"), Lee2008("random"))
+QUANTIFIERS: tuple[Quantifier, ...] = (FreeRun(), Lee2008("grid"), Lee2008("random"))
 
 
 def quantifier(name: str) -> Quantifier:

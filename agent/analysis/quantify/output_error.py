@@ -35,7 +35,8 @@ def valve_position(op: NDArray[np.float64], f_s: float, f_d: float) -> NDArray[n
     first = 0
     while np.isnan(op[first]):
         first += 1
-    position = he2007(op, f_s, f_d, op[first])
+    # From its start the position of a valve that never moves is exactly zero, and stays so less its mean.
+    position = he2007(op - op[first], f_s, f_d, 0.0)
     for t in range(op.size):
         if np.isnan(op[t]):
             position[t] = np.nan

@@ -12,7 +12,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.objective import DELAY, J_RATIO, LOG_TAU, LOG_TAU2, SIZE, START, S
+from agent.analysis.quantify.free_run.objective import (
+    DELAY,
+    HE2007,
+    J_RATIO,
+    LAW,
+    LOG_TAU,
+    LOG_TAU2,
+    SIZE,
+    START,
+    S,
+)
 from agent.analysis.quantify.free_run.problem import Problem, nuisance_basis
 from agent.jit import kernel
 
@@ -31,15 +41,15 @@ TAUS = 8
 S_BINS = 25
 
 
-def coarse_candidates(problem: Problem, per_bin: int) -> FloatArray:
-    """Return the ``per_bin`` best of each bin of S and J, shape (k, 6).
+def coarse_candidates(problem: Problem, law: float, per_bin: int) -> FloatArray:
+    """Return the ``per_bin`` best of each bin of S and J for one law of the valve, shape (k, 7).
 
     By bins, because the cells of one broad wrong basin would crowd out the needles.
     """
     s_values = np.linspace(0.004, 1.0, S_STEPS) * problem.op_span
     taus = np.geomspace(0.7, max(10.0, min(len(problem.op) / 3, 4 * problem.period)), TAUS)
     delays = bank_delays(problem)
-    scores, places = score_grid(problem, s_values, taus, delays)
+    scores, places = score_grid(problem, law, s_values, taus, delays)
     start = scores.argmax(axis=2)
     best = scores.max(axis=2)
     bins = (s_values / problem.op_span * S_BINS).astype(int)
@@ -61,7 +71,7 @@ def coarse_candidates(problem: Problem, per_bin: int) -> FloatArray:
                 candidate[LOG_TAU2] = math.log(0.2 * taus[tau])
                 candidate[DELAY] = 1.0 + delays[delay]
                 candidate[S], candidate[J_RATIO] = s_values[i], J_RATIOS[j]
-                candidate[START] = STARTS[r]
+                candidate[START], candidate[LAW] = STARTS[r], law
                 chosen.append(candidate)
     return np.array(chosen).reshape(-1, SIZE)
 
@@ -76,7 +86,7 @@ def bank_delays(problem: Problem) -> NDArray[np.int64]:
 
 
 def score_grid(
-    problem: Problem, s_values: FloatArray, taus: FloatArray, delays: NDArray[np.int64]
+    problem: Problem, law: float, s_values: FloatArray, taus: FloatArray, delays: NDArray[np.int64]
 ) -> tuple[FloatArray, NDArray[np.int64]]:
     """Return the explained share of PV, shape (S, J, start), and the place in the bank that reached it."""
     n = min(len(problem.op), LONGEST)
@@ -108,6 +118,7 @@ def score_grid(
         J_RATIOS,
         STARTS,
         problem.gain_sign,
+        law,
     )
 
 
@@ -152,6 +163,7 @@ def scan(
     j_ratios: FloatArray,
     starts: FloatArray,
     gain_sign: int,
+    law: float,
 ) -> tuple[FloatArray, NDArray[np.int64]]:
     """Return scores and bank places of ``score_grid``; level and slope stand in ``line``, shape (n, 2)."""
     n = op.size
@@ -179,11 +191,18 @@ def scan(
                 former_slip = slip
                 moves = 0
                 x = x0
+                moving = 0.0
+                former = op[0]
                 known = False
                 for t in range(n):
-                    force = op[t] - x
-                    if abs(force) > f_s:
-                        moved = op[t] - f_d if force > 0.0 else op[t] + f_d
+                    if law == HE2007 or not (op[t] - former) * moving > 0.0:
+                        moving = 0.0
+                        force = op[t] - x
+                        if abs(force) > f_s:
+                            moving = 1.0 if force > 0.0 else -1.0
+                    former = op[t]
+                    if moving != 0.0:
+                        moved = op[t] - moving * f_d
                         moved_at[moves] = t
                         moved_by[moves] = moved - x
                         moves += 1

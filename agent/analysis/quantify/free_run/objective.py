@@ -14,17 +14,20 @@ import numpy as np
 from agent.analysis.quantify.free_run.problem import Problem
 from agent.jit import kernel
 from agent.physics.valves.he2007 import he2007
+from agent.physics.valves.two_state import two_state
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
 
 # Structures of the process.
 FOPDT, SOPDT, INTEGRATOR = 0, 1, 2
-# Coordinates of a candidate, shape (6,).
-LOG_TAU, DELAY, LOG_TAU2, S, J_RATIO, START = range(6)
+# Laws of the valve: He's rests after each slip, the two-state one slides on while OP goes on.
+HE2007, TWO_STATE = 0.0, 1.0
+# Coordinates of a candidate, shape (7,).
+LOG_TAU, DELAY, LOG_TAU2, S, J_RATIO, START, LAW = range(7)
 # log(tau) and log(tau2) in samples; delay in samples, >= 1; S in OP units, 0: no stiction; J/S;
 # start: force on the stem before the first sample over f_S, -1 to 1.
-SIZE = 6
+SIZE = 7
 
 IMPOSSIBLE = np.inf
 LEAST_LOG_TAU = math.log(0.2)
@@ -119,7 +122,10 @@ def valve_position(candidate: FloatArray, op: FloatArray) -> FloatArray:
         return op
     f_s = candidate[S] * (1.0 + candidate[J_RATIO]) / 2.0
     f_d = candidate[S] * (1.0 - candidate[J_RATIO]) / 2.0
-    return he2007(op, f_s, f_d, op[0] - candidate[START] * f_s)
+    x0 = op[0] - candidate[START] * f_s
+    if candidate[LAW] == HE2007:
+        return he2007(op, f_s, f_d, x0)
+    return two_state(op, f_s, f_d, x0)
 
 
 @kernel

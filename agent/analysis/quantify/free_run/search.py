@@ -13,11 +13,13 @@ from agent.analysis.quantify.free_run.local_search import random_steps, simplex
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FOPDT,
+    HE2007,
     INTEGRATOR,
     LOG_TAU,
     LOG_TAU2,
     SIZE,
     SOPDT,
+    TWO_STATE,
     S,
     free_run_error,
 )
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray, LoopHints
 
 SEARCHED = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY, LOG_TAU2), INTEGRATOR: (DELAY,)}
-STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0])
+STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0])
 WORTH_A_POLE = 0.99
 """A second pole must lower the error to this share, or the simpler process is reported."""
 
@@ -93,11 +95,14 @@ def best_stiction(problem: Problem, hints: LoopHints, per_bin: int = 1) -> Fitte
     """Return the best sticking model, or None where no candidate moves the valve."""
     allowed = structures(hints)
     first = INTEGRATOR if allowed == (INTEGRATOR,) else FOPDT
-    fits = [start(candidate, first, problem) for candidate in coarse_candidates(problem, per_bin)]
+    fits = []
+    for law in (HE2007, TWO_STATE):
+        tried = [start(c, first, problem) for c in coarse_candidates(problem, law, per_bin)]
+        tried = by_error([refine(f, problem, 1.0, 40, 80) for f in tried])
+        fits += [refine(f, problem, 1.0, 60, 150) for f in tried[: 20 * per_bin]]
     if not fits:
         return None
-    fits = by_error([refine(f, problem, 1.0, 40, 80) for f in fits])
-    fits = by_error([refine(f, problem, 1.0, 60, 150) for f in fits[: 24 * per_bin]])
+    fits = by_error(fits)
     final = []
     for structure in allowed:
         for fitted in fits[:6]:
