@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
     from agent.analysis.recording import FloatArray, LoopWindow
 
-THRESHOLD = 1.2
-"""Evidence above which the valve is said to stick."""
+THRESHOLD = 1.4
+"""Evidence above which the valve is said to stick: 5 % of simulated loops without stiction exceed it."""
 SHORT_DELAYS = 20
 """Delays always searched, samples."""
 AROUND_ESTIMATE = 5
