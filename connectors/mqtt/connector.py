@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import logging
 import math
@@ -9,12 +10,14 @@ import time
 from collections.abc import AsyncIterator, Iterator, Mapping
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
 
-from aiomqtt import Client, MqttError, ProtocolVersion
+from aiomqtt import Client, Message, MqttError, ProtocolVersion
 
 from connectors.base import ConnectionLostError, Publication, Sample, Session
 from connectors.mqtt.options import MqttOptions, MqttTag, MqttTarget
 from connectors.mqtt.reader import TopicReader
 from connectors.options import LoopTags
+
+logging.getLogger("mqtt").setLevel(logging.CRITICAL)  # what it logs, the session raises
 
 _LOG = logging.getLogger(__name__)
 _VERSIONS = {"3.1.1": ProtocolVersion.V311, "5": ProtocolVersion.V5}
@@ -89,6 +92,21 @@ class MqttSession:
         return {topic: code for topic, code in zip(self._tags, codes, strict=True) if code >= 0x80}
 
 
+class Inbox(asyncio.Queue[Message]):
+    """Messages that wait to be read; while it is full, new ones are dropped, and that is logged once."""
+
+    _dropped = 0
+
+    def put_nowait(self, item: Message) -> None:
+        """Keep a message, or count it as dropped."""
+        if not self.full():
+            super().put_nowait(item)
+            return
+        if self._dropped == 0:
+            _LOG.warning("topic %s: messages are dropped, the reader is too slow", item.topic)
+        self._dropped += 1
+
+
 @asynccontextmanager
 async def connected(options: MqttOptions) -> AsyncIterator[Client]:
     """Connect a fresh client; raises ConnectionLostError."""
@@ -98,6 +116,7 @@ async def connected(options: MqttOptions) -> AsyncIterator[Client]:
         protocol=_VERSIONS[options.version],
         timeout=options.timeout,
         keepalive=options.keepalive,
+        queue_type=Inbox,
         max_queued_incoming_messages=options.queue,
     )
     with _as_connection_lost():

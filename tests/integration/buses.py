@@ -53,7 +53,7 @@ def free_port():
 
 @contextlib.asynccontextmanager
 async def mosquitto_broker(path, folder):
-    """Run mosquitto and yield its port."""
+    """Run mosquitto and yield its port and process."""
     port = free_port()
     config = folder / "mosquitto.conf"
     config.write_text(f"listener {port} 127.0.0.1\nallow_anonymous true\n")
