@@ -1,0 +1,35 @@
+import numpy as np
+import pytest
+
+from simulators.disturbance import Load, TransmitterNoise
+from simulators.parameters import Drift, Noise, Sinusoid
+
+
+def load(sinusoid=None, drift=None, n=2000):
+    source = Load(sinusoid or Sinusoid(), drift or Drift(), 1.0, np.random.default_rng(1))
+    return np.array([source.over(float(t)) for t in range(n)])
+
+
+def test_no_disturbance_is_no_load():
+    assert not load().any()
+
+
+def test_sinusoid_has_its_amplitude_and_period():
+    values = load(Sinusoid(amplitude=3.0, period=50.0))
+    assert values.max() == pytest.approx(3.0, abs=0.01)
+    assert np.argmax(np.abs(np.fft.rfft(values))) == 2000 / 50
+
+
+def test_ramp_and_walk():
+    assert load(drift=Drift(ramp=-0.01))[1000] == pytest.approx(-10)
+    steps = np.diff(load(drift=Drift(walk=0.2), n=5000))
+    assert steps.std() == pytest.approx(0.2, rel=0.05)
+
+
+@pytest.mark.parametrize("correlation", [0.0, 3.0])
+def test_noise_has_its_deviation_and_memory(correlation):
+    noise = TransmitterNoise(Noise(std=0.5, correlation=correlation), 1.0, np.random.default_rng(2))
+    values = np.array([noise.next() for _ in range(20_000)])
+    assert values.std() == pytest.approx(0.5, rel=0.05)
+    expected = np.exp(-1 / correlation) if correlation else 0.0
+    assert np.corrcoef(values[1:], values[:-1])[0, 1] == pytest.approx(expected, abs=0.03)
