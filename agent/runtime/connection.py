@@ -9,7 +9,7 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 from agent.runtime.outbox import Outbox
-from agent.runtime.supervisor import Health
+from agent.runtime.supervisor import Health, obey_cancellation
 from connectors.base import ConnectionLostError, Connector, RefusedError, Sample, Session
 
 LOG = logging.getLogger(__name__)
@@ -69,6 +69,7 @@ class Connection:
                     silence.reschedule(clock.time() + self._data_age)
                     self.health.works()
                     deliver(sample)
+                    obey_cancellation()
         except TimeoutError as error:
             raise ConnectionLostError(f"no data for {self._data_age:g} s") from error
         raise ConnectionLostError("the stream of samples ended")
@@ -82,6 +83,7 @@ class Connection:
                 self.refused += 1
                 LOG.warning("connection %s refuses to publish: %s", self._connector.name, error)
             self._outbox.remove(publication)
+            obey_cancellation()
 
 
 @asynccontextmanager
@@ -93,6 +95,7 @@ async def _opened(session: AbstractAsyncContextManager[Session]) -> AsyncIterato
     except TimeoutError as error:
         raise ConnectionLostError(f"no answer within {OPEN_WITHIN:.0f} s") from error
     try:
+        obey_cancellation()
         yield opened
     finally:
         try:

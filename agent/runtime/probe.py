@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from dataclasses import dataclass
 
+from agent.runtime.supervisor import obey_cancellation
 from agent.settings import Settings, connectors_of
 from connectors.base import ConnectionLostError, Connector, Quality, Sample, Session
 
@@ -57,6 +58,7 @@ async def _collect(session: Session, tags: set[str], samples: dict[str, Sample])
         return
     async for sample in session.samples():
         samples.setdefault(sample.tag, sample)
+        obey_cancellation()
         if tags <= samples.keys():
             return
 

@@ -89,13 +89,22 @@ async def keep_alive(
             health.lost(ConnectionLostError(_first(group)))
         except* Exception as group:  # noqa: BLE001  # see the top of this file
             health.failed(_first(group))
-        task = asyncio.current_task()
-        if task is not None and task.cancelling():
-            raise asyncio.CancelledError  # some library swallowed it on the way out
+        obey_cancellation()
         if clock.time() - began > LASTED:
             health.attempts = 1
         longest = min(FIRST_WAIT * 2 ** min(health.attempts - 1, 10), LONGEST_WAIT)
         await asyncio.sleep(uniform(0, longest))
+
+
+def obey_cancellation() -> None:
+    """Raise CancelledError if this task was cancelled and a library kept that to itself.
+
+    ``asyncio.wait_for`` of Python 3.11 does when its result comes at the same moment, and both asyncua and
+    pymodbus wait with it.
+    """
+    task = asyncio.current_task()
+    if task is not None and task.cancelling():
+        raise asyncio.CancelledError
 
 
 def _first(group: BaseExceptionGroup[Exception]) -> Exception:

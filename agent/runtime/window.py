@@ -85,6 +85,10 @@ class RollingWindow:
         ring = self._rings.get(role)
         if ring is None or not math.isfinite(sample.time):
             return None
+        if sample.quality is Quality.BAD and ring.newest == NEVER:
+            # Servers give "no value yet" the time of their own clock, which need not be the plant's.
+            self.counters.bad += 1
+            return None
         if self._origin is None:
             if role != "pv":
                 self._before_pv[role] = sample
@@ -181,10 +185,12 @@ class RollingWindow:
     def _silent(self, first: int, n: int) -> NDArray[np.bool_]:
         """True at the grid points that lie in a silence of the whole loop, shape (n,)."""
         settings = self._settings
-        pv, op = self._rings["pv"].times(), self._rings["op"].times()
-        longest = TOLD_TOGETHER * settings.ts if np.array_equal(pv, op) else settings.longest_silence
+        start = (self._origin or 0.0) + first * settings.ts
+        end = start + (n - 0.5) * settings.ts
+        pv, op = ([t for t in self._rings[role].times() if start <= t < end] for role in ("pv", "op"))
+        longest = TOLD_TOGETHER * settings.ts if pv == op else settings.longest_silence
         reports = np.unique(np.concatenate([ring.times() for ring in self._rings.values()]))
-        slots = np.rint((reports - (self._origin or 0.0)) / settings.ts).astype(np.int64) - first
+        slots = np.rint((reports - start) / settings.ts).astype(np.int64)
         silent = np.zeros(n, dtype=np.bool_)
         for k in np.flatnonzero(np.diff(reports) > longest):
             silent[max(slots[k] + 1, 0) : max(slots[k + 1], 0)] = True

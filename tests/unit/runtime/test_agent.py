@@ -1,6 +1,7 @@
 """The daemon in virtual time: hours of five loops in seconds, with all that goes wrong on a bus."""
 
 import asyncio
+import contextlib
 import logging
 import math
 import tracemalloc
@@ -297,6 +298,20 @@ def test_it_ends_in_time_though_a_peer_does_not_let_go():
         return asyncio.get_running_loop().time() - start
 
     assert virtual(scenario()) < 5.0
+
+
+class DeafBus(FakeBus):
+    """Keeps a cancellation to itself when a sample comes, as wait_for of Python 3.11 does."""
+
+    async def samples(self):
+        for t in range(10_000):
+            with contextlib.suppress(asyncio.CancelledError):
+                await asyncio.sleep(1.0)
+            yield swinging("FIC101", t)[0]
+
+
+def test_it_ends_though_a_library_swallows_the_cancellation():
+    virtual(worked(agent_of(DeafBus(None)), 100.5))
 
 
 def test_it_knows_the_newest_source_time_of_a_loop():

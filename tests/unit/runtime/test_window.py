@@ -76,6 +76,12 @@ def test_a_bad_value_is_missing_until_the_next_good_one_and_an_uncertain_one_is_
     assert (rolling.counters.bad, rolling.counters.uncertain, rolling.counters.missing) == (1, 1, 1)
 
 
+def test_a_server_that_waits_for_its_first_value_does_not_set_the_clock():
+    waiting = [sample(role, 1e8, 0.0, Quality.BAD) for role in ("pv", "op")]
+    (window,) = push_all(RollingWindow(loop_settings()), [*waiting, *both(range(40))])
+    assert np.isfinite(window.pv).all()
+
+
 def test_a_bad_value_that_is_not_told_again_stays_missing():
     samples = [*both(range(10)), sample("pv", 10, 99.0, Quality.BAD)]
     samples += [sample("op", t, t / 10) for t in range(10, 40 + LATEST)]
