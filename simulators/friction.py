@@ -1,4 +1,4 @@
-"""How friction holds a valve stem: one step of time under Karnopp's law and under LuGre.
+"""How friction holds a valve stem: steps of time under Karnopp's law and under LuGre.
 
 All forces are divided by the rate of the spring, so that force and position share one unit, the unit of OP:
 
@@ -7,6 +7,8 @@ All forces are divided by the rate of the spring, so that force and position sha
 with the actuator force p and the position x (OP units), the inertia m (s2) and the viscous damping c (s).
 Both steps are implicit in spring and damping and therefore stable at any step; their error is first order.
 
+All kernels that call each other stand in this one file: numba's cache does not see a change in another.
+
 Sources: Karnopp (1985), J. Dyn. Sys. Meas. Control 107:100; Canudas de Wit, Olsson, Astrom, Lischinsky
 (1995), IEEE TAC 40:419; constants of valves in reference ``methods.md`` 1.8.
 """
@@ -14,9 +16,16 @@ Sources: Karnopp (1985), J. Dyn. Sys. Meas. Control 107:100; Canudas de Wit, Ols
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from agent.jit import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
 
 Motion = tuple[float, float, float]
 """Position (OP units), speed (OP units per second) and mean deflection of the bristles (LuGre, OP units)."""
@@ -41,6 +50,20 @@ class Stem(NamedTuple):
     """LuGre's sigma_0 over spring rate, without unit."""
     bristle_damping: float
     """LuGre's sigma_1 over spring rate, s."""
+
+
+class Actuator(NamedTuple):
+    """The valve around the stem, in numbers a compiled loop takes."""
+
+    stem: Stem
+    lugre: bool
+    """LuGre's law; otherwise Karnopp's."""
+    tau_ip: float
+    """Lag of I/P converter and actuator, s."""
+    low: float
+    """Lower stop, OP units."""
+    high: float
+    """Upper stop, OP units."""
 
 
 @kernel
@@ -79,3 +102,27 @@ def lugre_step(motion: Motion, p: float, dt: float, stem: Stem) -> Motion:
     drive = stem.inertia * v / dt + (p - x) - hold * kept * z + stem.bristle_damping * z / dt
     moved = drive / (stem.inertia / dt + stem.damping + dt + hold * kept * dt)
     return x + dt * moved, moved, (z + dt * moved) * kept
+
+
+@kernel
+def stroke(state: FloatArray, op: float, steps: int, dt: float, actuator: Actuator) -> FloatArray:
+    """Stem positions over ``steps`` steps of ``dt`` s with OP held, OP units, shape (steps,).
+
+    ``state`` is actuator force, position, speed and bristle deflection; it is left as the stroke ends.
+    """
+    positions = np.empty(steps)
+    keep = math.exp(-dt / actuator.tau_ip) if actuator.tau_ip > 0.0 else 0.0
+    p, motion = state[0], (state[1], state[2], state[3])
+    for i in range(steps):
+        p = op + (p - op) * keep
+        if actuator.lugre:
+            motion = lugre_step(motion, p, dt, actuator.stem)
+        else:
+            motion = karnopp_step(motion, p, dt, actuator.stem)
+        x, _, z = motion
+        if x < actuator.low or x > actuator.high:
+            motion = (min(max(x, actuator.low), actuator.high), 0.0, z)
+        positions[i] = motion[0]
+    state[0] = p
+    state[1], state[2], state[3] = motion
+    return positions

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.jit import kernel
-from simulators.friction import Stem, karnopp_step, lugre_step
+from simulators.friction import Actuator, Stem, stroke
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,44 +17,6 @@ if TYPE_CHECKING:
 
 STEP = {"none": 0.002, "karnopp": 0.002, "lugre": 0.001}
 """Longest step of integration by friction law, s (docs/simulators.md shows what a finer one changes)."""
-
-
-class Actuator(NamedTuple):
-    """The valve around the stem, in numbers a compiled loop takes."""
-
-    stem: Stem
-    lugre: bool
-    """LuGre's law; otherwise Karnopp's."""
-    tau_ip: float
-    """Lag of I/P converter and actuator, s."""
-    low: float
-    """Lower stop, OP units."""
-    high: float
-    """Upper stop, OP units."""
-
-
-@kernel
-def stroke(state: FloatArray, op: float, steps: int, dt: float, actuator: Actuator) -> FloatArray:
-    """Stem positions over ``steps`` steps of ``dt`` s with OP held, OP units, shape (steps,).
-
-    ``state`` is actuator force, position, speed and bristle deflection; it is left as the stroke ends.
-    """
-    positions = np.empty(steps)
-    keep = math.exp(-dt / actuator.tau_ip) if actuator.tau_ip > 0.0 else 0.0
-    p, motion = state[0], (state[1], state[2], state[3])
-    for i in range(steps):
-        p = op + (p - op) * keep
-        if actuator.lugre:
-            motion = lugre_step(motion, p, dt, actuator.stem)
-        else:
-            motion = karnopp_step(motion, p, dt, actuator.stem)
-        x, _, z = motion
-        if x < actuator.low or x > actuator.high:
-            motion = (min(max(x, actuator.low), actuator.high), 0.0, z)
-        positions[i] = motion[0]
-    state[0] = p
-    state[1], state[2], state[3] = motion
-    return positions
 
 
 class Valve:

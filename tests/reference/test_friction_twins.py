@@ -7,8 +7,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from simulators import process
-from simulators.friction import Stem
-from simulators.valve import Actuator, stroke
+from simulators.friction import Actuator, Stem, stroke
 
 HOLD = 1.2  # s, long enough for a stroke to end
 FINE = 2e-4  # s, step of Karnopp's twin
