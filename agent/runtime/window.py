@@ -30,8 +30,9 @@ if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
     from agent.settings import LoopSettings
 
-LATEST = 60
-"""Samples a role may be behind the others before it counts as silent: a bus may send role after role."""
+LATEST = 150
+"""Samples a role may be behind the others before it counts as silent. A bus may send role after role, and an
+OPC UA server keeps 100 values a node between two notifications unless told otherwise."""
 CLOCK_SET_BACK = 60
 """Samples in a row from the past after which the source's clock was set back, and time starts anew."""
 TOLD_TOGETHER = 1.5
