@@ -1,7 +1,7 @@
-"""How often the paper's method is right on simulated loops that it has not seen; the valves obey Karnopp or LuGre.
+"""How often the paper's method is right on simulated loops; their valves obey Karnopp or LuGre.
 
-The threshold came from seeds 0 to 39 (``docs/methods/lee2008.md``), these are others. Drift is where it is weak:
-the removed mean does not follow it.
+The threshold came from seeds 0 to 39 (``docs/methods/lee2008.md``), these are others. Drift is where it is
+weak: the removed mean does not follow it.
 """
 
 import numpy as np

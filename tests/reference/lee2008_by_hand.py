@@ -50,7 +50,7 @@ def arx(mv, pv, delay, order):
 
 def plausible(coefficients, structure, gain_sign):
     a1, a2, b1, b2, _ = coefficients
-    if gain_sign * (b1 + b2) < 0:
+    if gain_sign * (b1 + b2) < 0 or b1 * (b1 + b2) < 0:
         return False
     if structure == INTEGRATOR:
         return True

@@ -42,8 +42,7 @@ def random_search(objective: Objective, largest: float) -> FloatArray:
     """Multistart adaptive random search, then a local search from the best of its ends.
 
     Each start makes normal steps about its best point and halves them after some that fail. No stiction is
-    one of the starts, so that a healthy valve comes out as exactly zero. The seed is fixed: one record, one
-    answer.
+    one of the starts, lest the search should miss it. The seed is fixed: one record, one answer.
     """
     starts, failures_allowed, kept = 32, 6, 4
     random = np.random.default_rng(2008)

@@ -43,7 +43,7 @@ SHORT_DELAYS = 20
 AROUND_ESTIMATE = 5
 """Delays searched on each side of the estimated one, samples."""
 
-NO_STICTION = np.zeros((1, 2))
+NO_STICTION = np.zeros(2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ class Lee2008:
         if best is None:
             return _failed(self.name, "no process with a real lag and a steady gain follows PV from OP")
         # The rival without stiction may take any delay: a wrong hint must not make a valve look sticky.
-        linear = record.best_model(NO_STICTION[0], np.union1d(free_delays, delays), structures)
+        linear = record.best_model(NO_STICTION, np.union1d(free_delays, delays), structures)
         linear_error = min(record.variance, np.inf if linear is None else linear.error)
         evidence = linear_error / max(best.error, 1e-12 * record.variance)
         return Quantification(

@@ -55,17 +55,19 @@ def fit_process(mv: NDArray[np.float64], pv: NDArray[np.float64], delay: int, st
 
 @kernel
 def plausible(process: Arx, gain_sign: int) -> bool:
-    """Whether a plant may be so: no pole oscillates or grows, the slowest is positive, the gain has its sign.
+    """Whether a plant may be so.
 
-    Least squares yields such models when the valve or the delay is wrong: an oscillating pole would explain a
-    limit cycle without any valve. A fast pole may be negative: noise on PV does that to a second order.
+    No pole oscillates or grows, the slowest is positive, PV sets out in the direction in which it ends, and the
+    gain has its sign. Least squares yields others when the valve or the delay is wrong. An oscillating pole
+    would explain a limit cycle without any valve; b1 and b2 that nearly cancel are the controller, inverted.
+    A fast pole may be negative: noise on PV does that to a second order.
 
     Args:
         process: The fitted process; a NaN in it is not plausible.
         gain_sign: 1 or -1 where the engineer knows it, else 0.
     """
     gain = process.b1 + process.b2
-    if np.isnan(gain) or gain_sign * gain < 0:
+    if np.isnan(gain) or gain_sign * gain < 0 or process.b1 * gain < 0:
         return False
     if process.a1 == 1.0 and process.a2 == 0.0:
         return True  # the integrator, whose pole was not fitted
