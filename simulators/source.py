@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Protocol
 
@@ -71,7 +72,11 @@ class RecordingSource:
         return float(np.median(np.diff(time))) if time.size > 1 else 1.0
 
     def rows(self) -> Iterator[Row]:
-        """All rows from the first on; only the roles that were recorded."""
+        """All rows from the first on; only the roles that were recorded.
+
+        One more row follows the last: its numbers are unknown, for nobody knows what came then. It tells a
+        reader of a bus that reports changes only that the last values held to the end.
+        """
         recording = self._recording
         columns = {"pv": recording.pv, "op": recording.op, "sp": recording.sp, "mv": recording.mv}
         for i, time in enumerate(recording.time):
@@ -81,3 +86,10 @@ class RecordingSource:
             if recording.mode is not None:
                 values["mode"] = recording.mode[i]
             yield Row(float(time), values)
+        if recording.time.size:
+            ended: dict[str, float | str] = {
+                role: math.nan for role, column in columns.items() if column is not None
+            }
+            if recording.mode is not None:
+                ended["mode"] = recording.mode[-1]
+            yield Row(float(recording.time[-1]) + self.ts, ended)

@@ -8,8 +8,10 @@ from collections.abc import Callable, Sequence
 import typer
 
 from agent.cli.check import check
+from agent.cli.demo import demo
 from agent.cli.diagnose import diagnose
 from agent.cli.errors import BAD_INPUT, complain
+from agent.cli.replay import replay
 from agent.cli.run import run
 from agent.cli.simulate import simulate
 from agent.cli.warm import warm
@@ -38,7 +40,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-COMMANDS: tuple[Callable[..., None], ...] = (run, check, diagnose, simulate)
+COMMANDS: tuple[Callable[..., None], ...] = (demo, diagnose, replay, run, check, simulate)
 """Each is named as its function; its docstring is its help."""
 HIDDEN: tuple[Callable[..., None], ...] = (warm,)
 

@@ -91,6 +91,10 @@ class Agent:
         """Newest source time that came in for a loop, s UTC; None before the first sample."""
         return self._pipelines[loop].window.newest
 
+    def busy(self, loop: str) -> bool:
+        """Whether a window of this loop waits for its diagnosis or has it made."""
+        return self._pipelines[loop].busy
+
     def status(self) -> tuple[LoopStatus, ...]:
         """Look at every loop; call it while the agent runs."""
         now = asyncio.get_running_loop().time()

@@ -50,6 +50,7 @@ class LoopPipeline:
         self._on_diagnosis = on_diagnosis
         self._diagnose = diagnose
         self._waiting: LoopWindow | None = None
+        self._judging = False
         self._due = asyncio.Event()
 
     def push(self, sample: Sample, arrival: float) -> None:
@@ -61,6 +62,11 @@ class LoopPipeline:
         self._waiting = window
         self._due.set()
 
+    @property
+    def busy(self) -> bool:
+        """Whether a window waits for its diagnosis or has it made."""
+        return self._judging or self._waiting is not None
+
     async def run(self) -> NoReturn:
         """Diagnose what comes due, until cancelled."""
         while True:
@@ -68,11 +74,15 @@ class LoopPipeline:
             self._due.clear()
             window, self._waiting = self._waiting, None
             if window is not None:
-                await self._judge(window)
+                self._judging = True
+                try:
+                    await self._judge(window)
+                finally:
+                    self._judging = False
 
     async def _judge(self, window: LoopWindow) -> None:
         seen = trigger(window)
-        if seen.fires:
+        if seen.fires or self.settings.quantify == "always":
             diagnosis = await self._executor.run(self._diagnose, window)
         else:
             diagnosis = quiet(window, seen.oscillation)

@@ -97,6 +97,8 @@ class LoopSettings(Options):
     tags: Mapping[str, Options]
     """Role (pv, op, and if there are any sp, mv, mode) -> address on the connection."""
     window: WindowSettings = WindowSettings()
+    quantify: Literal["when_it_moves", "always"] = "when_it_moves"
+    """Which windows get a full diagnosis: those in which the loop oscillates or OP travels, or all."""
     alarm: AlarmSettings = AlarmSettings()
     publish: tuple[Target, ...] = ()
     """Where its alarm is told."""

@@ -73,4 +73,6 @@ class MqttServer:
         async with Client(self._host, self.port) as client:
             await client.subscribe([(topic, AT_LEAST_ONCE) for topic in loops])
             async for message in client.messages:
+                if message.topic.value not in loops:
+                    continue  # amqtt was seen to send what nobody asked for
                 yield loops[message.topic.value], bool(json.loads(bytes(message.payload))["active"])

@@ -36,17 +36,20 @@ def test_plant_starts_anew_with_each_call():
 def test_recording_gives_only_what_it_has_and_keeps_its_gaps():
     source: Source = RecordingSource(recording([10.0, 15.0, 20.0], pv=np.array([1.0, math.nan, 3.0])))
     assert (source.loop, source.ts) == ("FIC9", 5.0)
-    rows = list(source.rows())
+    *rows, ended = source.rows()
     assert [row.time for row in rows] == [10.0, 15.0, 20.0]
     assert all(set(row.values) == {"op", "pv"} for row in rows)
     assert [row.values["op"] for row in rows] == [50.0, 51.0, 52.0]
     assert math.isnan(rows[1].values["pv"])
+    assert ended.time == 25.0
+    assert all(math.isnan(value) for value in ended.values.values())
 
 
 def test_recording_with_every_role():
     full = recording([0.0, 1.0], sp=np.array([9.0, 9.0]), mv=np.array([3.0, 4.0]), mode=("AUTO", "MAN"))
     rows = list(RecordingSource(full).rows())
     assert rows[1].values == {"pv": 8.0, "op": 51.0, "sp": 9.0, "mv": 4.0, "mode": "MAN"}
+    assert rows[2].values["mode"] == "MAN"
 
 
 def test_sampling_time_is_the_median_distance():
@@ -59,5 +62,5 @@ def test_real_recording(recordings):
     source = RecordingSource(loop)
     rows = list(source.rows())
     assert source.ts == 1.0
-    assert len(rows) == len(loop.time)
-    assert rows[-1].values["op"] == loop.op[-1]
+    assert len(rows) == len(loop.time) + 1
+    assert rows[-2].values["op"] == loop.op[-1]
