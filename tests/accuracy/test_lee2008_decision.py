@@ -27,7 +27,7 @@ def share_told_sticking(kind):
 @pytest.mark.bench
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize(
-    ("kind", "most"), [("none_noise", 0.0), ("tuning", 0.1), ("sinusoid", 0.15), ("drift", 0.35)]
+    ("kind", "most"), [("none_noise", 0.0), ("tuning", 0.1), ("sinusoid", 0.2), ("drift", 0.3)]
 )
 def test_loops_without_stiction_are_seldom_accused(kind, most):
     assert share_told_sticking(kind) <= most
@@ -35,5 +35,5 @@ def test_loops_without_stiction_are_seldom_accused(kind, most):
 
 @pytest.mark.bench
 @pytest.mark.timeout(300)
-def test_most_sticking_valves_are_told():
-    assert share_told_sticking("stiction") >= 0.6
+def test_half_of_the_sticking_valves_are_told():
+    assert share_told_sticking("stiction") >= 0.5
