@@ -57,10 +57,10 @@ def fit_process(mv: NDArray[np.float64], pv: NDArray[np.float64], delay: int, st
 def plausible(process: Arx, gain_sign: int) -> bool:
     """Whether a plant may be so.
 
-    No pole oscillates or grows, the slowest is positive, PV sets out in the direction in which it ends, and the
-    gain has its sign. Least squares yields others when the valve or the delay is wrong. An oscillating pole
-    would explain a limit cycle without any valve; b1 and b2 that nearly cancel are the controller, inverted.
-    A fast pole may be negative: noise on PV does that to a second order.
+    No pole oscillates or grows, the slowest is positive, PV sets out in the direction in which it ends, and
+    the gain has its sign. Least squares yields others when the valve or the delay is wrong. An oscillating
+    pole would explain a limit cycle without any valve; b1 and b2 that nearly cancel are the controller,
+    inverted. A fast pole may be negative: noise on PV does that to a second order.
 
     Args:
         process: The fitted process; a NaN in it is not plausible.
