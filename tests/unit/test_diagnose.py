@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from agent.analysis.cause import line_power, swing_explained
+from agent.analysis.cause import coherent_share, line_power, swing_explained
 from agent.analysis.diagnose import diagnose
 from agent.analysis.diagnosis_json import diagnosis_json
 from agent.analysis.quantify import QUANTIFIERS
@@ -25,6 +25,9 @@ T = np.arange(N)
 WAVE = np.sin(2 * np.pi * T / 60)
 NOISE = np.random.default_rng(0).normal(size=N)
 WINDOW = LoopWindow("FIC101", 0.0, 1.0, op=50 + 5 * WAVE + 0.1 * NOISE, pv=20 + 2 * WAVE + 0.1 * NOISE)
+LOST_PHASE = np.sin(2 * np.pi * T / 60 + 1.5 * np.sin(2 * np.pi * T / 400))
+SHAKEN = LoopWindow("FIC101", 0.0, 1.0, op=50 + 5 * LOST_PHASE, pv=20 + 2 * LOST_PHASE + 0.1 * NOISE)
+"""As a loop close to instability swings: regular, but its phase wanders."""
 CALM = LoopWindow("FIC101", 0.0, 1.0, op=50 + NOISE, pv=20 + np.roll(NOISE, 100))
 
 STICKING = Quantification(
@@ -74,19 +77,24 @@ def test_sticking_valve():
     assert any("S = 3" in reason and "J = 1" in reason for reason in found.reasons)
 
 
-def test_swing_that_op_explains_is_tight_tuning():
+def test_swing_that_keeps_its_phase_comes_from_outside():
     found = judged(WINDOW, HEALTHY)
+    assert (found.verdict, found.cause, found.stiction_class) == ("no_stiction", "external_disturbance", None)
+
+
+def test_swing_that_op_explains_is_tight_tuning():
+    found = judged(SHAKEN, replace(HEALTHY, model_pv=SHAKEN.pv))
     assert (found.verdict, found.cause, found.stiction_class) == ("no_stiction", "tight_tuning", None)
 
 
 def test_swing_that_op_does_not_explain_comes_from_outside():
-    found = judged(WINDOW, replace(HEALTHY, model_pv=np.full(N, 20.0), linear_percent=5.0))
+    found = judged(SHAKEN, replace(HEALTHY, model_pv=np.full(N, 20.0), linear_percent=5.0))
     assert (found.verdict, found.cause) == ("no_stiction", "external_disturbance")
     assert found.confidence < 0.6
 
 
 def test_swing_that_op_explains_in_part_is_undecided():
-    found = judged(WINDOW, replace(HEALTHY, model_pv=20 + 2 * (1 - math.sqrt(0.35)) * WAVE))
+    found = judged(SHAKEN, replace(HEALTHY, model_pv=20 + (1 - math.sqrt(0.35)) * (SHAKEN.pv - 20)))
     assert found.cause == "undecided"
 
 
@@ -159,6 +167,13 @@ def test_line_power_of_a_wave_with_gaps_on_a_drift():
     wave[100:150] = np.nan
     assert line_power(wave, 70.0) == pytest.approx(4.5, rel=1e-6)
     assert swing_explained(replace(WINDOW, pv=wave), wave, 70.0) == pytest.approx(1)
+
+
+def test_coherent_share_of_a_wave_a_wandering_wave_and_noise():
+    assert coherent_share(WINDOW, 62.0) > 0.95  # also where the period is only roughly known
+    assert coherent_share(SHAKEN, 60.0) < 0.65
+    assert coherent_share(CALM, 60.0) < 0.1
+    assert coherent_share(replace(WINDOW, pv=np.full(N, 3.0)), 60.0) == 0
 
 
 KEYS = {
