@@ -61,6 +61,8 @@ class LoopWindow:
             if len(values) != n:
                 raise ValueError(f"{name} has {len(values)} samples, op has {n}")
             frozen = np.array(values)  # a copy: freezing the caller's array would surprise him
+            if frozen.dtype.kind == "f":
+                frozen[np.isinf(frozen)] = np.nan  # no instrument reads infinity
             frozen.setflags(write=False)
             object.__setattr__(self, name, frozen)
 
@@ -76,7 +78,7 @@ class LoopWindow:
     def error(self) -> FloatArray:
         """Control error SP - PV; without a set point the deviation of PV from its mean. PV units, (n,)."""
         finite = self.pv[np.isfinite(self.pv)]
-        with np.errstate(invalid="ignore", over="ignore"):  # infinite readings become NaN or stay infinite
+        with np.errstate(invalid="ignore", over="ignore"):  # the sum of huge readings
             mean = float(np.mean(finite)) if finite.size else np.nan
             return np.asarray((mean if self.sp is None else self.sp) - self.pv, dtype=np.float64)
 

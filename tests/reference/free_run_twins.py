@@ -70,6 +70,8 @@ def squares(columns, pv):
 def fit_gain(response, candidate, structure, problem):
     known = problem.weight > 0
     decay = startup(len(response), candidate, structure)
+    if squares(problem.basis[known], decay[known])[0] <= 1e-9:
+        decay = np.zeros(len(response))  # over before the first known sample, or a part of level and drift
     columns = np.column_stack([response, decay, problem.basis])[known]
     error, weights = squares(columns, problem.pv[known])
     if weights[0] * problem.gain_sign >= 0:

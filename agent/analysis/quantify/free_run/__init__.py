@@ -70,8 +70,8 @@ class FreeRun:
             quantifier=self.name,
             stiction=bands(sticking) if sticking is not None and evidence > 1.0 else None,
             process=process(chosen, problem, window.ts),
-            free_run_percent=fit_percent(chosen, window),
-            linear_percent=fit_percent(linear, window),
+            free_run_percent=fit_percent(chosen, window, problem),
+            linear_percent=fit_percent(linear, window, problem),
             evidence=evidence,
             decision=decision,
             model_pv=model_pv + slow_part(window, problem, model_pv),
@@ -139,8 +139,8 @@ def slow_part(window: LoopWindow, problem: Problem, free_run: FloatArray) -> Flo
     return np.asarray(problem.basis @ (problem.basis.T @ rest))
 
 
-def fit_percent(fitted: Fitted, window: LoopWindow) -> float:
-    """Return 100 (1 - ||PV - model|| / ||PV - mean PV||) over the known samples."""
-    known = window.pv[window.valid]
+def fit_percent(fitted: Fitted, window: LoopWindow, problem: Problem) -> float:
+    """Return 100 (1 - ||PV - model|| / ||PV - mean PV||) over the samples that count."""
+    known = window.pv[problem.weight > 0]
     spread = float(np.sum((known - known.mean()) ** 2))
     return 100.0 * (1.0 - math.sqrt(max(fitted.error, 0.0) / spread))

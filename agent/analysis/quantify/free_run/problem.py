@@ -10,22 +10,26 @@ import numpy as np
 from agent.analysis.controller_action import process_gain_sign
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from agent.analysis.recording import FloatArray, LoopWindow
 
 SLOW_TERMS = 2
 """Slow cosines beside level and slope: drift is in the base, or a drifting loop looks sticky."""
 LEAST_SAMPLES = 50
+SHORT_GAP = 1 / 12
+"""Length of a gap in OP, in periods, up to which a straight line stands for what is missing."""
 
 
 class Problem(NamedTuple):
     """What the compiled objective needs; a NamedTuple because numba takes it apart by itself."""
 
     op: FloatArray
-    """Controller output, last value held through gaps, OP units, (n,)."""
+    """Controller output, a straight line through each gap, OP units, (n,)."""
     pv: FloatArray
     """Process variable with the nuisance projected out and zero where unknown, PV units, (n,)."""
     weight: FloatArray
-    """1 where OP and PV are known, else 0, (n,)."""
+    """1 where OP and PV are known and the model can know what PV answers to, else 0, (n,)."""
     basis: FloatArray
     """Orthonormal level, slope and slow cosines on the known samples, (n, 4)."""
     gain_sign: int
@@ -54,12 +58,15 @@ def pose(window: LoopWindow) -> Problem | str:
         return "OP does not move"
     if np.ptp(window.pv[known]) <= 0:
         return "PV does not move"
-    op = hold_last(window.op)
+    op = bridge(window.op)
+    period = dominant_period(op)
+    known &= ~after_gaps(window.op, period)
+    if known.sum() < LEAST_SAMPLES or np.ptp(window.pv[known]) <= 0:
+        return "OP has so many gaps that PV answers to them all the time"
     weight = known.astype(np.float64)
     basis = nuisance_basis(weight, SLOW_TERMS)
     pv = np.where(known, window.pv, 0.0)
     pv = (pv - basis @ (basis.T @ pv)) * weight
-    period = dominant_period(op)
     max_delay = max(8.0, min(0.8 * period, n / 8))
     fixed = float(window.hints.delay or 0)
     return Problem(
@@ -77,11 +84,25 @@ def pose(window: LoopWindow) -> Problem | str:
     )
 
 
-def hold_last(op: FloatArray) -> FloatArray:
-    """Carry the last known value through gaps: a valve without a command keeps its place."""
-    index = np.where(np.isfinite(op), np.arange(len(op)), 0)
-    index[0] = int(np.argmax(np.isfinite(op)))
-    return np.ascontiguousarray(op[np.maximum.accumulate(index)])
+def bridge(op: FloatArray) -> FloatArray:
+    """Draw a line through each gap, level before the first and after the last known value."""
+    known = np.flatnonzero(np.isfinite(op))
+    return np.interp(np.arange(len(op)), known, op[known])
+
+
+def after_gaps(op: FloatArray, period: float) -> NDArray[np.bool_]:
+    """Return where PV still answers to OP that was not recorded, (n,).
+
+    A line bridges what is short against the period (samples). After a longer gap nothing counts for twice its
+    length, at most half a period: valve and process are elsewhere, and a sticking valve would explain that.
+    """
+    answering = np.zeros(len(op), dtype=np.bool_)
+    edges = np.flatnonzero(np.diff(~np.isfinite(op), prepend=False, append=False))
+    for first, end in edges.reshape(-1, 2):
+        length = end - first
+        if length > SHORT_GAP * period:
+            answering[end : end + int(min(2 * length, period / 2))] = True
+    return answering
 
 
 def nuisance_basis(weight: FloatArray, slow_terms: int) -> FloatArray:

@@ -1,0 +1,192 @@
+"""``free_run`` on the shipped simulated plants, whose valves obey laws that it does not fit."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from agent.analysis.quantify.free_run import FreeRun
+from agent.analysis.quantify.free_run.objective import HE2007
+from agent.analysis.quantify.free_run.problem import SHORT_GAP, after_gaps, bridge, pose
+from agent.analysis.recording import LoopHints, LoopWindow
+from simulators.plant import simulate
+from simulators.scenario import load_scenario
+from tests.conftest import ROOT
+from tests.reference.free_run_twins import first_order, valve
+
+SCENARIOS = sorted((ROOT / "config" / "scenarios").glob("*.yaml"))
+SAMPLES = 1200
+FREE_RUN = FreeRun()
+
+
+@cache
+def plant(name):
+    """A scenario and the window that the demo would see of it first."""
+    scenario = load_scenario(ROOT / "config" / "scenarios" / f"{name}.yaml")
+    record = simulate(scenario)
+    return scenario, LoopWindow(scenario.loop, 0.0, scenario.ts, record.op[:SAMPLES], record.pv[:SAMPLES])
+
+
+@cache
+def measured(name):
+    return FREE_RUN.quantify(plant(name)[1])
+
+
+def with_gaps(window, length, which="both"):
+    """A tenth is missing, in blocks."""
+    op, pv = window.op.copy(), window.pv.copy()
+    for start in range(2 * length, SAMPLES, 10 * length):
+        if which in ("op", "both"):
+            op[start : start + length] = np.nan
+        if which in ("pv", "both"):
+            pv[start : start + length] = np.nan
+    return replace(window, op=op, pv=pv)
+
+
+@pytest.mark.parametrize("name", [path.stem for path in SCENARIOS])
+def test_the_verdict_is_the_truth(name):
+    scenario, _ = plant(name)
+    found = measured(name)
+    assert found.decision == scenario.truth.verdict
+    assert found.failure is None
+    assert found.free_run_percent >= found.linear_percent - 1e-9
+    assert found.evidence > 2 if scenario.truth.verdict == "stiction" else found.evidence < 1.25
+
+
+@pytest.mark.parametrize(
+    ("name", "share"),
+    [
+        ("fic101_stick_slip", 0.05),
+        ("fic102_moderate_stiction", 0.03),
+        ("lic201_dead_band", 0.03),
+        ("pic401_direct_stick_slip", 0.04),
+        ("tic301_weak_stiction", 0.02),
+        ("tic302_second_order", 0.02),
+    ],
+)
+def test_s_is_right_within_a_share_of_the_op_span(name, share):
+    scenario, window = plant(name)
+    bands = measured(name).stiction
+    assert bands.s.value == pytest.approx(scenario.truth.f_s + scenario.truth.f_d, abs=share * window.op_span)
+    assert bands.s.value == pytest.approx(bands.f_s.value + bands.f_d.value)
+    assert bands.j.value == pytest.approx(bands.f_s.value - bands.f_d.value)
+
+
+def test_the_process_comes_in_the_units_of_the_plant():
+    process = measured("pic401_direct_stick_slip").process
+    assert process.kind == "fopdt"
+    assert process.gain == pytest.approx(-0.4, rel=0.15)
+    # PV first moves one sample after OP has been set, and the load's dead time later
+    assert process.delay == pytest.approx(1.5 + 1.0, abs=1.0)
+
+
+def test_an_integrating_loop_has_no_time_constant():
+    scenario, window = plant("lic201_dead_band")
+    found = FREE_RUN.quantify(window.with_hints(LoopHints(integrating=True)))
+    assert (found.process.kind, found.process.tau) == ("integrator", None)
+    assert found.process.gain == pytest.approx(scenario.process.gain, rel=0.15)
+    assert found.decision == "stiction"
+
+
+@pytest.mark.parametrize(("order", "kind"), [(1, "fopdt"), (2, "sopdt")])
+def test_a_given_delay_and_order_are_kept(order, kind):
+    _, window = plant("tic302_second_order")
+    process = FREE_RUN.quantify(window.with_hints(LoopHints(delay=5, order=order, integrating=False))).process
+    assert process.delay == pytest.approx(5 * window.ts)
+    # where the second pole buys nothing the simpler process is told, but never the other way round
+    assert process.kind == kind
+
+
+@pytest.mark.parametrize(("acting", "sign"), [("reverse", 1), ("direct", -1)])
+def test_a_gain_of_the_wrong_sign_is_refused(acting, sign):
+    _, window = plant("pic401_direct_stick_slip")
+    found = FREE_RUN.quantify(window.with_hints(LoopHints(acting=acting)))
+    assert found.process is None or found.process.gain * sign >= 0
+    assert (found.decision == "stiction") == (acting == "direct")
+
+
+@pytest.mark.parametrize("length", [5, 20])
+@pytest.mark.parametrize(
+    "name", ["fic101_stick_slip", "tic302_second_order", "pic402_sinusoid", "fic103_healthy"]
+)
+def test_gaps_do_not_change_the_verdict(name, length):
+    scenario, window = plant(name)
+    assert FREE_RUN.quantify(with_gaps(window, length)).decision == scenario.truth.verdict
+
+
+@pytest.mark.parametrize("name", ["pic401_direct_stick_slip", "fic104_tight_tuning"])
+@pytest.mark.parametrize("which", ["op", "pv"])
+def test_nor_do_gaps_in_one_of_the_two(name, which):
+    scenario, window = plant(name)
+    assert FREE_RUN.quantify(with_gaps(window, 20, which)).decision == scenario.truth.verdict
+
+
+def test_the_model_is_given_in_the_units_of_the_record():
+    _, window = plant("fic101_stick_slip")
+    found = measured("fic101_stick_slip")
+    assert found.model_pv.shape == found.model_mv.shape == (SAMPLES,)
+    assert np.abs(window.op - found.model_mv).max() <= found.stiction.f_s.value + 1e-9
+    rest = np.sqrt(np.mean((found.model_pv - window.pv) ** 2)) / np.std(window.pv)
+    assert found.free_run_percent == pytest.approx(100 * (1 - rest))
+
+
+def test_a_record_that_is_the_model_gives_its_parameters_back():
+    n = 800
+    op = 50 + 6 * np.sin(np.arange(n) / 9) + 0.1 * np.cumsum(np.random.default_rng(0).standard_normal(n))
+    position = valve(HE2007, op, 3.0, 1.0, op[0] - 1.0)
+    pv = 20 - 0.5 * np.roll(first_order(position - position[0], 6.0), 4)
+    noise = 0.005 * np.random.default_rng(1).standard_normal(n)
+    found = FREE_RUN.quantify(LoopWindow("x", 0.0, 2.0, op, pv + noise, hints=LoopHints(acting="direct")))
+    assert found.decision == "stiction"
+    assert found.stiction.f_s.value == pytest.approx(3.0, abs=0.1)
+    assert found.stiction.f_d.value == pytest.approx(1.0, abs=0.1)
+    assert found.process.gain == pytest.approx(-0.5, rel=0.05)
+    assert found.process.tau == pytest.approx(12.0, rel=0.1)
+    assert found.process.delay == pytest.approx(8.0, abs=0.5)
+    assert found.free_run_percent > 97
+
+
+def test_a_line_goes_through_each_gap():
+    nan = np.nan
+    op = np.array([nan, 1.0, nan, nan, 4.0, nan])
+    assert bridge(op).tolist() == [1, 1, 2, 3, 4, 4]
+
+
+def test_what_follows_a_long_gap_does_not_count():
+    op = np.arange(60.0)
+    op[10:12] = np.nan  # short against a period of 24
+    op[20:24] = np.nan
+    op[50:] = np.nan
+    assert np.flatnonzero(after_gaps(op, 24.0)).tolist() == list(range(24, 32))
+    assert np.flatnonzero(after_gaps(op, 10.0)).tolist() == [*range(12, 16), *range(24, 29)]
+    assert not after_gaps(np.arange(60.0), 24.0).any()
+    assert SHORT_GAP * 24.0 >= 2
+
+
+@pytest.mark.parametrize(
+    ("op", "pv", "why"),
+    [
+        (np.full(600, 50.0), np.arange(600.0), "OP does not move"),
+        (np.arange(600.0), np.full(600, 3.0), "PV does not move"),
+        (np.arange(49.0), np.arange(49.0), "49 samples"),
+        (np.full(600, np.nan), np.arange(600.0), "0 samples"),
+        (
+            np.where(np.arange(600) % 60 < 10, np.arange(600.0) % 7, np.nan),
+            np.arange(600.0),
+            "OP has so many",
+        ),
+    ],
+)
+def test_what_cannot_be_measured_is_told_not_raised(op, pv, why):
+    found = FREE_RUN.quantify(LoopWindow("x", 0.0, 1.0, op, pv))
+    assert found.failure.startswith(why)
+    assert (found.decision, found.stiction, found.evidence) == ("not_applicable", None, None)
+
+
+def test_the_nuisance_is_gone_from_what_is_fitted():
+    _, window = plant("fic103_healthy")
+    tilted = replace(window, pv=window.pv + 300 + 0.02 * np.arange(SAMPLES))
+    plain, other = pose(window), pose(tilted)
+    np.testing.assert_allclose(plain.pv, other.pv, atol=1e-8)
+    np.testing.assert_allclose(plain.basis.T @ plain.basis, np.eye(4), atol=1e-12)
