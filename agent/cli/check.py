@@ -44,7 +44,7 @@ def check(
 
 
 def _plan(settings: Settings) -> list[str]:
-    lines = [f"{name}: {entry.kind}, {entry.options!r}" for name, entry in settings.connections.items()]
+    lines = [f"{name}: {entry.kind}, {entry.options}" for name, entry in settings.connections.items()]
     return [*lines, *(_loop(loop) for loop in settings.loops)]
 
 

@@ -64,7 +64,9 @@ class MqttSession:
                 for name in self._tags[topic]:
                     yield Sample.missing(name, time.time(), code)
             async for message in self._client.messages:
-                reader = self._readers[message.topic.value]
+                reader = self._readers.get(message.topic.value)
+                if reader is None:
+                    continue  # amqtt was seen to send what nobody asked for
                 malformed = reader.malformed
                 for sample in reader.samples(bytes(message.payload), time.time(), retained=message.retain):
                     yield sample
@@ -119,17 +121,17 @@ async def connected(options: MqttOptions) -> AsyncIterator[Client]:
         queue_type=Inbox,
         max_queued_incoming_messages=options.queue,
     )
-    with _as_connection_lost():
+    with _as_connection_lost(f"MQTT broker at {options.host}:{options.port}: "):
         async with client:
             yield client
 
 
 @contextmanager
-def _as_connection_lost() -> Iterator[None]:
+def _as_connection_lost(peer: str = "") -> Iterator[None]:
     try:
         yield
     except (MqttError, OSError) as error:
-        raise ConnectionLostError(str(error)) from error
+        raise ConnectionLostError(f"{peer}{error}") from error
 
 
 def _json(value: object) -> object:

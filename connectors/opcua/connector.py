@@ -115,7 +115,7 @@ async def connected(url: str, timeout: float) -> AsyncIterator[Client]:  # noqa:
     """Connect a fresh client; ``timeout`` (s) bounds this and every request. Raises ConnectionLostError."""
     client = Client(url, timeout=timeout, watchdog_intervall=timeout)
     client.session_timeout = _SESSION_TIMEOUT
-    with _as_connection_lost():
+    with _as_connection_lost(f"OPC UA server at {url}: "):
         try:
             await client.connect()
         except BaseException:
@@ -128,13 +128,13 @@ async def connected(url: str, timeout: float) -> AsyncIterator[Client]:  # noqa:
 
 
 @contextmanager
-def _as_connection_lost() -> Iterator[None]:
+def _as_connection_lost(peer: str = "") -> Iterator[None]:
     try:
         yield
     except TimeoutError as error:
-        raise ConnectionLostError("the server does not answer") from error
+        raise ConnectionLostError(f"{peer}the server does not answer") from error
     except (OSError, ua.UaError) as error:
-        raise ConnectionLostError(str(error) or type(error).__name__) from error
+        raise ConnectionLostError(f"{peer}{error or type(error).__name__}") from error
 
 
 def _refuse(faults: Mapping[str, ua.StatusCode]) -> None:
