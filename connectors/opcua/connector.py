@@ -134,7 +134,7 @@ def _as_connection_lost(peer: str = "") -> Iterator[None]:
     except TimeoutError as error:
         raise ConnectionLostError(f"{peer}the server does not answer") from error
     except (OSError, ua.UaError) as error:
-        raise ConnectionLostError(f"{peer}{error or type(error).__name__}") from error
+        raise ConnectionLostError(f"{peer}{str(error) or type(error).__name__}") from error
 
 
 def _refuse(faults: Mapping[str, ua.StatusCode]) -> None:
