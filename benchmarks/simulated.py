@@ -1,7 +1,7 @@
 """Random simulated loops whose valves obey Karnopp or LuGre: how often the verdict and the amount are right.
 
-Nothing is told to the quantifiers but OP and PV. The seeds are none of those that thresholds were read off
-(0 to 39) or that tests use (100 to 119).
+Nothing is told to the quantifiers but OP and PV. The seeds are not those that the threshold of ``lee2008``
+was read off (0 to 39), nor those its tests use (100 to 119).
 """
 
 from __future__ import annotations
