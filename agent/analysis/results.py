@@ -79,7 +79,7 @@ class Quantification:
     """None where the valve model did not beat the linear one, or the fit failed (``failure`` says why)."""
     process: ProcessEstimate | None
     free_run_percent: float | None
-    """Fit of the simulated model, 100 (1 - ||PV - model|| / ||PV - mean PV||)."""
+    """Fit of the sticking model in free run, 100 (1 - ||PV - model|| / ||PV - mean PV||)."""
     linear_percent: float | None
     """The same without stiction."""
     evidence: float | None

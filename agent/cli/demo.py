@@ -146,8 +146,8 @@ def _table(loops: list[DemoLoop], stage: Stage) -> Table:
     from rich import box
     from rich.table import Table
 
-    columns = ("loop", "bus", "samples", "period", "truth", "verdict", "S (true)", "alarm on the bus")
-    table = Table(*columns, box=box.SIMPLE_HEAD)
+    columns = ("loop", "bus", "samples", "period", "truth", "verdict", "S (true)", "on bus")
+    table = Table(*columns, box=box.SIMPLE_HEAD, pad_edge=False)
     for loop, now in zip(loops, _status(loops, stage), strict=True):
         valve = loop.scenario.valve
         found = loop.diagnoses[-1] if loop.diagnoses else None
@@ -162,7 +162,7 @@ def _table(loops: list[DemoLoop], stage: Stage) -> Table:
             loop.scenario.truth.verdict.replace("_", " "),
             loop.verdict.replace("_", " ") if found else "...",
             f"{band.s.value:.2f} ({valve.f_s + valve.f_d:.2f})" if band else "",
-            "ACTIVE" if loop.seen else "",
+            "ALARM" if loop.seen else "",
             style="bold red" if loop.seen else None,
         )
     return table

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,6 +24,13 @@ if TYPE_CHECKING:
     from agent.analysis.recording import LoopHints
     from agent.analysis.results import Diagnosis
     from connectors.recording import Columns
+
+
+class Acting(StrEnum):
+    """Which way a controller acts."""
+
+    REVERSE = "reverse"
+    DIRECT = "direct"
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +70,16 @@ def diagnose(
     order: Annotated[
         int | None, typer.Option(min=1, max=2, help="Order of the process model, 1 or 2, if known.")
     ] = None,
+    acting: Annotated[
+        Acting | None,
+        typer.Option(help="Controller action, if known: reverse, OP falls when PV rises; direct, OP rises."),
+    ] = None,
+    integrating: Annotated[
+        bool | None,
+        typer.Option(
+            "--integrating/--self-regulating", help="Whether PV integrates the flow (levels), if known."
+        ),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="One JSON object a line for each recording.")
     ] = False,
@@ -81,7 +99,7 @@ def diagnose(
     from connectors.recording import Columns
 
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
-    hints = LoopHints(delay=delay, order=order)
+    hints = LoopHints(integrating, acting.value if acting else None, delay, order)
     method = None if quantifier is None else _method(quantifier)
     tasks = [
         Task(path, columns, hints, method, picture)

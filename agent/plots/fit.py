@@ -42,13 +42,15 @@ def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
     time, unit = _time(window)
     found = diagnosis.quantification
     model_pv = None if found is None else found.model_pv
-    valve = None if found is None or found.stiction is None else found.model_mv
+    valve = None if found is None else _valve(window, found)
 
     if window.sp is not None:
         pv_axes.plot(time, window.sp, color=SET_POINT, linewidth=1.0, label="SP")
     pv_axes.plot(time, window.pv, color=MEASURED, linewidth=1.1, label="PV measured")
-    if found is not None and model_pv is not None:
-        pv_axes.plot(time, model_pv, color=MODEL, linewidth=1.1, label=f"PV of the model{_fit(found)}")
+    if model_pv is not None:
+        pv_axes.plot(
+            time, model_pv, color=MODEL, linewidth=1.1, label=f"PV of the model{_fit(window, model_pv)}"
+        )
     op_axes.plot(time, window.op, color=MEASURED, linewidth=1.1, label="OP measured")
     if valve is not None:
         op_axes.plot(time, valve, color=VALVE, linewidth=1.1, label="valve position of the model")
@@ -84,9 +86,19 @@ def _time(window: LoopWindow) -> tuple[FloatArray, str]:
     return seconds / scale, unit
 
 
-def _fit(found: Quantification) -> str:
-    percent = found.free_run_percent if found.stiction is not None else found.linear_percent
-    return "" if percent is None else f" (fit {percent:.1f} %)"
+def _valve(window: LoopWindow, found: Quantification) -> FloatArray | None:
+    """Return the model's valve position, OP units, (n,); None where the valve just follows OP."""
+    if found.model_mv is None:
+        return None
+    known = np.isfinite(window.op)
+    return None if np.array_equal(found.model_mv[known], window.op[known]) else found.model_mv
+
+
+def _fit(window: LoopWindow, model_pv: FloatArray) -> str:
+    rest = window.pv - model_pv
+    known = np.isfinite(rest)
+    spread = np.std(window.pv[known])
+    return f" (fit {100 * (1 - np.sqrt(np.mean(rest[known] ** 2)) / spread):.1f} %)" if spread > 0 else ""
 
 
 def _title(diagnosis: Diagnosis) -> str:

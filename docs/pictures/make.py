@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 
 from agent.analysis.diagnose import diagnose
 from agent.analysis.quantify.free_run.coarse_grid import J_RATIOS, bank_delays, score_grid
-from agent.analysis.quantify.free_run.objective import HE2007, S, free_run_error
+from agent.analysis.quantify.free_run.objective import S, free_run_error
 from agent.analysis.quantify.free_run.problem import Problem, pose
-from agent.analysis.quantify.free_run.search import best_stiction
+from agent.analysis.quantify.free_run.search import STEMS, best_stiction
 from agent.analysis.recording import LoopHints, LoopWindow
 from agent.cli.recordings import loop_window
 from agent.physics.valves.he2007 import he2007
@@ -53,7 +53,7 @@ def free_run_search() -> Figure:
 
     s_values = np.linspace(0.004, 1.0, 160) * problem.op_span
     taus = np.geomspace(0.7, 4 * problem.period, 8)
-    scores, _ = score_grid(problem, HE2007, s_values, taus, bank_delays(problem))
+    scores, _ = score_grid(problem, STEMS[0], s_values, taus, bank_delays(problem))
     left = 100 * (1 - scores.max(axis=2).T)
     image = grid.pcolormesh(s_values, J_RATIOS, left, cmap="viridis", shading="nearest")
     figure.colorbar(image, ax=grid, label="PV left unexplained, %")

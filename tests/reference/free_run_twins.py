@@ -5,22 +5,23 @@ from scipy.signal import lfilter
 
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
-    HE2007,
     INTEGRATOR,
     J_RATIO,
-    LAW,
+    LAG,
     LOG_TAU,
     LOG_TAU2,
+    REST,
     SOPDT,
     START,
     S,
 )
-from tests.reference.he2007_flow_chart import he2007_flow_chart
-from tests.reference.two_state_branches import two_state_branches
+from tests.reference.damped_stem_branches import damped_stem_branches
 
 
-def valve(law, op, f_s, f_d, x0):
-    return np.array((he2007_flow_chart if law == HE2007 else two_state_branches)(op, f_s, f_d, x0))
+def valve(stem, op, f_s, f_d, x0):
+    """Return the positions; ``stem`` is lag and rest, rest over the span of OP."""
+    lag, rest = stem
+    return np.array(damped_stem_branches(op, f_s, f_d, x0, lag, rest * np.ptp(op)))
 
 
 def bands(s, j_ratio):
@@ -29,7 +30,7 @@ def bands(s, j_ratio):
 
 def valve_position(candidate, op):
     f_s, f_d = bands(candidate[S], candidate[J_RATIO])
-    return valve(candidate[LAW], op, f_s, f_d, op[0] - candidate[START] * f_s)
+    return valve((candidate[LAG], candidate[REST]), op, f_s, f_d, op[0] - candidate[START] * f_s)
 
 
 def first_order(values, tau):
@@ -91,7 +92,7 @@ def backward_sums(pv, pole):
     return np.array([sum(filtered[t:]) for t in range(n)])
 
 
-def scan_scores(op, pv, gain_sign, law, s_values, j_ratios, starts, taus, delays):
+def scan_scores(op, pv, gain_sign, stem, s_values, j_ratios, starts, taus, delays):
     """Return the best explained share of each (S, J, start) and where in the bank it was reached."""
     n = len(op)
     scores = np.zeros((len(s_values), len(j_ratios), len(starts)))
@@ -104,7 +105,7 @@ def scan_scores(op, pv, gain_sign, law, s_values, j_ratios, starts, taus, delays
             slip_before, met = None, []
             for r, start in enumerate(starts):
                 x0 = op[0] - start * f_s
-                position = valve(law, op, f_s, f_d, x0)
+                position = valve(stem, op, f_s, f_d, x0)
                 moves = np.flatnonzero(np.diff(position, prepend=x0))
                 if len(moves) == 0:
                     continue
@@ -112,7 +113,7 @@ def scan_scores(op, pv, gain_sign, law, s_values, j_ratios, starts, taus, delays
                 if slip == slip_before:
                     continue  # the start before this one told the same story
                 slip_before = slip
-                if np.any(np.abs(position[n // 6] - np.array(met)) < 1e-9):
+                if np.any(np.abs(position[n // 6] - np.array(met)) <= stem[0] * stem[1] * np.ptp(op)):
                     continue
                 met.append(position[n // 6])
                 if len(moves) < 3:

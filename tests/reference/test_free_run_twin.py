@@ -10,20 +10,20 @@ from agent.analysis.quantify.free_run import coarse_grid, local_search, objectiv
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FOPDT,
-    HE2007,
     INTEGRATOR,
     LOG_TAU,
     LOG_TAU2,
     SOPDT,
-    TWO_STATE,
     S,
 )
 from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.quantify.free_run.search import STEMS
 from agent.analysis.recording import LoopHints, LoopWindow
 from tests.reference import free_run_twins as slow
 
 SEEDS = st.integers(0, 2**32 - 1)
-LAWS = st.sampled_from([HE2007, TWO_STATE])
+HE, TWO_STATE, DAMPED = STEMS
+LAWS = st.sampled_from(STEMS)
 STRUCTURES = st.sampled_from([FOPDT, SOPDT, INTEGRATOR])
 TAUS = np.geomspace(0.7, 60.0, coarse_grid.TAUS)
 DELAYS = np.array([0, 1, 7])
@@ -34,7 +34,7 @@ def problem_of(seed, acting=None, *, gaps=False, n=240):
     random = np.random.default_rng(seed)
     op = 5 * np.sin(np.arange(n) / 8) + 0.3 * np.cumsum(random.standard_normal(n))
     f_s = random.uniform(0.5, 4.0)
-    law = random.choice([HE2007, TWO_STATE])
+    law = STEMS[random.integers(len(STEMS))]
     position = slow.valve(law, op, f_s, f_s * random.random(), op[0] - f_s * random.uniform(-1, 1))
     lagged = slow.first_order(position - position[0], random.uniform(2, 20))
     pv = 80 + 1.5 * np.roll(lagged, 3) + 0.01 * np.arange(n) + 0.2 * random.standard_normal(n)
@@ -57,7 +57,8 @@ def candidates(draw):
             draw(st.floats(0.05, 8.0)),
             draw(st.floats(0.0, 1.0)),
             draw(st.floats(-0.999, 0.999)),
-            draw(LAWS),
+            draw(st.floats(0.0, 0.6)),
+            draw(st.floats(0.0, 1.0)),
         ]
     )
 
@@ -74,7 +75,7 @@ def test_the_response_is_the_filtered_and_shifted_valve(seed, candidate, structu
 @pytest.mark.parametrize("delay", [1.0, 3.0, 3.25])
 def test_pv_follows_first_after_the_delay(delay):
     position = np.where(np.arange(20) < 5, 0.0, 1.0)
-    candidate = np.array([np.log(2.0), delay, 0.0, 0.0, 0.0, 0.0, HE2007])
+    candidate = np.array([np.log(2.0), delay, 0.0, 0.0, 0.0, 0.0, *HE])
     response = objective.process_response(position, candidate, FOPDT)
     assert np.flatnonzero(np.diff(response) > 1e-12)[0] + 1 == 5 + int(delay)
 
@@ -90,9 +91,7 @@ def test_pv_follows_first_after_the_delay(delay):
 def test_the_error_is_that_of_least_squares(seed, candidate, structure, acting, gaps):
     problem = problem_of(seed, acting, gaps=gaps)
     assume(candidate[S] < 0.5 * problem.op_span)  # else the valve may never move, and nothing is a regressor
-    response = objective.process_response(
-        objective.valve_position(candidate, problem.op), candidate, structure
-    )
+    response = objective.process_response(objective.valve_position(candidate, problem), candidate, structure)
     error, gain, startup = objective.fit_gain(response, candidate, structure, problem)
     slow_error, slow_gain, slow_startup = slow.fit_gain(response, candidate, structure, problem)
     total = np.sum(problem.pv**2)
@@ -118,11 +117,15 @@ def test_the_error_is_that_of_least_squares(seed, candidate, structure, acting, 
         (objective.J_RATIO, 1.1),
         (objective.START, 1.0),
         (objective.START, -1.0),
+        (objective.LAG, -0.1),
+        (objective.LAG, 0.7),
+        (objective.REST, -0.1),
+        (objective.REST, 1.1),
     ],
 )
 def test_out_of_bounds_is_infinitely_bad(axis, value):
     problem = problem_of(1)
-    candidate = np.array([1.0, 4.0, 0.0, 1.0, 0.5, 0.0, HE2007])
+    candidate = np.array([1.0, 4.0, 0.0, 1.0, 0.5, 0.0, *HE])
     assert np.isfinite(objective.free_run_error(candidate, FOPDT, problem))
     candidate[axis] = value
     assert objective.free_run_error(candidate, FOPDT, problem) == np.inf
@@ -161,7 +164,7 @@ def test_the_bank_scores_as_least_squares_on_its_regressors(seed, law, acting, s
 
 def test_the_comparison_above_sees_scores():
     problem = problem_of(3)
-    scores, _ = coarse_grid.score_grid(problem, HE2007, np.array([0.1, 0.3]) * problem.op_span, TAUS, DELAYS)
+    scores, _ = coarse_grid.score_grid(problem, HE, np.array([0.1, 0.3]) * problem.op_span, TAUS, DELAYS)
     assert scores.max() > 0.5
     assert (scores > 0).sum() > 40
 
@@ -169,7 +172,7 @@ def test_the_comparison_above_sees_scores():
 def start_of(problem, seed):
     random = np.random.default_rng(seed)
     s = random.uniform(0.05, 0.3) * problem.op_span
-    return np.array([np.log(8.0), random.uniform(1, 6), np.log(2.0), s, 0.5, 0.0, HE2007])
+    return np.array([np.log(8.0), random.uniform(1, 6), np.log(2.0), s, 0.5, 0.0, *HE])
 
 
 @settings(max_examples=15, deadline=None)
@@ -178,7 +181,7 @@ def test_the_simplex_comes_as_far_as_scipys(seed, structure):
     problem = problem_of(seed)
     start = start_of(problem, seed)
     axes = np.array([LOG_TAU, DELAY] if structure == FOPDT else [LOG_TAU, DELAY, LOG_TAU2])
-    step = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0])
+    step = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0])
     found, error = local_search.simplex(start, step, axes, structure, problem, 400)
 
     def objective_along_axes(x):
@@ -198,7 +201,7 @@ def test_the_simplex_comes_as_far_as_scipys(seed, structure):
     assert error == objective.free_run_error(found, structure, problem)
     assert error <= objective.free_run_error(start, structure, problem)
     assert error == pytest.approx(theirs.fun, rel=0.02)
-    np.testing.assert_allclose(np.delete(found, axes), np.delete(start, axes), rtol=1e-12)
+    np.testing.assert_allclose(np.delete(found, axes), np.delete(start, axes), rtol=1e-9)
 
 
 @settings(max_examples=15, deadline=None)
@@ -221,7 +224,7 @@ def test_random_steps_find_a_needle_that_is_near():
     """The record is the model itself; S starts 2 % of the span beside the truth."""
     n = 400
     op = 5 * np.sin(np.arange(n) / 9) + 0.2 * np.cumsum(np.random.default_rng(2).standard_normal(n))
-    truth = np.array([np.log(6.0), 3.0, 0.0, 3.0, 0.4, 0.3, HE2007])
+    truth = np.array([np.log(6.0), 3.0, 0.0, 3.0, 0.4, 0.3, *HE])
     pv = slow.process_response(slow.valve_position(truth, op), truth, FOPDT)
     problem = pose(LoopWindow("FIC1", 0.0, 1.0, op, pv, hints=LoopHints(acting="reverse")))
     start = truth.copy()

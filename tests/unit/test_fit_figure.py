@@ -45,12 +45,17 @@ def labels(axes):
 def test_measurement_and_model():
     figure = fit_figure(WINDOW, DIAGNOSIS)
     pv, op, plane = figure.axes
-    assert labels(pv) == ["SP", "PV measured", "PV of the model (fit 91.2 %)"]
+    assert labels(pv) == ["SP", "PV measured", "PV of the model (fit 85.8 %)"]  # 0.1 beside a sine
     assert labels(op) == ["OP measured", "valve position of the model"]
     assert labels(plane) == ["measured", "model"]
     np.testing.assert_array_equal(plane.get_lines()[0].get_xdata(), WINDOW.op)
     np.testing.assert_array_equal(pv.get_lines()[2].get_ydata(), FOUND.model_pv)
     assert figure.get_suptitle() == "FIC101: stiction,  S = 3,  J = 1 OP units,  period 120 s"
+
+
+def test_a_valve_that_follows_op_is_not_drawn():
+    free = replace(DIAGNOSIS, quantification=replace(FOUND, model_mv=WINDOW.op))
+    assert labels(fit_figure(WINDOW, free).axes[1]) == ["OP measured"]
 
 
 @pytest.mark.parametrize(("ts", "unit"), [(1.0, "s"), (2.0, "min"), (60.0, "h"), (1000.0, "days")])

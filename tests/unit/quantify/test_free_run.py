@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify.free_run import FreeRun
-from agent.analysis.quantify.free_run.objective import HE2007
 from agent.analysis.quantify.free_run.problem import SHORT_GAP, after_gaps, bridge, pose
 from agent.analysis.recording import LoopHints, LoopWindow
 from simulators.plant import simulate
@@ -98,12 +97,11 @@ def test_a_given_delay_and_order_are_kept(order, kind):
     assert process.kind == kind
 
 
-@pytest.mark.parametrize(("acting", "sign"), [("reverse", 1), ("direct", -1)])
-def test_a_gain_of_the_wrong_sign_is_refused(acting, sign):
+def test_a_gain_of_the_wrong_sign_is_refused():
     _, window = plant("pic401_direct_stick_slip")
-    found = FREE_RUN.quantify(window.with_hints(LoopHints(acting=acting)))
-    assert found.process is None or found.process.gain * sign >= 0
-    assert (found.decision == "stiction") == (acting == "direct")
+    right, wrong = (FREE_RUN.quantify(window.with_hints(LoopHints(acting=a))) for a in ("direct", "reverse"))
+    assert right.process.gain < 0 < wrong.process.gain
+    assert wrong.free_run_percent < right.free_run_percent - 5
 
 
 @pytest.mark.parametrize("length", [5, 20])
@@ -134,7 +132,7 @@ def test_the_model_is_given_in_the_units_of_the_record():
 def test_a_record_that_is_the_model_gives_its_parameters_back():
     n = 800
     op = 50 + 6 * np.sin(np.arange(n) / 9) + 0.1 * np.cumsum(np.random.default_rng(0).standard_normal(n))
-    position = valve(HE2007, op, 3.0, 1.0, op[0] - 1.0)
+    position = valve((0.0, 1.0), op, 3.0, 1.0, op[0] - 1.0)
     pv = 20 - 0.5 * np.roll(first_order(position - position[0], 6.0), 4)
     noise = 0.005 * np.random.default_rng(1).standard_normal(n)
     found = FREE_RUN.quantify(LoopWindow("x", 0.0, 2.0, op, pv + noise, hints=LoopHints(acting="direct")))

@@ -43,6 +43,9 @@ Both are read off simulated loops, not off recordings: see docs/methods/free_run
 """
 LEAST_S = 0.01
 """S below this share of the OP span is no stiction that a record can show."""
+LEAST_FIT = 50.0
+"""Fit percent below which a model explains too little of PV to accuse a valve; sixty simulated sticking loops
+with up to 30 % noise gave at least 63."""
 
 KIND = {FOPDT: "fopdt", SOPDT: "sopdt", INTEGRATOR: "integrator"}
 
@@ -63,14 +66,14 @@ class FreeRun:
         if not math.isfinite(linear.error):
             return unanswered(self.name, "no process within bounds follows OP")
         evidence = 1.0 if sticking is None else max(1.0, linear.error / max(sticking.error, 1e-300))
-        decision = decide(evidence, sticking, problem)
+        decision = decide(evidence, sticking, window, problem)
         chosen = sticking if sticking is not None and decision == "stiction" else linear
         model_pv, model_mv = simulate(chosen, problem)
         return Quantification(
             quantifier=self.name,
             stiction=bands(sticking) if sticking is not None and evidence > 1.0 else None,
             process=process(chosen, problem, window.ts),
-            free_run_percent=fit_percent(chosen, window, problem),
+            free_run_percent=fit_percent(sticking or linear, window, problem),
             linear_percent=fit_percent(linear, window, problem),
             evidence=evidence,
             decision=decision,
@@ -84,13 +87,25 @@ def unanswered(name: str, failure: str) -> Quantification:
     return Quantification(name, None, None, None, None, None, "not_applicable", failure=failure)
 
 
-def decide(evidence: float, sticking: Fitted | None, problem: Problem) -> MethodVerdict:
-    """Return the verdict that the two errors support."""
+def decide(evidence: float, sticking: Fitted | None, window: LoopWindow, problem: Problem) -> MethodVerdict:
+    """Return the verdict that the errors support.
+
+    Without a turn of the valve there is no stiction to see: a monotone valve with any S is a process.
+    """
     if sticking is None or evidence < SLIDES_BELOW:
         return "no_stiction"
     if sticking.candidate[S] < LEAST_S * problem.op_span:
         return "no_stiction"
-    return "stiction" if evidence >= STICKS_ABOVE else "undecided"
+    sees_it = turns(valve_position(sticking.candidate, problem)) > 0
+    explains = fit_percent(sticking, window, problem) >= LEAST_FIT
+    return "stiction" if evidence >= STICKS_ABOVE and sees_it and explains else "undecided"
+
+
+def turns(position: FloatArray) -> int:
+    """Count how often the stem turns; position in OP units, (n,)."""
+    directions = np.sign(np.diff(position))
+    directions = directions[directions != 0]
+    return int(np.count_nonzero(np.diff(directions)))
 
 
 def bands(fitted: Fitted) -> StictionEstimate:
@@ -101,7 +116,7 @@ def bands(fitted: Fitted) -> StictionEstimate:
 
 def position_of(fitted: Fitted, problem: Problem) -> FloatArray:
     """Return the simulated valve position, OP units, (n,)."""
-    return valve_position(fitted.candidate, problem.op)
+    return valve_position(fitted.candidate, problem)
 
 
 def process(fitted: Fitted, problem: Problem, ts: float) -> ProcessEstimate:

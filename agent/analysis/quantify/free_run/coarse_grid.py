@@ -14,11 +14,11 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
-    HE2007,
     J_RATIO,
-    LAW,
+    LAG,
     LOG_TAU,
     LOG_TAU2,
+    REST,
     SIZE,
     START,
     S,
@@ -41,7 +41,7 @@ TAUS = 8
 S_BINS = 25
 
 
-def coarse_candidates(problem: Problem, law: float, per_bin: int) -> FloatArray:
+def coarse_candidates(problem: Problem, stem: tuple[float, float], per_bin: int) -> FloatArray:
     """Return the ``per_bin`` best of each bin of S and J for one law of the valve, shape (k, 7).
 
     By bins, because the cells of one broad wrong basin would crowd out the needles.
@@ -49,7 +49,7 @@ def coarse_candidates(problem: Problem, law: float, per_bin: int) -> FloatArray:
     s_values = np.linspace(0.004, 1.0, S_STEPS) * problem.op_span
     taus = np.geomspace(0.7, max(10.0, min(len(problem.op) / 3, 4 * problem.period)), TAUS)
     delays = bank_delays(problem)
-    scores, places = score_grid(problem, law, s_values, taus, delays)
+    scores, places = score_grid(problem, stem, s_values, taus, delays)
     start = scores.argmax(axis=2)
     best = scores.max(axis=2)
     bins = (s_values / problem.op_span * S_BINS).astype(int)
@@ -71,7 +71,7 @@ def coarse_candidates(problem: Problem, law: float, per_bin: int) -> FloatArray:
                 candidate[LOG_TAU2] = math.log(0.2 * taus[tau])
                 candidate[DELAY] = 1.0 + delays[delay]
                 candidate[S], candidate[J_RATIO] = s_values[i], J_RATIOS[j]
-                candidate[START], candidate[LAW] = STARTS[r], law
+                candidate[START], candidate[LAG], candidate[REST] = STARTS[r], *stem
                 chosen.append(candidate)
     return np.array(chosen).reshape(-1, SIZE)
 
@@ -86,7 +86,11 @@ def bank_delays(problem: Problem) -> NDArray[np.int64]:
 
 
 def score_grid(
-    problem: Problem, law: float, s_values: FloatArray, taus: FloatArray, delays: NDArray[np.int64]
+    problem: Problem,
+    stem: tuple[float, float],
+    s_values: FloatArray,
+    taus: FloatArray,
+    delays: NDArray[np.int64],
 ) -> tuple[FloatArray, NDArray[np.int64]]:
     """Return the explained share of PV, shape (S, J, start), and the place in the bank that reached it."""
     n = min(len(problem.op), LONGEST)
@@ -118,7 +122,8 @@ def score_grid(
         J_RATIOS,
         STARTS,
         problem.gain_sign,
-        law,
+        stem[0],
+        stem[1] * problem.op_span,
     )
 
 
@@ -163,7 +168,8 @@ def scan(
     j_ratios: FloatArray,
     starts: FloatArray,
     gain_sign: int,
-    law: float,
+    lag: float,
+    rest: float,
 ) -> tuple[FloatArray, NDArray[np.int64]]:
     """Return scores and bank places of ``score_grid``; level and slope stand in ``line``, shape (n, 2)."""
     n = op.size
@@ -192,25 +198,26 @@ def scan(
                 moves = 0
                 x = x0
                 moving = 0.0
-                former = op[0]
                 known = False
                 for t in range(n):
-                    if law == HE2007 or not (op[t] - former) * moving > 0.0:
+                    if not moving * (op[t] - moving * f_d - x) > 0.0:
                         moving = 0.0
-                        force = op[t] - x
-                        if abs(force) > f_s:
-                            moving = 1.0 if force > 0.0 else -1.0
-                    former = op[t]
+                        if abs(op[t] - x) > f_s:
+                            moving = 1.0 if op[t] > x else -1.0
                     if moving != 0.0:
-                        moved = op[t] - moving * f_d
+                        balance = op[t] - moving * f_d
+                        way = moving * (balance - x)
+                        reached = balance - lag * (balance - x)
                         moved_at[moves] = t
-                        moved_by[moves] = moved - x
+                        moved_by[moves] = reached - x
                         moves += 1
-                        x = moved
+                        x = reached
+                        if way <= rest:
+                            moving = 0.0
                     position[t] = x - x0
                     if t == meet:
                         for i in range(n_met):
-                            known = known or met[i] == x
+                            known = known or abs(met[i] - x) <= lag * rest
                         if known:
                             break
                         met[n_met] = x

@@ -13,7 +13,9 @@ import numpy as np
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     J_RATIO,
+    LAG,
     LOG_TAU,
+    REST,
     START,
     S,
     free_run_error,
@@ -103,11 +105,12 @@ def random_steps(
     """
     samples_per_op = 0.0 if problem.fixed_delay > 0.0 else 1.0 / problem.op_speed
     step_s = 0.02 * problem.op_span
+    moves = 6 if start[LAG] > 0.0 else 5  # a law without lag stays without
     best = start.copy()
     failures = 0
     for _ in range(evaluations):
         trial = best.copy()
-        move = rng.integers(0, 5)
+        move = rng.integers(0, moves)
         if move in (0, 3, 4):
             change = scale * step_s * rng.standard_normal()
             trial[S] += change
@@ -122,6 +125,9 @@ def random_steps(
         if move == 3:
             trial[DELAY] += scale * 0.5 * step_s * samples_per_op * rng.standard_normal()
             trial[LOG_TAU] += scale * 0.2 * rng.standard_normal()
+        if move == 5:
+            trial[LAG] = min(max(trial[LAG] + scale * 0.08 * rng.standard_normal(), 0.01), 0.6)
+            trial[REST] = min(max(trial[REST], 0.003) * np.exp(scale * rng.standard_normal()), 1.0)
         trial[J_RATIO] = min(max(trial[J_RATIO], 0.0), 1.0)
         trial[START] = min(max(trial[START], -0.999), 0.999)
         trial[DELAY] = max(trial[DELAY], 1.0)

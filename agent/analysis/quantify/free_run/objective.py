@@ -13,21 +13,18 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.problem import Problem
 from agent.jit import kernel
-from agent.physics.valves.he2007 import he2007
-from agent.physics.valves.two_state import two_state
+from agent.physics.valves.damped_stem import damped_stem
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
 
 # Structures of the process.
 FOPDT, SOPDT, INTEGRATOR = 0, 1, 2
-# Laws of the valve: He's rests after each slip, the two-state one slides on while OP goes on.
-HE2007, TWO_STATE = 0.0, 1.0
-# Coordinates of a candidate, shape (7,).
-LOG_TAU, DELAY, LOG_TAU2, S, J_RATIO, START, LAW = range(7)
+# Coordinates of a candidate, shape (8,).
+LOG_TAU, DELAY, LOG_TAU2, S, J_RATIO, START, LAG, REST = range(8)
 # log(tau) and log(tau2) in samples; delay in samples, >= 1; S in OP units, 0: no stiction; J/S;
-# start: force on the stem before the first sample over f_S, -1 to 1.
-SIZE = 7
+# start: force on the stem before the first sample over f_S, -1 to 1; lag; rest over the OP span, 1: always.
+SIZE = 8
 
 IMPOSSIBLE = np.inf
 LEAST_LOG_TAU = math.log(0.2)
@@ -116,16 +113,14 @@ def fit_gain(
 
 
 @kernel
-def valve_position(candidate: FloatArray, op: FloatArray) -> FloatArray:
+def valve_position(candidate: FloatArray, problem: Problem) -> FloatArray:
     """Return the stem position of a candidate's valve, OP units, (n,)."""
     if candidate[S] == 0.0:
-        return op
+        return problem.op
     f_s = candidate[S] * (1.0 + candidate[J_RATIO]) / 2.0
     f_d = candidate[S] * (1.0 - candidate[J_RATIO]) / 2.0
-    x0 = op[0] - candidate[START] * f_s
-    if candidate[LAW] == HE2007:
-        return he2007(op, f_s, f_d, x0)
-    return two_state(op, f_s, f_d, x0)
+    rest = candidate[REST] * problem.op_span
+    return damped_stem(problem.op, f_s, f_d, problem.op[0] - candidate[START] * f_s, candidate[LAG], rest)
 
 
 @kernel
@@ -139,5 +134,7 @@ def free_run_error(candidate: FloatArray, structure: int, problem: Problem) -> f
         return IMPOSSIBLE
     if not (0.0 <= candidate[J_RATIO] <= 1.0 and -1.0 < candidate[START] < 1.0):
         return IMPOSSIBLE
-    response = process_response(valve_position(candidate, problem.op), candidate, structure)
+    if not (0.0 <= candidate[LAG] <= 0.6 and 0.0 <= candidate[REST] <= 1.0):
+        return IMPOSSIBLE
+    response = process_response(valve_position(candidate, problem), candidate, structure)
     return fit_gain(response, candidate, structure, problem)[0]

@@ -13,13 +13,12 @@ from agent.analysis.quantify.free_run.local_search import random_steps, simplex
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FOPDT,
-    HE2007,
     INTEGRATOR,
+    LAG,
     LOG_TAU,
     LOG_TAU2,
     SIZE,
     SOPDT,
-    TWO_STATE,
     S,
     free_run_error,
 )
@@ -29,9 +28,11 @@ if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray, LoopHints
 
 SEARCHED = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY, LOG_TAU2), INTEGRATOR: (DELAY,)}
-STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0])
-WORTH_A_POLE = 0.99
-"""A second pole must lower the error to this share, or the simpler process is reported."""
+STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0])
+STEMS = ((0.0, 1.0), (0.0, 0.0), (0.1, 0.03))
+"""Lag and rest that a search starts from: He's valve, the two-state one, and one between them."""
+WORTH_A_PARAMETER = 0.99
+"""A second pole or a lagging stem must lower the error to this share, or the simpler model is reported."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,22 +96,20 @@ def best_stiction(problem: Problem, hints: LoopHints, per_bin: int = 1) -> Fitte
     """Return the best sticking model, or None where no candidate moves the valve."""
     allowed = structures(hints)
     first = INTEGRATOR if allowed == (INTEGRATOR,) else FOPDT
-    fits = []
-    for law in (HE2007, TWO_STATE):
-        tried = [start(c, first, problem) for c in coarse_candidates(problem, law, per_bin)]
+    promising = []
+    for stem in STEMS:
+        tried = [start(c, first, problem) for c in coarse_candidates(problem, stem, per_bin)]
         tried = by_error([refine(f, problem, 1.0, 40, 80) for f in tried])
-        fits += [refine(f, problem, 1.0, 60, 150) for f in tried[: 20 * per_bin]]
-    if not fits:
-        return None
-    fits = by_error(fits)
+        tried = by_error([refine(f, problem, 1.0, 60, 150) for f in tried[: 20 * per_bin]])
+        promising += tried[:3]
     final = []
     for structure in allowed:
-        for fitted in fits[:6]:
+        for fitted in promising:
             polished = start(fitted.candidate, structure, problem)
             for _ in range(2):
                 polished = refine(polished, problem, 0.7, 100, 250)
             final.append(polished)
-    return simplest(final)
+    return simplest(final) if final else None
 
 
 def best_linear(problem: Problem, hints: LoopHints, also: Fitted | None) -> Fitted:
@@ -134,12 +133,12 @@ def best_linear(problem: Problem, hints: LoopHints, also: Fitted | None) -> Fitt
 
 
 def simplest(fits: list[Fitted]) -> Fitted:
-    """Return the best fit; a first-order process where the second pole buys next to nothing."""
+    """Return the least error, but a second pole or a lagging stem only where it buys something."""
     best = by_error(fits)[0]
-    if best.structure == SOPDT:
-        first_order = [f for f in fits if f.structure == FOPDT]
-        if first_order:
-            candidate = by_error(first_order)[0]
-            if best.error > WORTH_A_POLE * candidate.error:
-                return candidate
-    return best
+    enough = [f for f in fits if best.error >= WORTH_A_PARAMETER * f.error]
+    return min(enough, key=lambda f: (parameters(f), f.error))
+
+
+def parameters(fitted: Fitted) -> int:
+    """Count what a model has beyond a first-order process and a stem without lag."""
+    return int(fitted.structure == SOPDT) + 2 * int(fitted.candidate[LAG] > 0)
