@@ -9,6 +9,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 
+from connectors.cancellation import obey_cancellation
 from simulators.clock import Clock
 from simulators.plant import Row
 from simulators.servers.loop_server import LoopServer
@@ -38,6 +39,7 @@ async def play(sources: Sequence[Source], server: LoopServer, clock: Clock, seen
         if loop in readers:
             await readers[loop].ready()
         await server.put(loop, row)
+        obey_cancellation()
         if loop in readers:
             readers[loop].put(row.time)
     for reader in readers.values():

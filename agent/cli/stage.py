@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from agent.runtime.agent import Agent
 from agent.settings import settings_of
+from connectors.cancellation import obey_cancellation
 from simulators.clock import Clock
 from simulators.player import play
 from simulators.servers.broker import embedded_broker
@@ -117,4 +118,5 @@ async def _play(
 
 async def _watch(server: LoopServer, told: dict[str, bool]) -> None:
     async for loop, active in server.watch_alarms():
-        told[loop] = active  # noqa: PERF403 - it never ends, and is read meanwhile
+        told[loop] = active
+        obey_cancellation()

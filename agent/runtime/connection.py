@@ -9,8 +9,9 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 from agent.runtime.outbox import Outbox
-from agent.runtime.supervisor import Health, obey_cancellation
+from agent.runtime.supervisor import Health
 from connectors.base import ConnectionLostError, Connector, RefusedError, Sample, Session
+from connectors.cancellation import obey_cancellation
 
 LOG = logging.getLogger(__name__)
 OPEN_WITHIN = 30.0

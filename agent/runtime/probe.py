@@ -5,9 +5,9 @@ from __future__ import annotations
 import asyncio
 from dataclasses import dataclass
 
-from agent.runtime.supervisor import obey_cancellation
 from agent.settings import Settings, connectors_of
 from connectors.base import ConnectionLostError, Connector, Quality, Sample, Session
+from connectors.cancellation import obey_cancellation
 
 
 @dataclass(frozen=True, slots=True)

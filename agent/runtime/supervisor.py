@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from connectors.base import ConnectionLostError
+from connectors.cancellation import obey_cancellation
 
 LOG = logging.getLogger(__name__)
 FIRST_WAIT = 0.1
@@ -94,17 +95,6 @@ async def keep_alive(
             health.attempts = 1
         longest = min(FIRST_WAIT * 2 ** min(health.attempts - 1, 10), LONGEST_WAIT)
         await asyncio.sleep(uniform(0, longest))
-
-
-def obey_cancellation() -> None:
-    """Raise CancelledError if this task was cancelled and a library kept that to itself.
-
-    ``asyncio.wait_for`` of Python 3.11 does when its result comes at the same moment, and both asyncua and
-    pymodbus wait with it.
-    """
-    task = asyncio.current_task()
-    if task is not None and task.cancelling():
-        raise asyncio.CancelledError
 
 
 def _first(group: BaseExceptionGroup[Exception]) -> Exception:

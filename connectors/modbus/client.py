@@ -11,6 +11,7 @@ from pymodbus.exceptions import ModbusException
 from pymodbus.pdu import ModbusPDU
 
 from connectors.base import ConnectionLostError
+from connectors.cancellation import obey_cancellation
 from connectors.modbus.options import Table
 
 logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # what it logs, the session raises
@@ -61,6 +62,7 @@ class ModbusClient:
             answer = await request(*args, device_id=self._unit, **more)
         except (ModbusException, OSError) as error:
             raise ConnectionLostError(str(error)) from error
+        obey_cancellation()
         if answer.isError():
             raise DeviceError(answer.exception_code)
         return answer

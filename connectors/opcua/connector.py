@@ -11,6 +11,7 @@ from asyncua import Client, ua
 from asyncua.common.ua_utils import data_type_to_variant_type
 
 from connectors.base import ConnectionLostError, JsonValue, Publication, RefusedError, Sample, Session
+from connectors.cancellation import obey_cancellation
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
 from connectors.opcua.subscription import subscription
 from connectors.opcua.values import is_waiting, sample, variant
@@ -73,6 +74,7 @@ class OpcUaSession:
                     wanted = list(refused)
                     due = time.monotonic() + self._options.retry
                 event = await watched.next_change(min(self._options.timeout, self._options.retry))
+                obey_cancellation()
                 if event is not None and not is_waiting(event.data.monitored_item.Value):
                     for name in names[event.node.nodeid]:
                         yield sample(name, event.data.monitored_item.Value)

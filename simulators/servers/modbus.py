@@ -12,6 +12,7 @@ from pymodbus.client import AsyncModbusTcpClient
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
+from connectors.cancellation import obey_cancellation
 from connectors.modbus.codec import encode
 from simulators.plant import Row
 from simulators.servers.loop_server import ALARM_FIELDS, Entry, loop_entry
@@ -127,6 +128,7 @@ class ModbusServer:
         async with AsyncModbusTcpClient(self._host, port=self.port, reconnect_delay=0) as client:
             while True:
                 answer = await client.read_coils(0, count=len(self._roles), device_id=UNIT)
+                obey_cancellation()
                 for loop, active in zip(self._roles, answer.bits, strict=False):
                     if known.get(loop) != active:
                         known[loop] = active

@@ -1,0 +1,79 @@
+"""``slipjump demo`` as a newcomer starts it."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+import yaml
+
+from simulators.scenario import load_scenario
+from tests.conftest import ROOT
+
+CONFIG = ROOT / "config"
+DEMO = [sys.executable, "-c", "from agent.cli import main; main()", "demo"]
+
+
+def demo(*words, cwd, timeout):
+    return subprocess.run(
+        [*DEMO, *words], capture_output=True, text=True, check=False, timeout=timeout, cwd=cwd
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(150)
+def test_every_verdict_is_the_truth_and_every_bus_has_an_alarm_that_was_seen(tmp_path):
+    done = demo("--seconds", "90", "--no-web", "--json", cwd=tmp_path, timeout=140)
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+    told = json.loads(done.stdout)
+    assert set(told) == {"loops", "seconds"}
+    assert 0 < told["seconds"] < 92
+    assert len(told["loops"]) >= 6
+    for loop in told["loops"]:
+        assert set(loop) == {"loop", "bus", "truth", "verdict", "alarm", "alarm_seen_on_bus"}
+        sticks = loop["truth"] == "stiction"
+        assert loop["verdict"] == loop["truth"], loop
+        assert (loop["alarm"], loop["alarm_seen_on_bus"]) == ("active" if sticks else "normal", sticks), loop
+    alarmed = [loop["bus"] for loop in told["loops"] if loop["alarm_seen_on_bus"]]
+    assert set(alarmed) == {"modbus", "opcua", "mqtt"}
+    assert len(alarmed) >= 3
+
+
+def test_a_demo_that_is_cut_short_says_what_it_knows(tmp_path):
+    done = demo("--seconds", "2", "--json", cwd=tmp_path, timeout=50)
+    assert done.returncode == 0, done.stderr
+    loops = json.loads(done.stdout)["loops"]
+    assert {loop["verdict"] for loop in loops} == {"undecided"}
+    assert not any(loop["alarm_seen_on_bus"] for loop in loops)
+
+
+def test_a_terminal_gets_a_table(tmp_path):
+    done = demo("--seconds", "1", cwd=tmp_path, timeout=50)
+    assert done.returncode == 0, done.stderr
+    assert "FIC101" in done.stdout
+    assert "alarm on" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"), [(["--seconds", "0"], "--seconds"), (["--second", "9"], "--second")]
+)
+def test_bad_usage(tmp_path, words, expected):
+    done = demo(*words, cwd=tmp_path, timeout=30)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.count("\n") == 1
+    assert expected in done.stderr
+
+
+def test_the_demo_shows_each_kind_of_loop():
+    """Three that stick to different degrees; one healthy, one disturbed and one badly tuned."""
+    plan = yaml.safe_load((CONFIG / "demo.yaml").read_text())
+    scenarios = [load_scenario(CONFIG / "scenarios" / entry["scenario"]) for entry in plan["loops"]]
+    degrees = {s.truth.f_s + s.truth.f_d for s in scenarios if s.truth.verdict == "stiction"}
+    assert len(degrees) >= 3
+    assert {s.truth.cause for s in scenarios} == {
+        "stiction",
+        "no_oscillation",
+        "external_disturbance",
+        "tight_tuning",
+    }

@@ -1,0 +1,153 @@
+"""``slipjump replay``: recordings through a real bus to the agent, and its alarm back from that bus."""
+
+import itertools
+import json
+import time
+
+import numpy as np
+import pytest
+
+from agent.cli import main
+from simulators.plant import rows
+from simulators.record_file import write_rows
+from simulators.scenario import load_scenario
+from tests.conftest import ROOT
+
+BUSES = pytest.mark.parametrize("bus", ["modbus", "opcua", "mqtt"])
+KEYS = ["recording", "loop", "bus", "verdict", "alarm_seen_on_bus", "stiction", "seconds"]
+SAMPLES = 600
+
+
+@pytest.fixture
+def replay(capfd):
+    def _run(*words):
+        with pytest.raises(SystemExit) as left:
+            main(["replay", *map(str, words)])
+        out, err = capfd.readouterr()
+        assert "Traceback" not in err
+        return left.value.code, out, err
+
+    return _run
+
+
+@pytest.fixture
+def plant(tmp_path):
+    """Write the first ten minutes of a shipped scenario as a recording."""
+
+    def _plant(scenario):
+        loaded = load_scenario(ROOT / "config" / "scenarios" / f"{scenario}.yaml")
+        path = tmp_path / f"{loaded.loop}.csv"
+        write_rows(path, itertools.islice(rows(loaded), SAMPLES))
+        return path
+
+    return _plant
+
+
+@BUSES
+def test_industrial_loops_end_as_labelled_on_each_bus(replay, recordings, bus):
+    folder = recordings / "isdb"
+    code, out, err = replay(folder / "CHEM10.csv", folder / "CHEM13.csv", "--bus", bus, "--json")
+    assert (code, err) == (0, "")
+    sticking, other = [json.loads(line) for line in out.splitlines()]
+    assert list(sticking) == list(other) == KEYS
+    assert (sticking["recording"], sticking["loop"], sticking["bus"]) == ("CHEM10.csv", "CHEM10", bus)
+    assert (sticking["verdict"], sticking["alarm_seen_on_bus"]) == ("stiction", True)
+    assert set(sticking["stiction"]) == {"f_s", "f_d", "s", "j", "identifiable"}
+    assert sticking["stiction"]["s"]["value"] == pytest.approx(1.7, abs=0.2)
+    assert other["verdict"] != "stiction"
+    assert not other["alarm_seen_on_bus"]
+
+
+@BUSES
+def test_a_plant_survives_the_way_through_the_bus(replay, plant, bus):
+    """The same without any shared data."""
+    code, out, err = replay(plant("fic101_stick_slip"), "--bus", bus, "--json")
+    assert (code, err) == (0, "")
+    told = json.loads(out)
+    assert (told["verdict"], told["alarm_seen_on_bus"]) == ("stiction", True)
+
+
+def test_a_bad_file_among_good_ones(replay, plant, tmp_path):
+    good = plant("fic101_stick_slip")
+    bad = tmp_path / "BAD.csv"
+    bad.write_text("time,OP,PV\n0,1,2\n1,open,2\n")
+    code, out, err = replay(bad, good, tmp_path / "none.csv", good, "--bus", "mqtt", "--json")
+    assert code == 2
+    assert [json.loads(line)["loop"] for line in out.splitlines()] == ["FIC101", "FIC101"]
+    assert err.splitlines() == [
+        f"slipjump: {bad}, line 3: OP is 'open', expected a number or an empty cell",
+        f"slipjump: {tmp_path / 'none.csv'}: cannot be read: No such file or directory",
+    ]
+
+
+@pytest.mark.parametrize(("speed", "least"), [(500, SAMPLES / 500), (150, SAMPLES / 150)])
+def test_speed_is_times_real_time(replay, plant, speed, least):
+    began = time.monotonic()
+    code, out, _ = replay(plant("fic101_stick_slip"), "--speed", speed, "--bus", "mqtt", "--json")
+    assert code == 0
+    assert json.loads(out)["verdict"] == "stiction"
+    assert time.monotonic() - began > least
+
+
+def test_plain_text_goes_by_opc_ua(replay, plant):
+    code, out, err = replay(plant("fic101_stick_slip"))
+    assert (code, err) == (0, "")
+    first, *reasons = out.splitlines()
+    assert first == "FIC101: stiction, alarm seen on opcua"
+    assert reasons
+    assert all(reason.startswith("  - ") for reason in reasons)
+
+
+@BUSES
+@pytest.mark.parametrize(
+    ("op", "pv"),
+    [
+        (["42"] * 60, [str(k % 9) for k in range(60)]),
+        (["Bad"] * 60, ["1"] * 60),
+        (["1", "2"], ["1", "2"]),
+        ([str(k % 7) if k > 45 else "" for k in range(60)], ["5"] * 60),
+    ],
+    ids=["constant OP", "no OP", "two samples", "few samples"],
+)
+def test_what_cannot_be_tested_is_done_without_an_alarm(replay, tmp_path, bus, op, pv):
+    path = tmp_path / "FIC 1.csv"  # a name that is no topic and no node
+    lines = [f"{k},{u},{y}" for k, (u, y) in enumerate(zip(op, pv, strict=True))]
+    path.write_text("\n".join(["time,OP,PV", *lines, ""]))
+    code, out, err = replay(path, "--bus", bus, "--json")
+    assert (code, err) == (0, "")
+    told = json.loads(out)
+    assert (told["loop"], told["verdict"], told["alarm_seen_on_bus"]) == ("FIC 1", "not_testable", False)
+
+
+@pytest.mark.parametrize("bus", ["modbus", "opcua"])
+def test_gaps_and_doubled_stamps_travel(replay, plant, tmp_path, bus):
+    """Every twentieth sample is a word of the historian, and one stamp comes twice."""
+    header, *lines = plant("fic101_stick_slip").read_text().splitlines()
+    for k in range(0, len(lines), 20):
+        stamp, _, *rest = lines[k].split(",")
+        lines[k] = ",".join([stamp, "I/O Timeout", *rest])
+    lines.insert(100, lines[99])
+    path = tmp_path / "GAPS.csv"
+    path.write_text("\n".join([header, *lines, ""]))
+    code, out, err = replay(path, "--bus", bus, "--json")
+    assert (code, err) == (0, "")
+    told = json.loads(out)
+    assert (told["verdict"], told["alarm_seen_on_bus"]) == ("stiction", True)
+    assert np.isfinite(told["stiction"]["s"]["value"])
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ([], "Missing argument"),
+        (["x.csv", "--bus", "profibus"], "--bus"),
+        (["x.csv", "--speed", "0"], "--speed"),
+        (["x.csv", "--speed", "nan"], "--speed"),
+        (["x.csv", "--ts", "-1"], "--ts"),
+    ],
+)
+def test_bad_usage(replay, words, expected):
+    code, out, err = replay(*words)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert expected in err

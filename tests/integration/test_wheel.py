@@ -1,0 +1,82 @@
+"""Installed from its wheel into an empty environment, away from the checkout, slipjump works too."""
+
+import itertools
+import json
+import os
+import subprocess
+import sys
+import zipfile
+
+import pytest
+
+from simulators.plant import rows
+from simulators.record_file import write_rows
+from simulators.scenario import load_scenario
+from tests.conftest import ROOT, missing
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(240)]
+
+
+def run(*words, cwd, timeout=200):
+    apart = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL"))}
+    return subprocess.run(
+        [*map(str, words)], capture_output=True, text=True, check=False, cwd=cwd, timeout=timeout, env=apart
+    )
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("wheel")
+    built = run(
+        sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", folder, ROOT, cwd=folder
+    )
+    assert built.returncode == 0, built.stdout + built.stderr
+    (path,) = folder.glob("slipjump-*.whl")
+    return path
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory):
+    """Path of the command in an environment that has nothing but the wheel and what it asks for."""
+    folder = tmp_path_factory.mktemp("empty")
+    assert run(sys.executable, "-m", "venv", folder / "venv", cwd=folder).returncode == 0
+    python = folder / "venv" / "bin" / "python"
+    pip = [python, "-m", "pip", "--disable-pip-version-check"]
+    done = run(*pip, "install", "--quiet", "-c", ROOT / "constraints.txt", wheel, cwd=folder)
+    if done.returncode and "No matching distribution" in done.stderr:
+        missing(f"the package registry ({done.stderr.strip().splitlines()[-1]})")
+    assert done.returncode == 0, done.stderr
+    return python.with_name("slipjump")
+
+
+def test_the_configuration_travels_and_nothing_else_does(wheel):
+    names = zipfile.ZipFile(wheel).namelist()
+    shipped = {path.relative_to(ROOT / "config") for path in (ROOT / "config").rglob("*.*")}
+    assert {f"agent/_config/{path}" for path in shipped} <= set(names)
+    folders = {name.split("/")[0] for name in names}
+    assert folders - {"agent", "connectors", "simulators"} == {
+        name for name in folders if name.endswith(".dist-info")
+    }
+    assert not [name for name in names if name.endswith((".nbi", ".nbc", ".pyc"))]
+
+
+def test_it_is_the_wheel_that_answers(installed, tmp_path):
+    python = installed.with_name("python")
+    told = run(python, "-c", "import agent; print(agent.__file__)", cwd=tmp_path)
+    assert told.stdout.startswith(str(installed.parents[1])), told.stdout + told.stderr
+    assert "diagnose" in run(installed, "--help", cwd=tmp_path).stdout
+
+
+def test_diagnose(installed, tmp_path):
+    scenario = load_scenario(ROOT / "config" / "scenarios" / "fic101_stick_slip.yaml")
+    write_rows(tmp_path / "FIC101.csv", itertools.islice(rows(scenario), 600))
+    done = run(installed, "diagnose", "FIC101.csv", "--json", "--plot", "pictures", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["verdict"] == "stiction"
+    assert (tmp_path / "pictures" / "FIC101.png").is_file()
+
+
+def test_demo(installed, tmp_path):
+    done = run(installed, "demo", "--seconds", "3", "--no-web", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert len(json.loads(done.stdout)["loops"]) >= 6
