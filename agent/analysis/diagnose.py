@@ -171,8 +171,10 @@ def _fit_words(window: LoopWindow, found: Quantification, verdict: Verdict) -> l
     words = [f"{linear}, {valve} to {_percent(found.free_run_percent)}"]
     if verdict == "stiction":
         words.append(f"the valve shows {CLASS_WORDS[stiction_class(_bands(found.stiction), window.op_span)]}")
-    else:
+    elif verdict == "no_stiction":
         words.append("that is too little better to blame the valve")
+    else:
+        words.append("that is not enough to blame the valve, nor to clear it")
     return words
 
 
