@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray, LoopWindow
 
 SLOW_TERMS = 2
-"""Slow cosines beside level and slope: drift is in the base, or a drifting loop looks sticky."""
+"""Slow cosines beside level and slope, of two records and of one: the drift of a loop that oscillates."""
+APART = 8
+"""Periods in a record from which drift and oscillation are apart; with fewer, cosines follow the slips."""
 LEAST_SAMPLES = 50
 SHORT_GAP = 1 / 12
 """Length of a gap in OP, in periods, up to which a straight line stands for what is missing."""
@@ -31,7 +33,7 @@ class Problem(NamedTuple):
     weight: FloatArray
     """1 where OP and PV are known and the model can know what PV answers to, else 0, (n,)."""
     basis: FloatArray
-    """Orthonormal level, slope and slow cosines on the known samples, (n, 4)."""
+    """Orthonormal level, slope and maybe slow cosines on the known samples, (n, 2) or (n, 4)."""
     gain_sign: int
     """+1, -1, or 0 where both are possible."""
     fixed_delay: float
@@ -64,7 +66,7 @@ def pose(window: LoopWindow) -> Problem | str:
     if known.sum() < LEAST_SAMPLES or np.ptp(window.pv[known]) <= 0:
         return "OP has so many gaps that PV answers to them all the time"
     weight = known.astype(np.float64)
-    basis = nuisance_basis(weight, SLOW_TERMS)
+    basis = nuisance_basis(weight, SLOW_TERMS if n >= APART * period else 0)
     pv = np.where(known, window.pv, 0.0)
     pv = (pv - basis @ (basis.T @ pv)) * weight
     max_delay = max(8.0, min(0.8 * period, n / 8))
