@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from asyncio import StreamReader, StreamWriter
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -13,10 +14,21 @@ for library in ("amqtt", "transitions"):
     logging.getLogger(library).setLevel(logging.CRITICAL)  # a client that comes and goes is nothing to tell
 
 
+class _Broker(Broker):  # type: ignore[misc]  # amqtt has no types
+    """amqtt's, whose socket to a client stayed open where its closing was interrupted."""
+
+    async def stream_connected(self, reader: StreamReader, writer: StreamWriter, listener_name: str) -> None:
+        """Serve one client."""
+        try:
+            await super().stream_connected(reader, writer, listener_name)
+        finally:
+            writer.close()
+
+
 @asynccontextmanager
 async def embedded_broker(host: str = "127.0.0.1", port: int = 0) -> AsyncIterator[int]:
     """Run a broker and yield its port; port 0 takes any that is free. Raises OSError."""
-    broker = Broker(
+    broker = _Broker(
         {
             "listeners": {"default": {"type": "tcp", "bind": f"{host}:{port}"}},
             "plugins": {"amqtt.plugins.authentication.AnonymousAuthPlugin": {"allow_anonymous": True}},

@@ -1,6 +1,7 @@
 """``slipjump demo`` as a newcomer starts it."""
 
 import json
+import os
 import subprocess
 import sys
 
@@ -15,8 +16,9 @@ DEMO = [sys.executable, "-c", "from agent.cli import main; main()", "demo"]
 
 
 def demo(*words, cwd, timeout):
+    wide = {**os.environ, "COLUMNS": "120"}
     return subprocess.run(
-        [*DEMO, *words], capture_output=True, text=True, check=False, timeout=timeout, cwd=cwd
+        [*DEMO, *words], capture_output=True, text=True, check=False, timeout=timeout, cwd=cwd, env=wide
     )
 
 
@@ -52,7 +54,7 @@ def test_a_terminal_gets_a_table(tmp_path):
     done = demo("--seconds", "1", cwd=tmp_path, timeout=50)
     assert done.returncode == 0, done.stderr
     assert "FIC101" in done.stdout
-    assert "alarm on" in done.stdout
+    assert "alarm on the bus" in done.stdout
 
 
 @pytest.mark.parametrize(
