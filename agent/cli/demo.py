@@ -143,11 +143,10 @@ def _known(loop: DemoLoop) -> dict[str, Any]:
 
 def _table(loops: list[DemoLoop], stage: Stage) -> Table:
     """Return the plant as it stands, a row a loop."""
-    from rich import box
     from rich.table import Table
 
     columns = ("loop", "bus", "samples", "period", "truth", "verdict", "S (true)", "on bus")
-    table = Table(*columns, box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(*columns, box=None, padding=(0, 2, 0, 0))
     for loop, now in zip(loops, _status(loops, stage), strict=True):
         valve = loop.scenario.valve
         found = loop.diagnoses[-1] if loop.diagnoses else None

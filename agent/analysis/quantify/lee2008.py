@@ -26,7 +26,8 @@ from agent.analysis.quantify.output_error import (
     valve_position,
 )
 from agent.analysis.quantify.process_estimate import process_estimate
-from agent.analysis.results import Quantification, StictionEstimate
+from agent.analysis.quantify.turns import turns
+from agent.analysis.results import MethodVerdict, Quantification, StictionEstimate
 from agent.physics.processes.arx import Arx, simulate_arx
 from agent.physics.valves.he2007 import he2007
 from agent.units import FrictionBands
@@ -87,7 +88,7 @@ class Lee2008:
             free_run_percent=record.percent(best.error),
             linear_percent=record.percent(linear_error),
             evidence=evidence,
-            decision="stiction" if best.bands.f_s > 0 and evidence > THRESHOLD else "no_stiction",
+            decision=_decision(best, evidence),
             model_pv=best.pv + record.pv_mean,
             model_mv=best.mv,
         )
@@ -160,6 +161,12 @@ class _Record:
             pv=simulate_arx(process, mv, self.pv),
             error=error,
         )
+
+
+def _decision(best: _Model, evidence: float) -> MethodVerdict:
+    if best.bands.f_s == 0 or evidence <= THRESHOLD:
+        return "no_stiction"
+    return "stiction" if turns(best.mv) > 0 else "undecided"
 
 
 def _structures(window: LoopWindow) -> tuple[int, ...]:

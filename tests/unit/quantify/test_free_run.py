@@ -52,6 +52,7 @@ def test_the_verdict_is_the_truth(name):
     else:
         assert found.decision == scenario.truth.verdict
     assert found.failure is None
+    assert found.free_run_percent >= found.linear_percent - 1e-9
     if scenario.truth.verdict == "stiction":
         assert found.evidence > 2
         assert found.free_run_percent > found.linear_percent

@@ -28,6 +28,7 @@ from agent.analysis.quantify.free_run.objective import (
 )
 from agent.analysis.quantify.free_run.problem import Problem, pose
 from agent.analysis.quantify.free_run.search import Fitted, best_linear, best_stiction
+from agent.analysis.quantify.turns import turns
 from agent.analysis.results import MethodVerdict, ProcessEstimate, Quantification, StictionEstimate
 from agent.units import FrictionBands
 
@@ -89,10 +90,7 @@ def unanswered(name: str, failure: str) -> Quantification:
 
 
 def decide(evidence: float, sticking: Fitted | None, window: LoopWindow, problem: Problem) -> MethodVerdict:
-    """Return the verdict that the errors support.
-
-    Without a turn of the valve there is no stiction to see: a monotone valve with any S is a process.
-    """
+    """Return the verdict that the errors support, the valve's turns allow and the fit deserves."""
     if sticking is None or evidence < SLIDES_BELOW:
         return "no_stiction"
     if sticking.candidate[S] < LEAST_S * problem.op_span:
@@ -100,13 +98,6 @@ def decide(evidence: float, sticking: Fitted | None, window: LoopWindow, problem
     sees_it = turns(valve_position(sticking.candidate, problem)) > 0
     explains = fit_percent(sticking, window, problem) >= LEAST_FIT
     return "stiction" if evidence >= STICKS_ABOVE and sees_it and explains else "undecided"
-
-
-def turns(position: FloatArray) -> int:
-    """Count how often the stem turns; position in OP units, (n,)."""
-    directions = np.sign(np.diff(position))
-    directions = directions[directions != 0]
-    return int(np.count_nonzero(np.diff(directions)))
 
 
 def bands(fitted: Fitted) -> StictionEstimate:
