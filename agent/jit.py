@@ -2,12 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import shutil
+from collections.abc import Callable, Iterable
+from hashlib import blake2b
+from pathlib import Path
 from typing import TypeVar, cast
 
 import numba
 
 F = TypeVar("F", bound=Callable[..., object])
+
+PACKAGE = Path(__file__).parent
+FOLDER = "kernels-"
+
+
+def digest(sources: Iterable[Path]) -> str:
+    """Return what changes when any of these files does."""
+    total = blake2b(digest_size=8)
+    for source in sources:
+        total.update(source.read_bytes())
+    return total.hexdigest()
+
+
+def use_cache_of_this_source() -> None:
+    """Keep compiled kernels in a folder named for the source they come from.
+
+    numba looks at the file of a kernel only, not at those of the kernels it calls: without this, a changed
+    callee would go on running as it was.
+    """
+    cache = PACKAGE / "__pycache__"
+    if "NUMBA_CACHE_DIR" in os.environ or not os.access(cache if cache.is_dir() else PACKAGE, os.W_OK):
+        return  # the user's choice, or numba's own: a folder of the user
+    sources = sorted([*PACKAGE.rglob("*.py"), *(PACKAGE.parent / "simulators").rglob("*.py")])
+    folder = cache / f"{FOLDER}{digest(sources)}"
+    if not folder.is_dir():
+        for outdated in cache.glob(f"{FOLDER}*"):
+            shutil.rmtree(outdated, ignore_errors=True)
+        folder.mkdir(parents=True, exist_ok=True)
+    numba.config.CACHE_DIR = str(folder)
 
 
 def kernel(function: F) -> F:
@@ -17,3 +50,6 @@ def kernel(function: F) -> F:
     NaN marks missing data and must stay NaN.
     """
     return cast("F", numba.njit(cache=True, nogil=True)(function))
+
+
+use_cache_of_this_source()

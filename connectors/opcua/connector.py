@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import AsyncIterator, Iterator, Mapping
-from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
+from contextlib import AbstractAsyncContextManager, ExitStack, asynccontextmanager, contextmanager
 
 from asyncua import Client, ua
 from asyncua.common.ua_utils import data_type_to_variant_type
@@ -117,12 +117,10 @@ async def connected(url: str, timeout: float) -> AsyncIterator[Client]:  # noqa:
     """Connect a fresh client; ``timeout`` (s) bounds this and every request. Raises ConnectionLostError."""
     client = Client(url, timeout=timeout, watchdog_intervall=timeout)
     client.session_timeout = _SESSION_TIMEOUT
-    with _as_connection_lost(f"OPC UA server at {url}: "):
-        try:
-            await client.connect()
-        except BaseException:
-            client.disconnect_socket()
-            raise
+    with _as_connection_lost(f"OPC UA server at {url}: "), ExitStack() as unless_connected:
+        unless_connected.callback(client.disconnect_socket)
+        await client.connect()
+        unless_connected.pop_all()
     try:
         yield client
     finally:
