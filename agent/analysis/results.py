@@ -55,6 +55,39 @@ class StictionEstimate:
 
 
 @dataclass(frozen=True, slots=True)
+class ProcessIntervals:
+    """90 % intervals of a process, each (low, high); None for what the process does not have."""
+
+    gain: tuple[float, float]
+    """As ``ProcessEstimate.gain``."""
+    tau: tuple[float, float] | None
+    """s"""
+    delay: tuple[float, float]
+    """s"""
+    tau2: tuple[float, float] | None = None
+    """s"""
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """The least free-run error over all else at each S: what the record says of S, and what trades with it.
+
+    Arrays have shape (k,), S ascending.
+    """
+
+    s: FloatArray
+    """OP units."""
+    error: FloatArray
+    """Sum of squares over that of the best model, >= 1."""
+    delay: FloatArray
+    """Delay of the best model at that S, s."""
+    j: FloatArray
+    """Its slip jump, OP units."""
+    limit: float
+    """Error up to which a model is within the 90 % interval."""
+
+
+@dataclass(frozen=True, slots=True)
 class ProcessEstimate:
     """The low-order process between valve and PV."""
 
@@ -68,6 +101,16 @@ class ProcessEstimate:
     """s; y(t) depends first on MV(t - delay), delay >= ts."""
     tau2: float | None = None
     """Second time constant of a ``sopdt``, s."""
+    intervals: ProcessIntervals | None = None
+    """None where a quantifier has none."""
+
+
+@dataclass(frozen=True, slots=True)
+class CauseShare:
+    """One of the causes of an oscillation with its part in it, 0 to 1."""
+
+    cause: Cause
+    share: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +134,10 @@ class Quantification:
     """Simulated valve position, OP units, (n,)."""
     failure: str | None = None
     """Why there is no answer, in plain words."""
+    profile: Profile | None = None
+    """Error against S; None where a quantifier has none."""
+    cause_shares: tuple[CauseShare, ...] = ()
+    """Causes of the oscillation, where the method names them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,14 +146,6 @@ class MethodResult:
 
     verdict: MethodVerdict
     index: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class CauseShare:
-    """One of the causes of an oscillation with its part in it, 0 to 1."""
-
-    cause: Cause
-    share: float
 
 
 @dataclass(frozen=True, slots=True)
