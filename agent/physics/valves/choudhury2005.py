@@ -1,0 +1,34 @@
+"""Sticking valve with dead band, stick band and slip jump: Choudhury, Thornhill and Shah (2005).
+
+Control Engineering Practice 13:641, in the form that is consistent with the forces. The published flow chart
+asks how far OP has gone since it last turned; noise turns OP at every sample, so that the stem may stay
+behind by more than friction can hold. Asked instead for the force on the stem, with (S + J) / 2 as the bound
+after every turn of OP (reference ``methods.md`` 1.4), the model is the two-state valve (``two_state``).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from agent.jit import kernel
+from agent.physics.valves.two_state import two_state
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@kernel
+def choudhury2005(op: NDArray[np.float64], s: float, j: float, x0: float) -> NDArray[np.float64]:
+    """Return the valve positions, OP units, shape (n,).
+
+    A resting stem breaks away when the force on it exceeds (S + J) / 2 and follows OP at the distance
+    (S - J) / 2 until OP stops or turns. While OP is NaN the position holds and the stem comes to rest.
+
+    Args:
+        op: Controller output, OP units, shape (n,).
+        s: Dead band plus stick band S, OP units.
+        j: Slip jump J, OP units, 0 <= j <= s.
+        x0: Position of the resting stem before the first sample, OP units.
+    """
+    return two_state(op, (s + j) / 2, (s - j) / 2, x0)
