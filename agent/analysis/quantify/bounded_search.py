@@ -24,12 +24,12 @@ RESOLUTION = 0.01
 """Step of the grid, share of S0; the paper says 1 % to 2 %."""
 
 
-def grid(largest: float) -> FloatArray:
-    """Return the bands of the contour map, OP units, shape (2601, 2); the first is no stiction."""
-    count = round(1 / RESOLUTION)
+def grid(largest: float, resolution: float = RESOLUTION) -> FloatArray:
+    """Return the bands of the contour map, OP units, (2601, 2) at 1 %; the first is no stiction."""
+    count = round(1 / resolution)
     f_s, f_d = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
     inside = (f_d <= f_s) & (f_s + f_d <= count)
-    return np.stack([f_s[inside], f_d[inside]], axis=1) * np.float64(RESOLUTION * largest)
+    return np.stack([f_s[inside], f_d[inside]], axis=1) * np.float64(resolution * largest)
 
 
 def grid_search(objective: Objective, largest: float) -> FloatArray:

@@ -61,13 +61,13 @@ class Lee2008:
 
     def quantify(self, window: LoopWindow) -> Quantification:
         """Measure one window; where that can't be done, ``failure`` tells why."""
-        lack = _lack(window)
-        if lack is not None:
-            return _failed(self.name, lack)
-        record = _Record.of(window)
-        structures = _structures(window)
-        free_delays = _free_delays(window, structures)
-        delays = free_delays if window.hints.delay is None else np.array([window.hints.delay])
+        missing = lack(window)
+        if missing is not None:
+            return _failed(self.name, missing)
+        record = Record.of(window)
+        structures = structures_to_try(window)
+        anywhere = free_delays(window, structures)
+        delays = anywhere if window.hints.delay is None else np.array([window.hints.delay])
 
         def errors(bands: FloatArray) -> FloatArray:
             lowest: FloatArray = record.errors(bands, delays, structures).min(axis=(1, 2))
@@ -78,7 +78,7 @@ class Lee2008:
         if best is None:
             return _failed(self.name, "no process with a real lag and a steady gain follows PV from OP")
         # The rival without stiction may take any delay: a wrong hint must not make a valve look sticky.
-        linear = record.best_model(NO_STICTION, np.union1d(free_delays, delays), structures)
+        linear = record.best_model(NO_STICTION, np.union1d(anywhere, delays), structures)
         linear_error = min(record.variance, np.inf if linear is None else linear.error)
         evidence = linear_error / max(best.error, 1e-12 * record.variance)
         return Quantification(
@@ -108,7 +108,9 @@ class _Model:
 
 
 @dataclass(frozen=True, slots=True)
-class _Record:
+class Record:
+    """OP and PV as the objective takes them."""
+
     op: FloatArray
     """OP units, (n,)."""
     pv: FloatArray
@@ -118,7 +120,8 @@ class _Record:
     """1 or -1 where the engineer gave the controller's action, else 0."""
 
     @classmethod
-    def of(cls, window: LoopWindow) -> _Record:
+    def of(cls, window: LoopWindow) -> Record:
+        """Return the record of a window in which ``lack`` misses nothing."""
         op = np.where(np.isfinite(window.op), window.op, np.nan)
         pv = np.where(np.isfinite(window.pv), window.pv, np.nan)
         mean = float(np.nanmean(pv))
@@ -169,7 +172,7 @@ def _decision(best: _Model, evidence: float) -> MethodVerdict:
     return "stiction" if turns(best.mv) > 0 else "undecided"
 
 
-def _structures(window: LoopWindow) -> tuple[int, ...]:
+def structures_to_try(window: LoopWindow) -> tuple[int, ...]:
     """Return the processes to try, the simplest first; it stays where the next is no better."""
     if window.hints.integrating:
         return (INTEGRATOR,)
@@ -178,7 +181,7 @@ def _structures(window: LoopWindow) -> tuple[int, ...]:
     return (FIRST_ORDER, SECOND_ORDER)
 
 
-def _free_delays(window: LoopWindow, structures: tuple[int, ...]) -> NDArray[np.int64]:
+def free_delays(window: LoopWindow, structures: tuple[int, ...]) -> NDArray[np.int64]:
     """Return the delays to search: the short ones, and about the paper's estimate from OP to PV.
 
     In a sticking loop that estimate is often far off, so it only adds to them.
@@ -192,7 +195,8 @@ def _free_delays(window: LoopWindow, structures: tuple[int, ...]) -> NDArray[np.
     return np.array(sorted(delay for delay in delays if 1 <= delay <= longest), dtype=np.int64)
 
 
-def _lack(window: LoopWindow) -> str | None:
+def lack(window: LoopWindow) -> str | None:
+    """Return what a window lacks for a fit, in plain words; None where it lacks nothing."""
     known = int(np.count_nonzero(window.valid))
     if known < 2 * FEWEST_ROWS:
         return f"only {known} samples have both OP and PV, at least {2 * FEWEST_ROWS} are needed"
