@@ -8,6 +8,7 @@ after every turn of OP (reference ``methods.md`` 1.4), the model is the two-stat
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from agent.jit import kernel
@@ -16,6 +17,8 @@ from agent.physics.valves.two_state import two_state
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from agent.units import FrictionBands
 
 
 @kernel
@@ -32,3 +35,15 @@ def choudhury2005(op: NDArray[np.float64], s: float, j: float, x0: float) -> NDA
         x0: Position of the resting stem before the first sample, OP units.
     """
     return two_state(op, (s + j) / 2, (s - j) / 2, x0)
+
+
+@dataclass(frozen=True, slots=True)
+class Choudhury2005:
+    """Choudhury's valve."""
+
+    name: str = "choudhury2005"
+    reference: str = "Choudhury, Thornhill, Shah, Control Engineering Practice 13 (2005) 641"
+
+    def position(self, op: NDArray[np.float64], bands: FrictionBands, x0: float) -> NDArray[np.float64]:
+        """Return the valve positions, OP units, shape (n,)."""
+        return choudhury2005(op, bands.s, bands.j, x0)

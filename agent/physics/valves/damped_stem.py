@@ -9,6 +9,7 @@ between samples.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,8 @@ from agent.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from agent.units import FrictionBands
 
 
 @kernel
@@ -52,3 +55,19 @@ def damped_stem(
                 moving = 0.0
         position[t] = x
     return position
+
+
+@dataclass(frozen=True, slots=True)
+class DampedStem:
+    """The damped stem."""
+
+    name: str = "damped_stem"
+    reference: str = "after Karnopp, J. of Dynamic Systems, Measurement, and Control 107 (1985) 100"
+    lag: float = 0.1
+    """Part of its way that the stem has left after a sample, 0 to 1."""
+    rest: float = 0.1
+    """Way in a sample up to which the stem is at rest at its end, share of f_S."""
+
+    def position(self, op: NDArray[np.float64], bands: FrictionBands, x0: float) -> NDArray[np.float64]:
+        """Return the valve positions, OP units, shape (n,)."""
+        return damped_stem(op, bands.f_s, bands.f_d, x0, self.lag, self.rest * bands.f_s)

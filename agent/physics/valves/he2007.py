@@ -6,6 +6,7 @@ stem position x instead (u_r = u - x) it needs no memory but x, and gives the sa
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,8 @@ from agent.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from agent.units import FrictionBands
 
 
 @kernel
@@ -39,3 +42,15 @@ def he2007(op: NDArray[np.float64], f_s: float, f_d: float, x0: float) -> NDArra
             x = op[t] + f_d
         position[t] = x
     return position
+
+
+@dataclass(frozen=True, slots=True)
+class He2007:
+    """He's valve."""
+
+    name: str = "he2007"
+    reference: str = "He, Wang, Pottmann, Qin, Industrial & Engineering Chemistry Research 46 (2007) 4549"
+
+    def position(self, op: NDArray[np.float64], bands: FrictionBands, x0: float) -> NDArray[np.float64]:
+        """Return the valve positions, OP units, shape (n,)."""
+        return he2007(op, bands.f_s, bands.f_d, x0)

@@ -6,6 +6,7 @@ away swings past its balance by nearly as much as it was behind, and static fric
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,10 +16,15 @@ from agent.jit import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from agent.units import FrictionBands
+
+OVERSHOOT = 1.99
+"""K of the paper, without unit."""
+
 
 @kernel
 def he_wang2014(
-    op: NDArray[np.float64], f_s: float, f_d: float, x0: float, K: float = 1.99
+    op: NDArray[np.float64], f_s: float, f_d: float, x0: float, K: float = OVERSHOOT
 ) -> NDArray[np.float64]:
     """Return the valve positions, OP units, shape (n,).
 
@@ -43,3 +49,17 @@ def he_wang2014(
             x += K * (force + f_d)
         position[t] = x
     return position
+
+
+@dataclass(frozen=True, slots=True)
+class HeWang2014:
+    """The valve of He and Wang."""
+
+    name: str = "he_wang2014"
+    reference: str = "He, Wang, ACC 2010; Industrial & Engineering Chemistry Research 2014"
+    K: float = OVERSHOOT
+    """Overshoot, 1 to 2, without unit."""
+
+    def position(self, op: NDArray[np.float64], bands: FrictionBands, x0: float) -> NDArray[np.float64]:
+        """Return the valve positions, OP units, shape (n,)."""
+        return he_wang2014(op, bands.f_s, bands.f_d, x0, self.K)

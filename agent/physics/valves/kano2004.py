@@ -9,6 +9,7 @@ on OP, are left out.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,8 @@ from agent.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from agent.units import FrictionBands
 
 
 @kernel
@@ -57,3 +60,15 @@ def kano2004(
         former = op[t]
         position[t] = x
     return position
+
+
+@dataclass(frozen=True, slots=True)
+class Kano2004:
+    """Kano's valve, alike in both directions."""
+
+    name: str = "kano2004"
+    reference: str = "Kano, Maruta, Kugemoto, Shimizu, DYCOPS 2004"
+
+    def position(self, op: NDArray[np.float64], bands: FrictionBands, x0: float) -> NDArray[np.float64]:
+        """Return the valve positions, OP units, shape (n,)."""
+        return kano2004(op, bands.s, bands.j, bands.s, bands.j, x0)

@@ -6,6 +6,7 @@ friction: S = J = f_S.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from agent.jit import kernel
@@ -14,6 +15,8 @@ from agent.physics.valves.he2007 import he2007
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from agent.units import FrictionBands
 
 
 @kernel
@@ -29,3 +32,17 @@ def stenman2003(op: NDArray[np.float64], d: float, x0: float) -> NDArray[np.floa
         x0: Position before the first sample, OP units.
     """
     return he2007(op, d, 0.0, x0)
+
+
+@dataclass(frozen=True, slots=True)
+class Stenman2003:
+    """Stenman's valve with d = f_S; it has no f_D."""
+
+    name: str = "stenman2003"
+    reference: str = (
+        "Stenman, Gustafsson, Forsman, Int. J. of Adaptive Control and Signal Processing 17 (2003) 625"
+    )
+
+    def position(self, op: NDArray[np.float64], bands: FrictionBands, x0: float) -> NDArray[np.float64]:
+        """Return the valve positions, OP units, shape (n,)."""
+        return stenman2003(op, bands.f_s, x0)

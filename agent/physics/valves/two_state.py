@@ -7,6 +7,7 @@ Huang 2008).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,8 @@ from agent.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from agent.units import FrictionBands
 
 
 @kernel
@@ -48,3 +51,15 @@ def two_state(op: NDArray[np.float64], f_s: float, f_d: float, x0: float) -> NDA
         former = op[t]
         position[t] = x
     return position
+
+
+@dataclass(frozen=True, slots=True)
+class TwoState:
+    """The two-state valve."""
+
+    name: str = "two_state"
+    reference: str = "after Chen, Tan, Huang, Industrial & Engineering Chemistry Research 47 (2008) 2842"
+
+    def position(self, op: NDArray[np.float64], bands: FrictionBands, x0: float) -> NDArray[np.float64]:
+        """Return the valve positions, OP units, shape (n,)."""
+        return two_state(op, bands.f_s, bands.f_d, x0)
