@@ -8,16 +8,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
 
+if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray, LoopWindow
     from agent.analysis.results import Diagnosis, Quantification
 
-MEASURED = "#30435b"
-MODEL = "#d9541e"
-VALVE = "#1f8a70"
-SET_POINT = "#9aa5b1"
 TIME_UNITS = (
     (3 * 86400.0, 86400.0, "days"),
     (3 * 3600.0, 3600.0, "h"),
@@ -66,18 +62,11 @@ def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
     plane.set_ylabel("PV (PV units)")
     plane.xaxis.set_major_locator(MaxNLocator(5))
     for axes in (pv_axes, op_axes, plane):
-        _finish(axes)
+        tidy(axes)
+        legend_above(axes)
     figure.align_ylabels((pv_axes, op_axes))
     figure.suptitle(_title(diagnosis), x=0.01, ha="left", fontsize=12)
     return figure
-
-
-def _finish(axes: Axes) -> None:
-    axes.grid(visible=True, color="#e4e8ec", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-    legend = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False, "fontsize": 9}
-    axes.legend(ncols=3, borderaxespad=0.2, handlelength=1.6, **legend)  # above the data, never on it
 
 
 def _time(window: LoopWindow) -> tuple[FloatArray, str]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -19,13 +18,11 @@ from agent.analysis.recording import LoopHints, LoopWindow
 from agent.cli.recordings import loop_window
 from agent.physics.valves.he2007 import he2007
 from agent.physics.valves.two_state import two_state
-from agent.plots.fit import MEASURED, MODEL, VALVE, fit_figure
+from agent.plots.axes import MEASURED, MODEL, VALVE, tidy
+from agent.plots.fit import fit_figure
 from connectors.recording import read_recording
 from simulators.plant import simulate
 from simulators.scenario import load_scenario
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -109,12 +106,6 @@ def valve_laws() -> Figure:
     for axes in (over_time, plane):
         tidy(axes)
     return figure
-
-
-def tidy(axes: Axes) -> None:
-    """Draw a light grid and no frame."""
-    axes.grid(visible=True, color="#e4e8ec", linewidth=0.6)
-    axes.spines[["top", "right"]].set_visible(False)
 
 
 if __name__ == "__main__":

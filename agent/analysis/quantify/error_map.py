@@ -13,7 +13,7 @@ import numpy as np
 from scipy import ndimage
 
 from agent.analysis.quantify.bounded_search import RESOLUTION, grid
-from agent.analysis.quantify.lee2008 import Record, free_delays, lack, structures_to_try
+from agent.analysis.quantify.joint_fit import Record, free_delays, lack, structures_to_try
 from agent.analysis.quantify.output_error import FIRST_ORDER, INTEGRATOR, SECOND_ORDER
 from agent.units import FrictionBands
 
@@ -48,8 +48,8 @@ class ErrorMap:
     @property
     def best(self) -> tuple[str, FrictionBands]:
         """Structure and valve of the best cell."""
-        layer, row, column = np.unravel_index(np.nanargmin(self.error), self.error.shape)
-        return self.kinds[layer], self._bands(int(row), int(column))
+        layer = int(np.argmin(np.nanmin(self.error, axis=(1, 2))))
+        return self.kinds[layer], self._lowest(self.error[layer])
 
     def basins(self, layer: int, within: float = ALIKE) -> tuple[FrictionBands, ...]:
         """Return the lowest cell of each basin of one structure, the best first.
@@ -57,14 +57,15 @@ class ErrorMap:
         A basin is a connected set of cells whose error is at most ``within`` times the least of the layer.
         """
         error = np.where(np.isnan(self.error[layer]), np.inf, self.error[layer])
-        least = error.min()
-        if not np.isfinite(least):
+        if not np.isfinite(error).any():
             return ()
-        labels, count = ndimage.label(error <= within * least, WHOLE_NEIGHBOURHOOD)
-        cells = ndimage.minimum_position(error, labels, range(1, count + 1))
-        return tuple(self._bands(row, column) for row, column in sorted(cells, key=lambda cell: error[cell]))
+        labels, count = ndimage.label(error <= within * error.min(), WHOLE_NEIGHBOURHOOD)
+        basins = [np.where(labels == basin, error, np.inf) for basin in range(1, count + 1)]
+        return tuple(self._lowest(basin) for basin in sorted(basins, key=np.min))
 
-    def _bands(self, row: int, column: int) -> FrictionBands:
+    def _lowest(self, error: FloatArray) -> FrictionBands:
+        """Return the valve of the least error of one layer, (k, k)."""
+        row, column = np.unravel_index(np.nanargmin(error), error.shape)
         return FrictionBands(float(self.f_s[row]), float(self.f_d[column]))
 
 
@@ -72,7 +73,7 @@ def error_map(window: LoopWindow, resolution: float = RESOLUTION) -> ErrorMap | 
     """Return the map of a window, or None where nothing can be fitted to it.
 
     Args:
-        window: The record; its hints (delay, order, action, integrating) bound the map as they bound ``lee2008``.
+        window: The record; its hints bound the map as they bound ``lee2008``.
         resolution: Step of the grid, share of the span of OP; the paper takes 0.01 to 0.02.
     """
     if lack(window) is not None:
@@ -89,5 +90,5 @@ def error_map(window: LoopWindow, resolution: float = RESOLUTION) -> ErrorMap | 
     k = int(cells.max()) + 1
     layers = np.full((len(structures), k, k), np.nan)
     layers[:, cells[:, 0], cells[:, 1]] = (errors / errors.min()).T
-    axis = step * np.arange(k)
+    axis: FloatArray = step * np.arange(k, dtype=np.float64)
     return ErrorMap(axis, axis, tuple(KINDS[each] for each in structures), layers)

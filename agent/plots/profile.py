@@ -1,0 +1,66 @@
+"""How the record trades the stick band against the delay: the profile of the error over S."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy import ndimage
+
+from agent.plots.axes import MEASURED, MODEL, VALVE, legend_above, tidy
+
+if TYPE_CHECKING:
+    from agent.analysis.results import Profile
+
+INSIDE = "#f6d9cc"
+TALLEST = 4.0
+"""Height of the upper panel in heights of the limit over the least error: the foot of the curve matters."""
+
+
+def profile_figure(loop: str, profile: Profile) -> Figure:
+    """Draw the least error over all else against S, and below it the delay and J that go with each S.
+
+    Args:
+        loop: Name for the title.
+        profile: Where its error is at most ``limit``, S is within the 90 % interval; that is shaded.
+    """
+    figure = Figure(figsize=(9.0, 7.0), layout="constrained")
+    upper, delay, j = panels = figure.subplots(3, 1, sharex=True, height_ratios=(1.8, 1.0, 1.0))
+    upper.plot(profile.s, profile.error, color=MEASURED, linewidth=1.1, label="least error at this S")
+    upper.axhline(profile.limit, color=MODEL, linewidth=0.9, linestyle="--", label="limit of the interval")
+    delay.plot(profile.s, profile.delay, color=VALVE, linewidth=1.1)
+    j.plot(profile.s, profile.j, color=VALVE, linewidth=1.1)
+    basins = _basins(profile)
+    for basin in basins:
+        for axes in panels:
+            axes.axvspan(profile.s[basin][0], profile.s[basin][-1], color=INSIDE, linewidth=1.0, zorder=0)
+    lowest = [basin.start + int(np.argmin(profile.error[basin])) for basin in basins]
+    for axes, values in ((upper, profile.error), (delay, profile.delay), (j, profile.j)):
+        axes.plot(
+            profile.s[lowest], values[lowest], "o", color=MODEL, markersize=5, label="lowest of a basin"
+        )
+        tidy(axes)
+    upper.set_ylim(0.98, 1 + TALLEST * (profile.limit - 1))
+    upper.set_ylabel("squared error over the least")
+    delay.set_ylabel("delay (s)")
+    j.set_ylabel("J (OP units)")
+    j.set_xlabel("S (OP units)")
+    legend_above(upper)
+    figure.align_ylabels(panels)
+    figure.suptitle(f"{loop}: {_words(profile, basins)}", x=0.01, ha="left", fontsize=12)
+    return figure
+
+
+def _basins(profile: Profile) -> list[slice]:
+    """Return the stretches of S that the record allows, ascending."""
+    labels, _ = ndimage.label(profile.error <= profile.limit)
+    return [found[0] for found in ndimage.find_objects(labels)]
+
+
+def _words(profile: Profile, basins: list[slice]) -> str:
+    if not basins:
+        return "no S within the interval"
+    low, high = profile.s[basins[0]][0], profile.s[basins[-1]][-1]
+    count = "one basin" if len(basins) == 1 else f"{len(basins)} basins"
+    return f"S between {low:.3g} and {high:.3g} OP units (90 %), {count}"
