@@ -3,11 +3,15 @@
 import numpy as np
 
 from agent.analysis.quantify.output_error import FEWEST_ROWS, INTEGRATOR, SECOND_ORDER
+from agent.analysis.quantify.valve_law import CHOUDHURY, HE, KANO
 from tests.reference.he2007_flow_chart import he2007_flow_chart
+from tests.reference.two_state_branches import two_state_branches
+
+LAWS = {HE: he2007_flow_chart, CHOUDHURY: two_state_branches, KANO: two_state_branches}
 
 
-def output_error(op, pv, f_s, f_d, delay, structure, gain_sign):
-    mv = valve_position(op, f_s, f_d)
+def output_error(op, pv, f_s, f_d, delay, structure, gain_sign, law):
+    mv = valve_position(op, f_s, f_d, law)
     if structure == INTEGRATOR:
         coefficients = integrator(mv, pv, delay)
     else:
@@ -19,9 +23,9 @@ def output_error(op, pv, f_s, f_d, delay, structure, gain_sign):
     return np.mean(difference[rows] ** 2) if rows.sum() >= FEWEST_ROWS else np.inf
 
 
-def valve_position(op, f_s, f_d):
+def valve_position(op, f_s, f_d, law):
     known = np.isfinite(op)
-    mv = np.where(known, he2007_flow_chart(op, f_s, f_d, op[known][0]), np.nan)
+    mv = np.where(known, LAWS[law](op, f_s, f_d, op[known][0]), np.nan)
     return mv - np.mean(mv[known])
 
 

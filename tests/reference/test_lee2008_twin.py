@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.quantify.output_error import FIRST_ORDER, INTEGRATOR, SECOND_ORDER, output_errors
+from agent.analysis.quantify.valve_law import CHOUDHURY, HE, KANO
 from tests.reference.lee2008_by_hand import output_error
 
 DELAYS = np.array([1, 2, 5])
@@ -29,12 +30,15 @@ def loop(seed, order):
     seed=st.integers(0, 2**32 - 1),
     structure=st.sampled_from([INTEGRATOR, FIRST_ORDER, SECOND_ORDER]),
     gain_sign=st.sampled_from([-1, 0, 1]),
+    law=st.sampled_from([HE, CHOUDHURY, KANO]),
 )
-def test_the_compiled_objective_is_the_one_written_by_hand(seed, structure, gain_sign):
+def test_the_compiled_objective_is_the_one_written_by_hand(seed, structure, gain_sign, law):
     op, pv = loop(seed, max(1, structure))
     bands = np.array([[0.0, 0.0], [0.5, 0.5], [2.0, 0.4], [4.0, 0.0], [100.0, 1.0]])
-    fast = output_errors(op, pv, bands, DELAYS, structure, gain_sign)
-    slow = [[output_error(op, pv, *band, delay, structure, gain_sign) for delay in DELAYS] for band in bands]
+    fast = output_errors(op, pv, bands, DELAYS, structure, gain_sign, law)
+    slow = [
+        [output_error(op, pv, *band, delay, structure, gain_sign, law) for delay in DELAYS] for band in bands
+    ]
     np.testing.assert_allclose(fast, slow, rtol=1e-6)
     assert np.isinf(fast[-1]).all(), "a valve that never moves explains nothing"
 
@@ -43,7 +47,7 @@ def test_the_compiled_objective_is_the_one_written_by_hand(seed, structure, gain
 def test_the_comparison_above_sees_plausible_models(structure):
     finite = [
         np.isfinite(
-            output_errors(*loop(seed, max(1, structure)), np.zeros((1, 2)), DELAYS, structure, 0)
+            output_errors(*loop(seed, max(1, structure)), np.zeros((1, 2)), DELAYS, structure, 0, HE)
         ).any()
         for seed in range(20)
     ]

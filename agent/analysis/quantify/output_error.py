@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.least_squares import fit_first_order, fit_integrator, fit_second_order
+from agent.analysis.quantify.valve_law import valve_position
 from agent.jit import kernel
 from agent.physics.processes.arx import Arx, simulate_arx
-from agent.physics.valves.he2007 import he2007
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,23 +24,6 @@ INTEGRATOR, FIRST_ORDER, SECOND_ORDER = 0, 1, 2
 
 FEWEST_ROWS = 50
 """Simulated samples below which an error means nothing."""
-
-
-@kernel
-def valve_position(op: NDArray[np.float64], f_s: float, f_d: float) -> NDArray[np.float64]:
-    """Return MV', the position after He 2007 from u_r(0) = 0 about its mean, OP units, (n,).
-
-    It is NaN where OP is missing: what the valve did then is not known.
-    """
-    first = 0
-    while np.isnan(op[first]):
-        first += 1
-    # From its start the position of a valve that never moves is exactly zero, and stays so less its mean.
-    position = he2007(op - op[first], f_s, f_d, 0.0)
-    for t in range(op.size):
-        if np.isnan(op[t]):
-            position[t] = np.nan
-    return position - np.nanmean(position)
 
 
 @kernel
@@ -96,6 +79,7 @@ def output_errors(
     delays: NDArray[np.int64],
     structure: int,
     gain_sign: int,
+    law: int,
 ) -> NDArray[np.float64]:
     """Return the mean squared free-run error of each valve and delay, PV units squared, shape (k, d).
 
@@ -108,10 +92,11 @@ def output_errors(
         delays: Delays to try, samples, shape (d,).
         structure: INTEGRATOR, FIRST_ORDER or SECOND_ORDER.
         gain_sign: 1 or -1 where the engineer knows it, else 0.
+        law: Of the valve, see ``valve_law``.
     """
     errors = np.full((bands.shape[0], delays.size), np.inf)
     for i in range(bands.shape[0]):
-        mv = valve_position(op, bands[i, 0], bands[i, 1])
+        mv = valve_position(op, bands[i, 0], bands[i, 1], law)
         for j in range(delays.size):
             process = fit_process(mv, pv, delays[j], structure)
             if plausible(process, gain_sign):
