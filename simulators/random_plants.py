@@ -6,6 +6,7 @@ promises is thrown away and the next one tried.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -43,9 +44,25 @@ PEAK_SENSITIVITY: dict[Kind, tuple[float, float]] = {
 """Range of the peak sensitivity by kind: up to 2 is well tuned, 12 is close to unstable."""
 SHAPES = ((0.0, 0.15), (0.25, 0.75), (0.8, 1.0))
 """Ranges of J/S: dead band, both, stick-slip."""
+NOISE_SHARE = (0.02, 0.3)
+"""Range of the noise, share of the standard deviation that PV has without it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Draw:
+    """A random loop, and what its scenario alone does not tell."""
+
+    scenario: Scenario
+    noise_share: float | None
+    """Standard deviation of the noise over that of PV without it; None where nothing but noise moves PV."""
 
 
 def random_plant(seed: int, kind: Kind) -> Scenario:
+    """Return the loop of ``random_draw``."""
+    return random_draw(seed, kind).scenario
+
+
+def random_draw(seed: int, kind: Kind) -> Draw:
     """Draw a loop of a kind; the same seed gives the same loop.
 
     - ``stiction``: limit cycle by friction: dead band, stick-slip or both, by Karnopp or LuGre.
@@ -65,12 +82,12 @@ def random_plant(seed: int, kind: Kind) -> Scenario:
         low, high = PEAK_SENSITIVITY[kind]
         if not low <= scenario.peak_sensitivity <= high:
             continue
-        if kind in {"none_noise", "tuning"}:
-            scenario = _with_noise(scenario, rng, rng.uniform(0.5, 5.0))
-        else:
-            scenario = _with_noise(scenario, rng, float(np.std(simulate(scenario).pv)))
+        noise_alone = kind in {"none_noise", "tuning"}
+        swings = rng.uniform(0.5, 5.0) if noise_alone else float(np.std(simulate(scenario).pv))
+        share = _log_uniform(rng, *NOISE_SHARE)
+        scenario = _with_noise(scenario, rng, swings * share)
         if _keeps_promise(scenario, kind):
-            return scenario
+            return Draw(scenario, None if noise_alone else share)
 
 
 def _draw(rng: np.random.Generator, kind: Kind, shape: tuple[float, float], name: str, seed: int) -> Scenario:
@@ -140,9 +157,8 @@ def _sticking_valve(rng: np.random.Generator, shape: tuple[float, float]) -> Val
     )
 
 
-def _with_noise(scenario: Scenario, rng: np.random.Generator, swings: float) -> Scenario:
-    """Add noise and quantisation in proportion to ``swings``, the standard deviation of PV."""
-    std = swings * _log_uniform(rng, 0.02, 0.3)
+def _with_noise(scenario: Scenario, rng: np.random.Generator, std: float) -> Scenario:
+    """Add noise of ``std`` PV units, and quantisation in proportion to it."""
     correlation = rng.choice([0.0, 0.0, rng.uniform(0.5, 4.0)])
     quantisation = Quantisation(
         pv=rng.choice([0.0, std * rng.uniform(0.2, 2.0)]), op=rng.choice([0.0, 0.0, 0.01, 0.05])
