@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TypeVar, cast
 
 import numba
+from numba.core import event
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -50,6 +51,22 @@ def kernel(function: F) -> F:
     NaN marks missing data and must stay NaN.
     """
     return cast("F", numba.njit(cache=True, nogil=True)(function))
+
+
+class _BeforeCompilation(event.Listener):  # type: ignore[misc]  # numba has no types
+    def __init__(self, tell: Callable[[], None]) -> None:
+        self._tell = tell
+
+    def on_start(self, _: event.Event) -> None:
+        self._tell()
+
+    def on_end(self, _: event.Event) -> None:
+        pass
+
+
+def before_compilation(tell: Callable[[], None]) -> None:
+    """Have ``tell`` called in this process whenever a kernel is not in the cache and must be compiled."""
+    event.register("numba:compile", _BeforeCompilation(tell))
 
 
 use_cache_of_this_source()

@@ -53,11 +53,12 @@ def diagnose(window: LoopWindow, *, quantifier: Quantifier | None = None) -> Dia
         quantifier: The method that measures stiction; None takes the default one.
     """
     started = time.perf_counter()
-    diagnosis = _judge(_without_impossible(window), quantifier or quantifier_named(DEFAULT_QUANTIFIER))
+    diagnosis = _judge(without_impossible(window), quantifier or quantifier_named(DEFAULT_QUANTIFIER))
     return replace(diagnosis, seconds=time.perf_counter() - started)
 
 
-def _without_impossible(window: LoopWindow) -> LoopWindow:
+def without_impossible(window: LoopWindow) -> LoopWindow:
+    """Return the window with gaps where its numbers are too large for any plant."""
     return replace(
         window,
         op=_possible(window.op),

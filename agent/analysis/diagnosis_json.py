@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from agent.analysis.results import Diagnosis, Estimate, ProcessEstimate, StictionEstimate
+from agent.analysis.results import Diagnosis, Estimate, ProcessEstimate, ProcessIntervals, StictionEstimate
 
 
 def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
@@ -64,7 +64,22 @@ def _process_json(process: ProcessEstimate | None) -> dict[str, object]:
         "gain": None if process is None else _number(process.gain),
         "tau_s": None if process is None else _number(process.tau),
         "delay_s": None if process is None else _number(process.delay),
+        "intervals": None if process is None else _intervals_json(process.intervals),
     }
+
+
+def _intervals_json(intervals: ProcessIntervals | None) -> dict[str, object] | None:
+    if intervals is None:
+        return None
+    return {
+        "gain": _ends(intervals.gain),
+        "tau_s": None if intervals.tau is None else _ends(intervals.tau),
+        "delay_s": _ends(intervals.delay),
+    }
+
+
+def _ends(interval: tuple[float, float]) -> list[float | None]:
+    return [_number(end) for end in interval]
 
 
 def _number(value: float | None) -> float | None:

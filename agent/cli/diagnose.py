@@ -6,6 +6,7 @@ import json
 import multiprocessing
 import os
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
@@ -17,7 +18,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from agent.cli import recordings as option
+from agent.cli.compilation import announce_compilation
 from agent.cli.errors import BAD_INPUT, complain
+from agent.cli.pictures import draw, picture_files
 
 if TYPE_CHECKING:
     from agent.analysis.quantify import Quantifier
@@ -43,7 +46,7 @@ class Task:
     quantifier: Quantifier | None
     """None: the default one."""
     picture: Path | None
-    """Where to draw the fit; None: nowhere."""
+    """Where to draw the fit, and the other pictures beside it; None: nowhere."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +87,12 @@ def diagnose(
         bool, typer.Option("--json", help="One JSON object a line for each recording.")
     ] = False,
     plot: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Draw measurement and model into DIR/<loop>.png.")
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Draw into DIR: NAME.png, measurement and model; NAME-contour.png, which f_S and f_D "
+            "explain the record; NAME-profile.png, S against delay and J, where the quantifier tells.",
+        ),
     ] = None,
     time: option.Time = "time",
     op: option.Op = "OP",
@@ -103,7 +111,7 @@ def diagnose(
     method = None if quantifier is None else _method(quantifier)
     tasks = [
         Task(path, columns, hints, method, picture)
-        for path, picture in zip(recordings, _pictures(recordings, plot), strict=True)
+        for path, picture in zip(recordings, picture_files(recordings, plot), strict=True)
     ]
     failed = False
     with _progress(len(tasks)) as advance:
@@ -121,22 +129,18 @@ def diagnose(
 def work_out(task: Task) -> Answer:
     """Read, diagnose and draw one recording; runs in a process of the pool."""
     from agent.analysis.diagnose import diagnose as judge
+    from agent.analysis.diagnose import without_impossible
     from connectors.base import ConfigError
     from connectors.recording import read_recording
 
     try:
-        window = option.loop_window(read_recording(task.path, task.columns), task.hints)
+        recording = read_recording(task.path, task.columns)
+        window = without_impossible(option.loop_window(recording, task.hints))
     except ConfigError as error:
         return Answer(task.path, None, tuple(error.faults))
     diagnosis = judge(window, quantifier=task.quantifier)
-    if task.picture is not None:
-        from agent.plots.fit import fit_figure
-
-        try:
-            fit_figure(window, diagnosis).savefig(task.picture, dpi=110)
-        except OSError as error:
-            return Answer(task.path, diagnosis, (f"{task.picture}: cannot be written: {error.strerror}",))
-    return Answer(task.path, diagnosis)
+    faults = () if task.picture is None else draw(window, diagnosis, task.picture)
+    return Answer(task.path, diagnosis, faults)
 
 
 def _method(name: str) -> Quantifier:
@@ -148,48 +152,43 @@ def _method(name: str) -> Quantifier:
         raise typer.BadParameter(str(error), param_hint="'--quantifier'") from error
 
 
-def _pictures(recordings: Sequence[Path], folder: Path | None) -> list[Path | None]:
-    """Return a file for each recording; recordings of one name get a number."""
-    if folder is None:
-        return [None] * len(recordings)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        fault = f"{folder}: cannot be made a folder: {error.strerror}"
-        raise typer.BadParameter(fault, param_hint="'--plot'") from error
-    stems = [path.stem for path in recordings]
-    before = [stems[:k].count(stem) for k, stem in enumerate(stems)]
-    return [
-        folder / f"{stem}_{n + 1}.png" if n else folder / f"{stem}.png"
-        for stem, n in zip(stems, before, strict=True)
-    ]
-
-
 def _answers(tasks: Sequence[Task]) -> Iterator[Answer]:
     """Yield the answers in the order of the tasks, worked out on all cores."""
     workers = min(len(tasks), len(os.sched_getaffinity(0)))
     if workers == 1:
+        announce_compilation(threading.Event())
         yield from map(work_out, tasks)
         return
     context = multiprocessing.get_context("forkserver")  # imports once; no thread of ours is forked
     context.set_forkserver_preload(["agent.analysis.diagnose"])
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+    told = context.Event()
+    with ProcessPoolExecutor(workers, context, announce_compilation, (told,)) as pool:
         yield from pool.map(work_out, tasks)
 
 
 @contextmanager
 def _progress(total: int) -> Iterator[Callable[[], None]]:
-    """Show a bar on stderr while results go elsewhere; on a terminal the results themselves show progress."""
-    if total == 1 or not sys.stderr.isatty() or sys.stdout.isatty():
+    """Show on a terminal's stderr that something is done; many results on a terminal show it themselves."""
+    if not sys.stderr.isatty() or (total > 1 and sys.stdout.isatty()):
         yield lambda: None
         return
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        SpinnerColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
 
-    bar = (TextColumn("diagnosing"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*bar, console=Console(stderr=True), redirect_stdout=False) as progress:
+    many = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (TextColumn("diagnosing"), *(many if total > 1 else (SpinnerColumn(), TimeElapsedColumn())))
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, redirect_stdout=False, transient=total == 1) as progress:
         work = progress.add_task("", total=total)
-        yield lambda: progress.advance(work)
+        yield lambda: progress.advance(work) if total > 1 else progress.stop()
 
 
 def _say(diagnosis: Diagnosis, path: Path, *, as_json: bool) -> None:
@@ -198,15 +197,7 @@ def _say(diagnosis: Diagnosis, path: Path, *, as_json: bool) -> None:
 
         text = json.dumps(diagnosis_json(diagnosis, path.name), allow_nan=False)
     else:
-        text = "\n".join(_lines(diagnosis))
+        from agent.analysis.diagnosis_text import diagnosis_lines
+
+        text = "\n".join(diagnosis_lines(diagnosis))
     print(text, flush=True)  # noqa: T201 - this is the command's output
-
-
-def _lines(diagnosis: Diagnosis) -> Iterator[str]:
-    verdict = diagnosis.verdict.replace("_", " ")
-    confidence = f" (confidence {diagnosis.confidence:.2f})" if diagnosis.confidence else ""
-    yield f"{diagnosis.loop}: {verdict}{confidence}"
-    if diagnosis.cause not in ("stiction", "undecided"):
-        yield f"  cause: {diagnosis.cause.replace('_', ' ')}"
-    for reason in diagnosis.reasons:
-        yield f"  - {reason}"

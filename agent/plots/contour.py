@@ -70,7 +70,7 @@ def _draw_layer(axes: Axes, errors: ErrorMap, layer: int) -> None:
         axes.plot(each.f_d, each.f_s, "o", color="white", markeredgecolor="black", markersize=4)
     best, label = basins[0], "least error of the panel"
     axes.plot(best.f_d, best.f_s, "o", color="white", markeredgecolor="black", label=label)
-    axes.set_title(f"{name}: least error {np.nanmin(error):.3g}, {_minima(basins)}", fontsize=10)
+    axes.set_title(f"{name}: least error {np.nanmin(error):.3g}, minima {len(basins)}", fontsize=10)
 
 
 def _draw_estimate(axes: Axes, found: StictionEstimate) -> None:

@@ -1,0 +1,63 @@
+"""A diagnosis in plain words: the lines of ``slipjump diagnose``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from agent.analysis.results import Diagnosis, Estimate, ProcessEstimate, StictionEstimate
+
+
+def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield verdict, cause, numbers with their 90 % intervals where there are any, and the reasons."""
+    verdict = diagnosis.verdict.replace("_", " ")
+    confidence = f" (confidence {diagnosis.confidence:.2f})" if diagnosis.confidence else ""
+    yield f"{diagnosis.loop}: {verdict}{confidence}"
+    if diagnosis.cause not in ("stiction", "undecided"):
+        yield f"  cause: {diagnosis.cause.replace('_', ' ')}"
+    found = diagnosis.quantification
+    if found is not None and diagnosis.verdict in ("stiction", "undecided"):
+        numbers = [] if found.stiction is None else _stiction(found.stiction)
+        numbers += [] if found.process is None else _process(found.process)
+        yield from (f"  {line}" for line in numbers)
+    for reason in diagnosis.reasons:
+        yield f"  - {reason}"
+
+
+def _stiction(stiction: StictionEstimate) -> list[str]:
+    lines = [
+        _estimate("S", stiction.s, identifiable=stiction.identifiable_s),
+        _estimate("J", stiction.j, identifiable=stiction.identifiable_j),
+        _estimate("f_S", stiction.f_s),
+        _estimate("f_D", stiction.f_d),
+    ]
+    return [line for line in lines if line is not None]
+
+
+def _estimate(name: str, estimate: Estimate, *, identifiable: bool | None = None) -> str | None:
+    """Return a line for a number in OP units; None where nothing is known of how sure it is."""
+    known = estimate.low is not None and estimate.high is not None
+    span = f"{estimate.low:.4g} to {estimate.high:.4g}" if known else ""
+    if identifiable is False:
+        allowed = f"the record allows {span}" if known else "the record does not tell it"
+        return f"{name} = {estimate.value:.4g} OP units, but not identifiable: {allowed}"
+    return f"{name} = {estimate.value:.4g} OP units, 90 % interval {span}" if known else None
+
+
+def _process(process: ProcessEstimate) -> list[str]:
+    intervals = process.intervals
+    if intervals is None:
+        return []
+    unit = "PV units per OP unit and s" if process.kind == "integrator" else "PV units per OP unit"
+    rows = [
+        ("gain", process.gain, intervals.gain, unit),
+        ("time constant", process.tau, intervals.tau, "s"),
+        ("second time constant", process.tau2, intervals.tau2, "s"),
+        ("delay", process.delay, intervals.delay, "s"),
+    ]
+    return [
+        f"{name} = {value:.4g} {unit}, 90 % interval {ends[0]:.4g} to {ends[1]:.4g}"
+        for name, value, ends, unit in rows
+        if value is not None and ends is not None
+    ]
