@@ -1,7 +1,9 @@
-"""Ordinary least squares of the three process structures, one compiled function each.
+"""Ordinary least squares of the three process structures behind many valves, one compiled function each.
 
-Rows with a missing sample in them are left out. Where the normal equations have no solution (a valve that
-never moves, too few rows) a1 is NaN.
+Each returns a1, a2, b1, b2 and bias of ``Arx``, shape (5, k), for the k columns of ``mv``. The valves stand
+side by side because the sums of one alone keep the processor waiting for the sum before. All follow one OP, so
+that their positions are missing in the same rows. Rows with a missing sample are left out. Where the normal
+equations have no solution (a valve that never moves, too few rows) a1 is NaN.
 """
 
 from __future__ import annotations
@@ -11,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.jit import kernel
-from agent.physics.processes.arx import Arx
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,83 +22,109 @@ SMALLEST_PIVOT = 1e-10
 
 
 @kernel
-def fit_integrator(mv: NDArray[np.float64], pv: NDArray[np.float64], delay: int) -> Arx:
-    """Fit y(t) - y(t-1) = b1 x(t-D) + bias; arrays (n,), OP and PV units.
+def fit_integrator(mv: NDArray[np.float64], pv: NDArray[np.float64], delay: int) -> NDArray[np.float64]:
+    """Fit y(t) - y(t-1) = b1 x(t-D) + bias; ``mv`` (n, k) in OP units and ``pv`` (n,) in PV units.
 
     Slopes are detrended like everything else in the paper, hence the bias: the mean valve position is seldom
     the one that keeps the level.
     """
+    k = mv.shape[1]
     rows = 0
-    x_sum = dy_sum = xx = xdy = 0.0
+    dy_sum = 0.0
+    x_sum, xx, xdy = np.zeros(k), np.zeros(k), np.zeros(k)
     for t in range(delay + 1, pv.size):
         x, dy = mv[t - delay], pv[t] - pv[t - 1]
-        if np.isnan(x + dy):
+        if np.isnan(dy + x[0]):
             continue
         rows += 1
-        x_sum += x
         dy_sum += dy
-        xx += x * x
-        xdy += x * dy
-    spread = rows * xx - x_sum * x_sum
-    if not spread > SMALLEST_PIVOT * rows * xx:
-        return Arx(np.nan, 0.0, np.nan, 0.0, np.nan, delay)
-    b1 = (rows * xdy - x_sum * dy_sum) / spread
-    return Arx(1.0, 0.0, b1, 0.0, (dy_sum - b1 * x_sum) / rows, delay)
+        for i in range(k):
+            x_sum[i] += x[i]
+            xx[i] += x[i] * x[i]
+            xdy[i] += x[i] * dy
+    coefficients = np.zeros((5, k))
+    for i in range(k):
+        spread = rows * xx[i] - x_sum[i] * x_sum[i]
+        if spread > SMALLEST_PIVOT * rows * xx[i]:
+            b1 = (rows * xdy[i] - x_sum[i] * dy_sum) / spread
+            coefficients[0, i] = 1.0
+            coefficients[2, i] = b1
+            coefficients[4, i] = (dy_sum - b1 * x_sum[i]) / rows
+        else:
+            coefficients[:, i] = np.nan
+    return coefficients
 
 
 @kernel
-def fit_first_order(mv: NDArray[np.float64], pv: NDArray[np.float64], delay: int) -> Arx:
-    """Fit y(t) = a1 y(t-1) + b1 x(t-D); arrays (n,), OP and PV units, both about their means."""
-    yy = xy = xx = yz = xz = 0.0
+def fit_first_order(mv: NDArray[np.float64], pv: NDArray[np.float64], delay: int) -> NDArray[np.float64]:
+    """Fit y(t) = a1 y(t-1) + b1 x(t-D); ``mv`` (n, k) and ``pv`` (n,) about their means, OP and PV units."""
+    k = mv.shape[1]
+    yy = yz = 0.0
+    xy, xx, xz = np.zeros(k), np.zeros(k), np.zeros(k)
     for t in range(delay + 1, pv.size):
         y, x, z = pv[t - 1], mv[t - delay], pv[t]
-        if np.isnan(y + x + z):
+        if np.isnan(y + z + x[0]):
             continue
         yy += y * y
-        xy += x * y
-        xx += x * x
         yz += y * z
-        xz += x * z
-    determinant = yy * xx - xy * xy
-    if not determinant > SMALLEST_PIVOT * yy * xx:
-        return Arx(np.nan, 0.0, np.nan, 0.0, 0.0, delay)
-    a1 = (yz * xx - xz * xy) / determinant
-    b1 = (xz * yy - yz * xy) / determinant
-    return Arx(a1, 0.0, b1, 0.0, 0.0, delay)
+        for i in range(k):
+            xy[i] += x[i] * y
+            xx[i] += x[i] * x[i]
+            xz[i] += x[i] * z
+    coefficients = np.zeros((5, k))
+    for i in range(k):
+        determinant = yy * xx[i] - xy[i] * xy[i]
+        if determinant > SMALLEST_PIVOT * yy * xx[i]:
+            coefficients[0, i] = (yz * xx[i] - xz[i] * xy[i]) / determinant
+            coefficients[2, i] = (xz[i] * yy - yz * xy[i]) / determinant
+        else:
+            coefficients[:, i] = np.nan
+    return coefficients
 
 
 @kernel
-def fit_second_order(mv: NDArray[np.float64], pv: NDArray[np.float64], delay: int) -> Arx:
+def fit_second_order(mv: NDArray[np.float64], pv: NDArray[np.float64], delay: int) -> NDArray[np.float64]:
     """Fit y(t) = a1 y(t-1) + a2 y(t-2) + b1 x(t-D) + b2 x(t-D-1).
 
-    Arrays (n,), OP and PV units, both about their means.
+    ``mv`` (n, k) and ``pv`` (n,) about their means, OP and PV units.
     """
-    # Scalars, since a loop over the columns of a row costs the compiled code four times as much.
-    m00 = m01 = m02 = m03 = m11 = m12 = m13 = m22 = m23 = m33 = 0.0
-    r0 = r1 = r2 = r3 = 0.0
+    k = mv.shape[1]
+    m00 = m01 = m11 = r0 = r1 = 0.0
+    # An array to each sum: one of all of them costs the compiled loop its vector instructions.
+    m02, m03, m12, m13 = np.zeros(k), np.zeros(k), np.zeros(k), np.zeros(k)
+    m22, m23, m33, r2, r3 = np.zeros(k), np.zeros(k), np.zeros(k), np.zeros(k), np.zeros(k)
     for t in range(delay + 1, pv.size):
-        y1, y2, x1, x2, z = pv[t - 1], pv[t - 2], mv[t - delay], mv[t - delay - 1], pv[t]
-        if np.isnan(y1 + y2 + x1 + x2 + z):
+        y1, y2, z = pv[t - 1], pv[t - 2], pv[t]
+        x1, x2 = mv[t - delay], mv[t - delay - 1]
+        if np.isnan(y1 + y2 + z + x1[0] + x2[0]):
             continue
         m00 += y1 * y1
         m01 += y1 * y2
-        m02 += y1 * x1
-        m03 += y1 * x2
         m11 += y2 * y2
-        m12 += y2 * x1
-        m13 += y2 * x2
-        m22 += x1 * x1
-        m23 += x1 * x2
-        m33 += x2 * x2
         r0 += y1 * z
         r1 += y2 * z
-        r2 += x1 * z
-        r3 += x2 * z
-    normal = np.array(
-        [[m00, m01, m02, m03], [m01, m11, m12, m13], [m02, m12, m22, m23], [m03, m13, m23, m33]]
-    )
-    c = solve_normal_equations(normal, np.array([r0, r1, r2, r3]))
-    return Arx(c[0], c[1], c[2], c[3], 0.0, delay)
+        for i in range(k):
+            m02[i] += y1 * x1[i]
+            m03[i] += y1 * x2[i]
+            m12[i] += y2 * x1[i]
+            m13[i] += y2 * x2[i]
+            m22[i] += x1[i] * x1[i]
+            m23[i] += x1[i] * x2[i]
+            m33[i] += x2[i] * x2[i]
+            r2[i] += x1[i] * z
+            r3[i] += x2[i] * z
+    coefficients = np.zeros((5, k))
+    for i in range(k):
+        normal = np.array(
+            [
+                [m00, m01, m02[i], m03[i]],
+                [m01, m11, m12[i], m13[i]],
+                [m02[i], m12[i], m22[i], m23[i]],
+                [m03[i], m13[i], m23[i], m33[i]],
+            ]
+        )
+        coefficients[:4, i] = solve_normal_equations(normal, np.array([r0, r1, r2[i], r3[i]]))
+    return coefficients
 
 
 @kernel

@@ -14,7 +14,7 @@ import numpy as np
 from agent.analysis.quantify.least_squares import fit_first_order, fit_integrator, fit_second_order
 from agent.analysis.quantify.valve_law import valve_position
 from agent.jit import kernel
-from agent.physics.processes.arx import Arx, simulate_arx
+from agent.physics.processes.arx import Arx
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,16 +24,33 @@ INTEGRATOR, FIRST_ORDER, SECOND_ORDER = 0, 1, 2
 
 FEWEST_ROWS = 50
 """Simulated samples below which an error means nothing."""
+SIDE_BY_SIDE = 32
+"""Valves taken together; more are no faster, fewer leave the processor waiting."""
 
 
 @kernel
 def fit_process(mv: NDArray[np.float64], pv: NDArray[np.float64], delay: int, structure: int) -> Arx:
     """Fit one of the structures; ``mv`` and ``pv`` about their means, OP and PV units, (n,)."""
+    return process_of(fit_processes(mv.reshape(-1, 1), pv, delay, structure), 0, delay)
+
+
+@kernel
+def fit_processes(
+    mv: NDArray[np.float64], pv: NDArray[np.float64], delay: int, structure: int
+) -> NDArray[np.float64]:
+    """Fit one of the structures behind each valve, a column of ``mv`` (n, k); see ``least_squares``."""
     if structure == INTEGRATOR:
         return fit_integrator(mv, pv, delay)
     if structure == FIRST_ORDER:
         return fit_first_order(mv, pv, delay)
     return fit_second_order(mv, pv, delay)
+
+
+@kernel
+def process_of(coefficients: NDArray[np.float64], i: int, delay: int) -> Arx:
+    """Return the process in column ``i`` of what ``least_squares`` returns."""
+    c = coefficients[:, i]
+    return Arx(c[0], c[1], c[2], c[3], c[4], delay)
 
 
 @kernel
@@ -59,16 +76,44 @@ def plausible(process: Arx, gain_sign: int) -> bool:
 
 
 @kernel
-def mean_squared_error(model: NDArray[np.float64], pv: NDArray[np.float64]) -> float:
-    """Mean squared difference where both are known, PV units squared; infinite with too few such samples."""
-    total = 0.0
-    rows = 0
-    for t in range(pv.size):
-        difference = pv[t] - model[t]
-        if not np.isnan(difference):
-            total += difference * difference
-            rows += 1
-    return total / rows if rows >= FEWEST_ROWS else np.inf
+def mean_squared_errors(
+    coefficients: NDArray[np.float64], mv: NDArray[np.float64], pv: NDArray[np.float64], delay: int
+) -> NDArray[np.float64]:
+    """Return the mean squared free-run error of each process, PV units squared, shape (k,).
+
+    Each runs as ``simulate_arx`` has it, all in step, and no model is kept. Infinite where model and PV are
+    both known in too few samples.
+
+    Args:
+        coefficients: a1, a2, b1, b2 and bias of the processes, shape (5, k).
+        mv: Valve positions, OP units, shape (n, k).
+        pv: Process variable, PV units, shape (n,).
+        delay: Of all processes, samples.
+    """
+    k = mv.shape[1]
+    if delay >= pv.size:
+        return np.full(k, np.inf)
+    a1, a2, b1, b2, bias = (
+        coefficients[0],
+        coefficients[1],
+        coefficients[2],
+        coefficients[3],
+        coefficients[4],
+    )
+    last, before_last = np.full(k, pv[delay]), np.full(k, pv[delay - 1])
+    total, rows = np.zeros(k), np.zeros(k)
+    for t in range(delay + 1, pv.size):
+        x1, x2, measured = mv[t - delay], mv[t - delay - 1], pv[t]
+        for i in range(k):
+            forced = b1[i] * x1[i] + b2[i] * x2[i]
+            y = a1[i] * last[i] + (a2[i] * before_last[i] + forced + bias[i])
+            before_last[i] = last[i]
+            last[i] = measured if np.isnan(y) else y
+            difference = measured - y
+            known = not np.isnan(difference)
+            total[i] += difference * difference if known else 0.0
+            rows[i] += 1.0 if known else 0.0
+    return np.where(rows >= FEWEST_ROWS, total / rows, np.inf)
 
 
 @kernel
@@ -94,11 +139,18 @@ def output_errors(
         gain_sign: 1 or -1 where the engineer knows it, else 0.
         law: Of the valve, see ``valve_law``.
     """
-    errors = np.full((bands.shape[0], delays.size), np.inf)
-    for i in range(bands.shape[0]):
-        mv = valve_position(op, bands[i, 0], bands[i, 1], law)
+    count = bands.shape[0]
+    errors = np.full((count, delays.size), np.inf)
+    mv = np.zeros((op.size, min(count, SIDE_BY_SIDE)))
+    for start in range(0, count, SIDE_BY_SIDE):
+        together = min(SIDE_BY_SIDE, count - start)
+        for i in range(together):
+            # Columns left over in the last round keep older valves, which nobody reads.
+            mv[:, i] = valve_position(op, bands[start + i, 0], bands[start + i, 1], law)
         for j in range(delays.size):
-            process = fit_process(mv, pv, delays[j], structure)
-            if plausible(process, gain_sign):
-                errors[i, j] = mean_squared_error(simulate_arx(process, mv, pv), pv)
+            processes = fit_processes(mv, pv, delays[j], structure)
+            mean_squared = mean_squared_errors(processes, mv, pv, delays[j])
+            for i in range(together):
+                if plausible(process_of(processes, i, delays[j]), gain_sign):
+                    errors[start + i, j] = mean_squared[i]
     return errors
