@@ -110,6 +110,15 @@ def test_interpolating_the_output_misses_what_the_exact_fraction_meets(tau, wors
     assert missed == pytest.approx(worst, rel=0.1)
 
 
+def test_two_lags_sampled_one_after_the_other_are_not_the_second_order():
+    """docs/methods/sopdt.md: off by 9 % of a step."""
+    step = np.where(np.arange(60) < 5, 0.0, 1.0)
+    first = np.array(interpolated_lag(step, 2.0, 1.0))
+    both = np.array(interpolated_lag(np.append(first[1:], 1.0), 1.2, 1.0))
+    exact = PROCESSES[1].respond(step, (2.0, 1.2, 1.0))
+    assert np.max(np.abs(both - exact)) == pytest.approx(0.09, abs=0.005)
+
+
 @EACH
 def test_what_follows_a_missing_position_is_missing(process):
     position = stairs(1)

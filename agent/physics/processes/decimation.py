@@ -1,7 +1,8 @@
 """Fewer samples of a record, after the valve and never before it.
 
-Where the stem slips depends on every move of OP: run the valve at the rate of the record, then take block
-means of its position and of PV. Reference ``methods.md`` 0.7; docs/methods/decimation.md.
+Where the stem slips depends on every move of OP, and holding block means shifts the dead time: run valve and
+process at the rate of the record, then take block means of the response and of PV. Reference ``methods.md``
+0.7; docs/methods/decimation.md.
 """
 
 from __future__ import annotations
