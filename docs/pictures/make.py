@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -14,20 +15,25 @@ from agent.analysis.quantify.free_run.coarse_grid import J_RATIOS, bank_delays, 
 from agent.analysis.quantify.free_run.objective import S, free_run_error
 from agent.analysis.quantify.free_run.problem import Problem, pose
 from agent.analysis.quantify.free_run.search import STEMS, best_stiction
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.recording import FloatArray, LoopHints, LoopWindow
 from agent.cli.recordings import loop_window
-from agent.physics.valves.he2007 import he2007
-from agent.physics.valves.two_state import two_state
-from agent.plots.axes import MEASURED, MODEL, VALVE, tidy
+from agent.physics.processes import PROCESSES
+from agent.physics.valves import LAWS, StictionLaw
+from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
 from agent.plots.fit import fit_figure
+from agent.units import FrictionBands
 from connectors.recording import read_recording
+from simulators.parameters import ProcessParameters, ValveParameters
 from simulators.plant import simulate
+from simulators.process import Process as SimulatedProcess
 from simulators.scenario import load_scenario
+from simulators.valve import STEP, Valve
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 RECORDINGS = Path(os.environ.get("SLIPJUMP_DATA", ROOT.parent / "shared" / "data"))
 DPI = 100
+BANDS = FrictionBands(f_s=5.0, f_d=2.0)
 
 
 def chem10() -> Figure:
@@ -86,28 +92,95 @@ def residual_over_s(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
     return s_values, np.array(left)
 
 
-def valve_laws() -> Figure:
-    """Draw both laws of the valve on a triangle: S = 7, J = 3 (f_S 5, f_D 2), OP units."""
-    t = np.arange(1500)
-    op = 10 * (2 * np.abs(2 * ((t / 500 + 0.25) % 1) - 1) - 1)
-    laws = (("he2007: rests after each slip", he2007, MODEL), ("two_state: slides on", two_state, VALVE))
-    figure = Figure(figsize=(11.0, 4.0), layout="constrained")
-    over_time, plane = figure.subplots(1, 2, width_ratios=(1.8, 1))
+def slow_triangle() -> tuple[FloatArray, FloatArray]:
+    """Return time, s, and OP, OP units, of three strokes of 10 either way."""
+    t = np.arange(1500.0)
+    return t, 10 * (2 * np.abs(2 * ((t / 500 + 0.25) % 1) - 1) - 1)
+
+
+def integrated_valve(friction: Literal["karnopp", "lugre"], op: FloatArray) -> FloatArray:
+    """Return the positions of a physical valve with the friction of ``BANDS``, OP units, OP held for 1 s."""
+    parameters = ValveParameters(law=friction, f_s=BANDS.f_s, f_d=BANDS.f_d)
+    valve = Valve(parameters, (-50.0, 50.0), float(op[0]))
+    return np.array([valve.stroke(each, round(1 / STEP[friction]), STEP[friction])[-1] for each in op])
+
+
+def law_on_triangle(law: StictionLaw) -> Figure:
+    """Draw one law on a triangle, over time and over OP, with an integrated valve behind it."""
+    t, op = slow_triangle()
+    figure = Figure(figsize=(10.0, 3.4), layout="constrained")
+    over_time, plane = figure.subplots(1, 2, width_ratios=(1.9, 1))
     over_time.plot(t[500:], op[500:], color=MEASURED, linewidth=1.0, label="OP")
-    for name, law, colour in laws:
-        position = law(op, 5.0, 2.0, op[0])
-        over_time.plot(t[500:], position[500:], color=colour, linewidth=1.1, label=name)
-        plane.plot(op[500:], position[500:], color=colour, linewidth=1.1, label=name)
-    over_time.set_xlabel("sample")
+    for name, position, colour in (
+        ("Karnopp, integrated", integrated_valve("karnopp", op), SET_POINT),
+        (law.name, law.position(op, BANDS, 0.0), VALVE),
+    ):
+        over_time.plot(t[500:], position[500:], color=colour, linewidth=1.2, label=name)
+        plane.plot(op[500:], position[500:], color=colour, linewidth=1.2)
+    over_time.set_xlabel("time (s)")
     over_time.set_ylabel("OP, valve position (OP units)")
     plane.set_xlabel("OP (OP units)")
     plane.set_ylabel("valve position (OP units)")
-    over_time.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False, fontsize=9)
+    legend_above(over_time)
     for axes in (over_time, plane):
         tidy(axes)
     return figure
 
 
+def stiction_laws() -> Figure:
+    """Draw valve position over OP for each law, and for the two frictions that the simulator integrates."""
+    _, op = slow_triangle()
+    positions = {law.name: law.position(op, BANDS, 0.0) for law in LAWS}
+    positions["karnopp"] = integrated_valve("karnopp", op)
+    positions["lugre"] = integrated_valve("lugre", op)
+    figure = Figure(figsize=(9.0, 9.0), layout="constrained")
+    panels = figure.subplots(3, 3, sharex=True, sharey=True)
+    for axes, (name, position) in zip(panels.flat, positions.items(), strict=True):
+        axes.plot(op[500:], op[500:], color=SET_POINT, linewidth=0.8)
+        axes.plot(op[500:], position[500:], color=VALVE, linewidth=1.2)
+        axes.set_title(name, fontsize=10)
+        tidy(axes)
+    for axes in panels[-1]:
+        axes.set_xlabel("OP (OP units)")
+    for axes in panels[:, 0]:
+        axes.set_ylabel("valve position (OP units)")
+    return figure
+
+
+def process_steps() -> Figure:
+    """Draw the answers of the processes to a step, beside the simulator's and an interpolated lag's."""
+    lags = {"fopdt": (0.5,), "sopdt": (2.0, 1.2), "integrator": ()}
+    simulated = {
+        "fopdt": ProcessParameters(gain=1, tau=0.5, delay=2.5),
+        "sopdt": ProcessParameters(kind="second_order", gain=1, tau=2.0, tau2=1.2, delay=2.5),
+        "integrator": ProcessParameters(kind="integrating", gain=1, delay=2.5),
+    }
+    t = np.arange(20)
+    step = np.where(t < 5, 0.0, 1.0)
+    fine = np.arange(1, 500 * len(t) + 1) / 500
+    figure = Figure(figsize=(11.0, 3.5), layout="constrained")
+    for process, axes in zip(PROCESSES, figure.subplots(1, len(PROCESSES)), strict=True):
+        truth = SimulatedProcess(simulated[process.name], 1 / 500)
+        line = []
+        for flow in np.repeat(step, 500):
+            truth.respond(np.array([flow]), 0.0)
+            line.append(truth.pv)
+        axes.plot(fine, line, color=MEASURED, linewidth=0.9, label="simulator")
+        response = process.respond(step, (*lags[process.name], 3.5))
+        axes.plot(t, response, "o", color=MODEL, markersize=4, label="exact")
+        if process.name == "fopdt":
+            whole, later = (process.respond(step, (*lags["fopdt"], delay)) for delay in (3.0, 4.0))
+            axes.plot(t, (whole + later) / 2, "x", color=VALVE, label="interpolated")
+        axes.set_title(process.name, fontsize=10)
+        axes.set_xlabel("sample")
+        axes.set_ylabel("PV over gain")
+        axes.legend(loc="upper left", frameon=False, fontsize=9)
+        tidy(axes)
+    return figure
+
+
 if __name__ == "__main__":
-    for draw in (free_run_search, valve_laws, chem10):
+    for draw in (free_run_search, process_steps, stiction_laws, chem10):
         draw().savefig(HERE / f"{draw.__name__}.png", dpi=DPI)
+    for each in LAWS:
+        law_on_triangle(each).savefig(HERE / f"law_{each.name}.png", dpi=DPI)

@@ -8,7 +8,7 @@ def sign(number):
 
 
 def choudhury2005_branches(op, s, j, x0):
-    """Return the positions; at the start and after a gap OP is reckoned to come from where the stem stands."""
+    """Return the positions; at the start and after a gap OP is reckoned to come from where the stem is."""
     position = []
     y, former, former_v = x0, x0, 0
     rests, stopped_at = True, x0 + (s - j) / 2

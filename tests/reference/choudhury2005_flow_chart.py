@@ -1,4 +1,4 @@
-"""The flow chart of Choudhury et al. (2005) as published; not for use: see test_choudhury2005_flow_chart.py."""
+"""The flow chart of Choudhury et al. (2005) as published; not for use: see test_stiction_law_twins.py."""
 
 
 def choudhury2005_flow_chart(op, s, j, x0):

@@ -85,5 +85,5 @@ def test_on_a_triangle_the_published_flow_chart_of_choudhury_is_right():
 def test_with_noise_it_leaves_a_stem_further_behind_than_friction_can_hold():
     """Why it is not for use: vector 4 of reference methods.md 9, whose own noise gave 10.85."""
     position = choudhury2005_flow_chart(NOISY_SINE.tolist(), 7.0, 3.0, 0.0)
-    assert np.abs(NOISY_SINE - position).max() > 2 * 5.0
+    assert np.abs(NOISY_SINE - position).max() > 13.0
     assert np.abs(NOISY_SINE - choudhury2005(NOISY_SINE, 7.0, 3.0, 0.0)).max() <= 5.0

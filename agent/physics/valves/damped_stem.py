@@ -64,7 +64,10 @@ class DampedStem:
     name: str = "damped_stem"
     reference: str = "after Karnopp, J. of Dynamic Systems, Measurement, and Control 107 (1985) 100"
     lag: float = 0.1
-    """Part of its way that the stem has left after a sample, 0 to 1."""
+    """Part of its way that the stem has left after a sample, 0 to 1.
+
+    0.1 is a stem with a time constant of 0.43 s, sampled at 1 s.
+    """
     rest: float = 0.1
     """Way in a sample up to which the stem is at rest at its end, share of f_S."""
 
