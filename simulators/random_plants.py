@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from agent.units import FrictionBands
 from simulators.parameters import (
     ControllerParameters,
     Drift,
@@ -147,11 +148,11 @@ def _controller(
 
 def _sticking_valve(rng: np.random.Generator, shape: tuple[float, float]) -> ValveParameters:
     s = _log_uniform(rng, 1.5, 12)
-    j = s * rng.uniform(*shape)
+    bands = FrictionBands.from_s_j(s, j=s * rng.uniform(*shape))
     return ValveParameters(
         law="karnopp" if rng.random() < 0.5 else "lugre",
-        f_s=(s + j) / 2,
-        f_d=(s - j) / 2,
+        f_s=bands.f_s,
+        f_d=bands.f_d,
         damping=rng.uniform(0.1, 0.6),
         tau_ip=rng.uniform(0.05, 0.3),
     )
