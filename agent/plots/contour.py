@@ -48,29 +48,29 @@ def contour_figure(loop: str, errors: ErrorMap, found: StictionEstimate | None =
     panels[0].set_ylabel("f_S (OP units)")
     label = "squared error over the least"
     figure.colorbar(COLOURS, ax=panels, ticks=LEVELS, format="%g", label=label)
-    kind, bands = errors.best
-    minima = _minima(errors.basins(errors.kinds.index(kind)))
-    place = f"least error at f_S = {bands.f_s:.3g}, f_D = {bands.f_d:.3g} OP units"
-    figure.suptitle(f"{loop}: {place}; {minima}", x=0.01, ha="left", fontsize=11)
+    figure.suptitle(f"{loop}: {_words(errors)}", x=0.01, ha="left", fontsize=11)
     return figure
 
 
 def _draw_layer(axes: Axes, errors: ErrorMap, layer: int) -> None:
     """Draw one map with its minima; grey where no process is plausible."""
-    span, error, basins = errors.f_s[-1], errors.error[layer], errors.basins(layer)
+    span, basins = errors.f_s[-1], errors.basins(layer)
     name = NAMES[errors.kinds[layer]]
-    axes.fill((0, 0, span / 2), (0, span, span / 2), color=NO_PROCESS, linewidth=0)
+    triangle = (0, 0, span / 2), (0, span, span / 2)
+    axes.fill(*triangle, color=NO_PROCESS, linewidth=0, label="no process is plausible")
     if not basins:
         axes.set_title(f"{name}: no process is plausible", fontsize=10)
         return
-    shown = np.ma.masked_invalid(error)
+    shown = np.ma.masked_invalid(errors.error[layer])
     axes.contourf(errors.f_d, errors.f_s, shown, LEVELS, cmap=COLOURS.cmap, norm=COLOURS.norm, extend="max")
-    axes.contour(errors.f_d, errors.f_s, shown, (ALIKE,), colors="white", linewidths=0.8)
+    edge = ALIKE * shown.min()
+    if edge < shown.max():
+        axes.contour(errors.f_d, errors.f_s, shown, (edge,), colors="white", linewidths=0.8)
     for each in basins[1:]:
         axes.plot(each.f_d, each.f_s, "o", color="white", markeredgecolor="black", markersize=4)
     best, label = basins[0], "least error of the panel"
     axes.plot(best.f_d, best.f_s, "o", color="white", markeredgecolor="black", label=label)
-    axes.set_title(f"{name}: least error {np.nanmin(error):.3g}, minima {len(basins)}", fontsize=10)
+    axes.set_title(f"{name}: least error {shown.min():.3g}, minima {len(basins)}", fontsize=10)
 
 
 def _draw_estimate(axes: Axes, found: StictionEstimate) -> None:
@@ -86,9 +86,10 @@ def _draw_estimate(axes: Axes, found: StictionEstimate) -> None:
     axes.fill(*outline, fill=False, edgecolor=MODEL, linewidth=1.4, label="90 % intervals of S and J")
 
 
-def _minima(basins: tuple[FrictionBands, ...]) -> str:
-    within = f"within {100 * (ALIKE - 1):.0f} %"
-    if len(basins) == 1:
-        return f"no other minimum {within}"
-    s = [each.s for each in basins]
-    return f"{len(basins)} minima {within}, S from {min(s):.3g} to {max(s):.3g}"
+def _words(errors: ErrorMap) -> str:
+    kind, bands = errors.best
+    layer = errors.kinds.index(kind)
+    count, (low, high) = len(errors.basins(layer)), errors.s_of_basins(layer)
+    minima = "one minimum" if count == 1 else f"{count} minima"
+    place = f"least error at f_S = {bands.f_s:.3g}, f_D = {bands.f_d:.3g} OP units"
+    return f"{place}; within {100 * (ALIKE - 1):.0f} % of it {minima}, S from {low:.3g} to {high:.3g}"

@@ -1,11 +1,13 @@
 """Compiled kernels belong to the source they were compiled from."""
 
+import threading
 from pathlib import Path
 
 import numba
 import pytest
 
 from agent import jit
+from agent.cli.compilation import COMPILING, announce_compilation
 
 
 def test_the_digest_follows_every_file(tmp_path):
@@ -43,3 +45,13 @@ def test_the_users_choice_stands(package, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(package / "mine"))
     jit.use_cache_of_this_source()
     assert numba.config.CACHE_DIR == ""
+
+
+def test_compilation_is_told_once_and_only_when_there_is_some(capsys):
+    told = threading.Event()
+    announce_compilation(told)
+    announce_compilation(told)  # a second process that shares the event
+    double = numba.njit(lambda x: 2 * x)
+    assert capsys.readouterr().err == ""
+    assert (double(1), double(1.5), double(2)) == (2, 3.0, 4)
+    assert capsys.readouterr().err.splitlines() == [COMPILING]

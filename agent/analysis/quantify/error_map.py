@@ -18,6 +18,8 @@ from agent.analysis.quantify.output_error import FIRST_ORDER, INTEGRATOR, SECOND
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from agent.analysis.recording import FloatArray, LoopWindow
 
 KINDS = {INTEGRATOR: "integrator", FIRST_ORDER: "fopdt", SECOND_ORDER: "sopdt"}
@@ -51,17 +53,24 @@ class ErrorMap:
         layer = int(np.argmin(np.nanmin(self.error, axis=(1, 2))))
         return self.kinds[layer], self._lowest(self.error[layer])
 
-    def basins(self, layer: int, within: float = ALIKE) -> tuple[FrictionBands, ...]:
+    def basins(self, layer: int) -> tuple[FrictionBands, ...]:
         """Return the lowest cell of each basin of one structure, the best first.
 
-        A basin is a connected set of cells whose error is at most ``within`` times the least of the layer.
+        A basin is a connected set of cells that are as good as the best of the layer (``ALIKE``).
         """
-        error = np.where(np.isnan(self.error[layer]), np.inf, self.error[layer])
-        if not np.isfinite(error).any():
-            return ()
-        labels, count = ndimage.label(error <= within * error.min(), WHOLE_NEIGHBOURHOOD)
-        basins = [np.where(labels == basin, error, np.inf) for basin in range(1, count + 1)]
+        labels, count = ndimage.label(self._as_good(layer), WHOLE_NEIGHBOURHOOD)
+        basins = [np.where(labels == basin, self.error[layer], np.inf) for basin in range(1, count + 1)]
         return tuple(self._lowest(basin) for basin in sorted(basins, key=np.min))
+
+    def s_of_basins(self, layer: int) -> tuple[float, float]:
+        """Return the least and the largest S = f_S + f_D in the basins of one structure, OP units."""
+        row, column = np.nonzero(self._as_good(layer))
+        s = self.f_s[row] + self.f_d[column]
+        return float(s.min()), float(s.max())
+
+    def _as_good(self, layer: int) -> NDArray[np.bool_]:
+        error = self.error[layer]
+        return np.asarray(np.isfinite(error) & (error <= ALIKE * np.nanmin(error)))
 
     def _lowest(self, error: FloatArray) -> FrictionBands:
         """Return the valve of the least error of one layer, (k, k)."""

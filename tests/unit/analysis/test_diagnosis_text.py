@@ -1,0 +1,113 @@
+"""The words of a diagnosis: numbers with intervals where there are any, and plain words where not."""
+
+from dataclasses import replace
+
+import pytest
+
+from agent.analysis.diagnosis_json import diagnosis_json
+from agent.analysis.diagnosis_text import diagnosis_lines
+from agent.analysis.results import (
+    CauseShare,
+    Diagnosis,
+    Estimate,
+    ProcessEstimate,
+    ProcessIntervals,
+    Quantification,
+    StictionEstimate,
+)
+from agent.units import FrictionBands
+
+SURE = StictionEstimate(
+    f_s=Estimate(6.0, 5.5, 6.5),
+    f_d=Estimate(0.6, 0.1, 1.1),
+    s=Estimate(6.6, 6.5, 6.7),
+    j=Estimate(5.4, 1.25, 6.6),
+    identifiable_s=True,
+    identifiable_j=False,
+)
+PROCESS = ProcessEstimate(
+    "fopdt", 1.5, 12.0, 4.0, intervals=ProcessIntervals(gain=(1.4, 1.6), tau=(11.0, 13.0), delay=(3.5, 4.5))
+)
+FOUND = Quantification("free_run", SURE, PROCESS, 91.0, 60.0, 16.0, "stiction")
+DIAGNOSIS = Diagnosis(
+    loop="FIC101",
+    verdict="stiction",
+    confidence=0.97,
+    cause="stiction",
+    causes=(CauseShare("stiction", 0.9),),
+    stiction_class="stick_slip",
+    reasons=("the valve shows stick and slip",),
+    oscillation=None,
+    quantification=FOUND,
+)
+
+
+def lines(**changes):
+    return list(diagnosis_lines(replace(DIAGNOSIS, quantification=replace(FOUND, **changes))))
+
+
+def test_numbers_with_their_intervals():
+    assert lines() == [
+        "FIC101: stiction (confidence 0.97)",
+        "  S = 6.6 OP units, 90 % interval 6.5 to 6.7",
+        "  J = 5.4 OP units, but not identifiable: the record allows 1.25 to 6.6",
+        "  f_S = 6 OP units, 90 % interval 5.5 to 6.5",
+        "  f_D = 0.6 OP units, 90 % interval 0.1 to 1.1",
+        "  gain = 1.5 PV units per OP unit, 90 % interval 1.4 to 1.6",
+        "  time constant = 12 s, 90 % interval 11 to 13",
+        "  delay = 4 s, 90 % interval 3.5 to 4.5",
+        "  - the valve shows stick and slip",
+    ]
+
+
+def test_without_intervals_the_reasons_say_the_numbers():
+    bare = StictionEstimate.of(FrictionBands(6.0, 0.6))
+    assert lines(stiction=bare, process=replace(PROCESS, intervals=None)) == [
+        "FIC101: stiction (confidence 0.97)",
+        "  - the valve shows stick and slip",
+    ]
+
+
+def test_what_the_record_does_not_tell_at_all():
+    unknown = replace(StictionEstimate.of(FrictionBands(6.0, 0.6)), identifiable_j=False)
+    assert "  J = 5.4 OP units, but not identifiable: the record does not tell it" in lines(stiction=unknown)
+
+
+@pytest.mark.parametrize("verdict", ["no_stiction", "not_testable"])
+def test_no_amount_of_stiction_is_told_of_a_valve_that_is_not_blamed(verdict):
+    told = list(diagnosis_lines(replace(DIAGNOSIS, verdict=verdict, cause="no_oscillation")))
+    assert told[1:] == ["  cause: no oscillation", "  - the valve shows stick and slip"]
+
+
+def test_an_integrator_has_no_time_constant():
+    level = ProcessEstimate(
+        "integrator", 0.01, None, 4.0, intervals=ProcessIntervals((0.009, 0.011), None, (3, 5))
+    )
+    told = lines(process=level)
+    assert "  gain = 0.01 PV units per OP unit and s, 90 % interval 0.009 to 0.011" in told
+    assert not [line for line in told if "time constant" in line]
+    assert diagnosis_json(replace(DIAGNOSIS, quantification=replace(FOUND, process=level)), "x.csv")[
+        "process"
+    ] == {
+        "kind": "integrator",
+        "gain": 0.01,
+        "tau_s": None,
+        "delay_s": 4.0,
+        "intervals": {"gain": [0.009, 0.011], "tau_s": None, "delay_s": [3.0, 5.0]},
+    }
+
+
+def test_json_has_intervals_and_what_is_identifiable():
+    told = diagnosis_json(DIAGNOSIS, "x.csv")
+    assert told["stiction"]["j"] == {"value": 5.4, "low": 1.25, "high": 6.6}
+    assert told["stiction"]["identifiable"] == {"s": True, "j": False}
+    assert told["process"]["intervals"] == {"gain": [1.4, 1.6], "tau_s": [11.0, 13.0], "delay_s": [3.5, 4.5]}
+
+
+@pytest.mark.parametrize(
+    "found", [None, replace(FOUND, process=None), replace(FOUND, process=replace(PROCESS, intervals=None))]
+)
+def test_json_keeps_its_keys_where_nothing_is_known(found):
+    process = diagnosis_json(replace(DIAGNOSIS, quantification=found), "x.csv")["process"]
+    assert list(process) == ["kind", "gain", "tau_s", "delay_s", "intervals"]
+    assert process["intervals"] is None
