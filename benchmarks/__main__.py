@@ -5,26 +5,49 @@ from __future__ import annotations
 import argparse
 import os
 import platform
+from pathlib import Path
 
-from benchmarks import real_recordings, simulated, speed
+from benchmarks import lee2008_map, real_recordings, record_length, simulated, start_up, table_one
+from benchmarks.options import Options
 
-BENCHMARKS = {"real_recordings": real_recordings.run, "simulated": simulated.run, "speed": speed.run}
+BENCHMARKS = {
+    "real_recordings": real_recordings.run,
+    "simulated": simulated.run,
+    "table_one": table_one.run,
+    "lee2008_map": lee2008_map.run,
+    "record_length": record_length.run,
+    "start_up": start_up.run,
+}
 
 
 def main() -> None:
     """Run all benchmarks, or those that are named."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(BENCHMARKS))
-    parser.add_argument("--full", action="store_true", help="60 simulated loops of each kind, not 20")
-    options = parser.parse_args()
-    unknown = set(options.names) - set(BENCHMARKS)
+    parser.add_argument(
+        "--full", action="store_true", help="600 simulated sticking loops, not 200; more repeats"
+    )
+    parser.add_argument(
+        "--loops", type=int, metavar="N", help="N simulated sticking loops, and N/4 of each other kind"
+    )
+    parser.add_argument(
+        "--save",
+        type=Path,
+        metavar="FILE",
+        help="CSV file of the simulated cases; a run goes on from what it holds",
+    )
+    given = parser.parse_args()
+    unknown = set(given.names) - set(BENCHMARKS)
     if unknown:
         parser.error(f"no benchmark {', '.join(sorted(unknown))}; there are {', '.join(BENCHMARKS)}")
+    if given.loops is not None and given.loops < 1:
+        parser.error("--loops: expected 1 or more")
+    options = Options(full=given.full, loops=given.loops, save=given.save)
     print(
         f"{platform.platform()}, {len(os.sched_getaffinity(0))} cores, Python {platform.python_version()}\n"
     )
-    for name in options.names or BENCHMARKS:
-        BENCHMARKS[name](full=options.full)
+    for name in given.names or BENCHMARKS:
+        BENCHMARKS[name](options)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.markdown import table, words
+from benchmarks.options import Options
 from benchmarks.recordings_folder import recordings_folder
 
 QUANTIFIERS = ("free_run", "lee2008")
@@ -43,9 +44,8 @@ def is_right(label: str, verdict: str) -> bool:
     return (verdict == "stiction") == (label == "stiction")
 
 
-def run(*, full: bool) -> None:
-    """Print the tables; ``full`` changes nothing here."""
-    del full
+def run(_options: Options) -> None:
+    """Print the tables."""
     folder = recordings_folder()
     if folder is None:
         print("No recordings folder (SLIPJUMP_DATA): the real recordings are left out.\n")

@@ -97,12 +97,13 @@ def errors_of(mv, pv, delay, order):
     a, b = coefficients[:, :order].T, coefficients[:, order:].T
     model, before = np.full(candidates, pv[delay]), np.full(candidates, pv[delay - 1])
     total = np.zeros(candidates)
-    for t, measured in enumerate(target):
-        new = a[0] * model + b[0] * inputs[0][t]
-        if order == 2:
-            new += a[1] * before + b[1] * inputs[1][t]
-        model, before = new, model
-        total += (measured - new) ** 2
+    with np.errstate(over="ignore", invalid="ignore"):  # unstable ones, which are thrown away below
+        for t, measured in enumerate(target):
+            new = a[0] * model + b[0] * inputs[0][t]
+            if order == 2:
+                new += a[1] * before + b[1] * inputs[1][t]
+            model, before = new, model
+            total += (measured - new) ** 2
     a2 = a[1] if order == 2 else 0.0
     gain = b.sum(axis=0)
     with np.errstate(invalid="ignore"):

@@ -1,7 +1,7 @@
 """Ordinary least squares of the three process structures behind many valves, one compiled function each.
 
 Each returns a1, a2, b1, b2 and bias of ``Arx``, shape (5, k), for the k columns of ``mv``. The valves stand
-side by side because the sums of one alone keep the processor waiting for the sum before. All follow one OP, so
+side by side because the sums of one alone keep the processor waiting for the last one. All follow one OP, so
 that their positions are missing in the same rows. Rows with a missing sample are left out. Where the normal
 equations have no solution (a valve that never moves, too few rows) a1 is NaN.
 """
@@ -104,25 +104,23 @@ def fit_second_order(mv: NDArray[np.float64], pv: NDArray[np.float64], delay: in
         r0 += y1 * z
         r1 += y2 * z
         for i in range(k):
-            m02[i] += y1 * x1[i]
-            m03[i] += y1 * x2[i]
-            m12[i] += y2 * x1[i]
-            m13[i] += y2 * x2[i]
-            m22[i] += x1[i] * x1[i]
-            m23[i] += x1[i] * x2[i]
-            m33[i] += x2[i] * x2[i]
-            r2[i] += x1[i] * z
-            r3[i] += x2[i] * z
+            a, b = x1[i], x2[i]
+            m02[i] += y1 * a
+            m03[i] += y1 * b
+            m12[i] += y2 * a
+            m13[i] += y2 * b
+            m22[i] += a * a
+            m23[i] += a * b
+            m33[i] += b * b
+            r2[i] += a * z
+            r3[i] += b * z
     coefficients = np.zeros((5, k))
+    normal = np.empty((4, 4))
     for i in range(k):
-        normal = np.array(
-            [
-                [m00, m01, m02[i], m03[i]],
-                [m01, m11, m12[i], m13[i]],
-                [m02[i], m12[i], m22[i], m23[i]],
-                [m03[i], m13[i], m23[i], m33[i]],
-            ]
-        )
+        normal[0] = (m00, m01, m02[i], m03[i])
+        normal[1] = (m01, m11, m12[i], m13[i])
+        normal[2] = (m02[i], m12[i], m22[i], m23[i])
+        normal[3] = (m03[i], m13[i], m23[i], m33[i])
         coefficients[:4, i] = solve_normal_equations(normal, np.array([r0, r1, r2[i], r3[i]]))
     return coefficients
 

@@ -93,13 +93,7 @@ def mean_squared_errors(
     k = mv.shape[1]
     if delay >= pv.size:
         return np.full(k, np.inf)
-    a1, a2, b1, b2, bias = (
-        coefficients[0],
-        coefficients[1],
-        coefficients[2],
-        coefficients[3],
-        coefficients[4],
-    )
+    a1, a2, b1, b2, bias = coefficients[0], coefficients[1], coefficients[2], coefficients[3], coefficients[4]
     last, before_last = np.full(k, pv[delay]), np.full(k, pv[delay - 1])
     total, rows = np.zeros(k), np.zeros(k)
     for t in range(delay + 1, pv.size):
@@ -148,9 +142,10 @@ def output_errors(
             # Columns left over in the last round keep older valves, which nobody reads.
             mv[:, i] = valve_position(op, bands[start + i, 0], bands[start + i, 1], law)
         for j in range(delays.size):
-            processes = fit_processes(mv, pv, delays[j], structure)
-            mean_squared = mean_squared_errors(processes, mv, pv, delays[j])
-            for i in range(together):
-                if plausible(process_of(processes, i, delays[j]), gain_sign):
+            fitted = fit_processes(mv, pv, delays[j], structure)
+            possible = [i for i in range(together) if plausible(process_of(fitted, i, delays[j]), gain_sign)]
+            if possible:
+                mean_squared = mean_squared_errors(fitted, mv, pv, delays[j])
+                for i in possible:
                     errors[start + i, j] = mean_squared[i]
     return errors
