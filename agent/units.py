@@ -24,8 +24,13 @@ class FrictionBands:
 
     @property
     def j(self) -> float:
-        """Slip jump J = f_S - f_D, OP units."""
+        """Slip jump J = f_S - f_D, OP units; OP travels as far from slip to slip, the stick band."""
         return self.f_s - self.f_d
+
+    @property
+    def dead_band(self) -> float:
+        """Dead band 2 f_D, OP units: what a reversal costs beyond the stick band."""
+        return 2 * self.f_d
 
     @classmethod
     def from_s_j(cls, s: float, j: float) -> FrictionBands:

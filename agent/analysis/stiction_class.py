@@ -20,6 +20,6 @@ def stiction_class(bands: FrictionBands, op_span: float) -> StictionClass:
         return "weak"
     if bands.j < SMALL * bands.s:
         return "dead_band"
-    if 2 * bands.f_d < SMALL * bands.s:
+    if bands.dead_band < SMALL * bands.s:
         return "stick_slip"
     return "dead_band_stick_slip"
