@@ -61,6 +61,6 @@ def _figures(window: LoopWindow, diagnosis: Diagnosis) -> Iterator[tuple[str, Fi
     found = diagnosis.quantification
     errors = None if found is None else error_map(window)
     if found is not None and errors is not None:
-        yield "-contour", contour_figure(diagnosis.loop, errors, found.stiction)
+        yield "-contour", contour_figure(diagnosis.loop, errors, found)
     if found is not None and found.profile is not None:
         yield "-profile", profile_figure(diagnosis.loop, found.profile)

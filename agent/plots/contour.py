@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from agent.analysis.quantify.error_map import ErrorMap
-    from agent.analysis.results import StictionEstimate
+    from agent.analysis.results import Quantification, StictionEstimate
 
 LEVELS = (1.0, 1.05, ALIKE, 1.2, 1.4, 1.8, 2.5, 4.0, 7.0, 12.0, 25.0, 60.0)
 """Errors over the least where the colour changes; about even in the logarithm of what is above one."""
@@ -26,27 +26,28 @@ NO_PROCESS = "#eceff2"
 NAMES = {"fopdt": "first order", "sopdt": "second order", "integrator": "integrator"}
 
 
-def contour_figure(loop: str, errors: ErrorMap, found: StictionEstimate | None = None) -> Figure:
+def contour_figure(loop: str, errors: ErrorMap, found: Quantification | None = None) -> Figure:
     """Draw the error over f_D and f_S (the paper's Fig. 2 (b)), one panel a structure of the process.
 
     Args:
         loop: Name for the title.
         errors: The map.
         found: What a quantifier says of the same loop: a cross, and the region of its intervals of S and J.
+            It may lie beside the minimum of the map where it starts the valve with another stored force.
     """
     figure = Figure(figsize=(2.0 + 4.4 * len(errors.kinds), 5.6), layout="constrained")
     panels = figure.subplots(1, len(errors.kinds), squeeze=False, sharey=True)[0]
     for layer, axes in enumerate(panels):
         _draw_layer(axes, errors, layer)
-        if found is not None:
-            _draw_estimate(axes, found)
+        if found is not None and found.stiction is not None:
+            _draw_estimate(axes, found.quantifier, found.stiction)
         axes.set_xlim(0, 0.52 * errors.f_s[-1])
         axes.set_ylim(0, 1.02 * errors.f_s[-1])
         axes.set_xlabel("f_D (OP units)")
         axes.legend(loc="upper right", frameon=False, fontsize=9)
         tidy(axes)
     panels[0].set_ylabel("f_S (OP units)")
-    label = "squared error over the least"
+    label = "squared error of lee2008 over the least"
     figure.colorbar(COLOURS, ax=panels, ticks=LEVELS, format="%g", label=label)
     figure.suptitle(f"{loop}: {_words(errors)}", x=0.01, ha="left", fontsize=11)
     return figure
@@ -73,10 +74,10 @@ def _draw_layer(axes: Axes, errors: ErrorMap, layer: int) -> None:
     axes.set_title(f"{name}: least error {shown.min():.3g}, minima {len(basins)}", fontsize=10)
 
 
-def _draw_estimate(axes: Axes, found: StictionEstimate) -> None:
+def _draw_estimate(axes: Axes, quantifier: str, found: StictionEstimate) -> None:
     """Draw an estimate; intervals of S = f_S + f_D and J = f_S - f_D bound a slanting rectangle."""
-    f_s, f_d = found.f_s.value, found.f_d.value
-    axes.plot(f_d, f_s, "+", color=MODEL, markersize=13, markeredgewidth=2, label="estimate")
+    f_s, f_d, label = found.f_s.value, found.f_d.value, f"estimate of {quantifier}"
+    axes.plot(f_d, f_s, "+", color=MODEL, markersize=13, markeredgewidth=2, label=label)
     s, j = found.s, found.j
     if s.low is None or s.high is None or j.low is None or j.high is None:
         return
@@ -89,7 +90,8 @@ def _draw_estimate(axes: Axes, found: StictionEstimate) -> None:
 def _words(errors: ErrorMap) -> str:
     kind, bands = errors.best
     layer = errors.kinds.index(kind)
-    count, (low, high) = len(errors.basins(layer)), errors.s_of_basins(layer)
+    count, ends = len(errors.basins(layer)), [f"{s:.3g}" for s in errors.s_of_basins(layer)]
     minima = "one minimum" if count == 1 else f"{count} minima"
+    s = f"S = {ends[0]}" if ends[0] == ends[1] else f"S from {ends[0]} to {ends[1]}"
     place = f"least error at f_S = {bands.f_s:.3g}, f_D = {bands.f_d:.3g} OP units"
-    return f"{place}; within {100 * (ALIKE - 1):.0f} % of it {minima}, S from {low:.3g} to {high:.3g}"
+    return f"{place}; within {100 * (ALIKE - 1):.0f} % of it {minima}, {s}"

@@ -11,6 +11,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from agent.analysis.diagnose import diagnose
+from agent.analysis.quantify import quantifier
+from agent.analysis.quantify.error_map import error_map
 from agent.analysis.quantify.free_run.coarse_grid import J_RATIOS, bank_delays, score_grid
 from agent.analysis.quantify.free_run.objective import S, free_run_error
 from agent.analysis.quantify.free_run.problem import Problem, pose
@@ -20,6 +22,7 @@ from agent.cli.recordings import loop_window
 from agent.physics.processes import PROCESSES
 from agent.physics.valves import LAWS, StictionLaw
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
+from agent.plots.contour import contour_figure
 from agent.plots.fit import fit_figure
 from agent.units import FrictionBands
 from connectors.recording import read_recording
@@ -44,13 +47,10 @@ def chem10() -> Figure:
 
 def free_run_search() -> Figure:
     """Draw where the search looks: the coarse grid, and the needle that it must hit."""
-    scenario = load_scenario(ROOT / "config" / "scenarios" / "tic302_second_order.yaml")
-    record = simulate(scenario)
-    window = LoopWindow(scenario.loop, scenario.start, scenario.ts, record.op, record.pv)
+    window, truth = recorded("tic302_second_order")
     problem = pose(window)
     if isinstance(problem, str):
         raise TypeError(problem)
-    truth = scenario.valve
     figure = Figure(figsize=(11.0, 4.0), layout="constrained")
     grid, needle = figure.subplots(1, 2)
 
@@ -76,6 +76,22 @@ def free_run_search() -> Figure:
     needle.legend()
     tidy(needle)
     return figure
+
+
+def contour_map() -> Figure:
+    """Draw the contour map of a simulated loop with stick and slip."""
+    window, _ = recorded("pic401_direct_stick_slip")
+    errors = error_map(window)
+    if errors is None:
+        raise TypeError("no process follows PV")
+    return contour_figure(window.loop, errors, quantifier("free_run").quantify(window))
+
+
+def recorded(scenario_name: str) -> tuple[LoopWindow, ValveParameters]:
+    """Return what a scenario of ``config/scenarios`` records, and its true valve."""
+    scenario = load_scenario(ROOT / "config" / "scenarios" / f"{scenario_name}.yaml")
+    record = simulate(scenario)
+    return LoopWindow(scenario.loop, scenario.start, scenario.ts, record.op, record.pv), scenario.valve
 
 
 def residual_over_s(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
@@ -180,7 +196,7 @@ def process_steps() -> Figure:
 
 
 if __name__ == "__main__":
-    for draw in (free_run_search, process_steps, stiction_laws, chem10):
+    for draw in (free_run_search, contour_map, process_steps, stiction_laws, chem10):
         draw().savefig(HERE / f"{draw.__name__}.png", dpi=DPI)
     for each in LAWS:
         law_on_triangle(each).savefig(HERE / f"law_{each.name}.png", dpi=DPI)

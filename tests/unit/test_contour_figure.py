@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify.error_map import ErrorMap
-from agent.analysis.results import Estimate, StictionEstimate
+from agent.analysis.results import Estimate, Quantification, StictionEstimate
 from agent.plots.contour import contour_figure
 from agent.units import FrictionBands
 
@@ -26,6 +26,10 @@ def a_map(*layers, kinds=("fopdt", "sopdt")):
 ONE = a_map(valley(6.0, 1.0), 1.5 * valley(5.0, 2.0))
 
 
+def answer(stiction):
+    return Quantification("free_run", stiction, None, 91.0, 60.0, 16.0, "stiction")
+
+
 def panels(figure):
     return [axes for axes in figure.axes if axes.get_xlabel() == "f_D (OP units)"]
 
@@ -42,7 +46,7 @@ def test_a_panel_a_structure_with_its_minimum():
     assert first.get_title() == "first order: least error 1, minima 1"
     assert second.get_title() == "second order: least error 1.5, minima 1"
     assert figure.get_suptitle() == (
-        "FIC101: least error at f_S = 6, f_D = 1 OP units; within 10 % of it one minimum, S from 7 to 7"
+        "FIC101: least error at f_S = 6, f_D = 1 OP units; within 10 % of it one minimum, S = 7"
     )
 
 
@@ -55,17 +59,21 @@ def test_several_minima_are_told_and_marked():
 def test_the_estimate_with_its_intervals():
     s, j = Estimate(7.0, 6.0, 8.0), Estimate(5.0, 1.0, 7.0)
     found = StictionEstimate(Estimate(6.0), Estimate(1.0), s, j)
-    axes = panels(contour_figure("A", ONE, found))[0]
-    assert lines(axes)["estimate"] == (1.0, 6.0)
+    axes = panels(contour_figure("A", ONE, answer(found)))[0]
+    assert lines(axes)["estimate of free_run"] == (1.0, 6.0)
     region = next(patch for patch in axes.patches if patch.get_label() == "90 % intervals of S and J")
     corners = region.get_xy()[:4].tolist()
     # (f_D, f_S) of S 6 to 8, J 1 to 7; J cannot exceed S
     assert corners == [[2.5, 3.5], [0.0, 6.0], [0.5, 7.5], [3.5, 4.5]]
 
 
+def test_no_cross_where_nothing_sticks():
+    assert set(lines(panels(contour_figure("A", ONE, answer(None)))[0])) == {"least error of the panel"}
+
+
 def test_without_intervals_only_the_cross():
-    axes = panels(contour_figure("A", ONE, StictionEstimate.of(FrictionBands(6.0, 1.0))))[0]
-    assert set(lines(axes)) == {"least error of the panel", "estimate"}
+    axes = panels(contour_figure("A", ONE, answer(StictionEstimate.of(FrictionBands(6.0, 1.0)))))[0]
+    assert set(lines(axes)) == {"least error of the panel", "estimate of free_run"}
     assert "90 % intervals of S and J" not in axes.get_legend_handles_labels()[1]
 
 

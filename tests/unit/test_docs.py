@@ -28,6 +28,12 @@ def test_every_method_has_a_page_whose_title_names_it(method):
     assert [title for title in titles if f"`{method}`" in title]
 
 
+def test_the_table_of_quantifiers_names_every_one_and_no_other():
+    table = (DOCS / "methods" / "quantifiers.md").read_text(encoding="utf-8")
+    named = re.findall(r"^\| \[?`(\w+)`", table, re.MULTILINE)
+    assert sorted(named) == sorted(each.name for each in QUANTIFIERS)
+
+
 @pytest.mark.parametrize("kind", [each.kind for each in KINDS])
 def test_every_bus_has_a_how_to_and_an_example_in_the_readme(kind):
     assert (DOCS / "howto" / f"{kind}.md").is_file()

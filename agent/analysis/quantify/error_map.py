@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 KINDS = {INTEGRATOR: "integrator", FIRST_ORDER: "fopdt", SECOND_ORDER: "sopdt"}
 ALIKE = 1.1
-"""Errors up to this multiple of the least are taken to be as good (``methods.md`` 0.4: within 10 %)."""
+"""Errors up to this multiple of the least count as equally good (``methods.md`` 0.4): a level to look at."""
 EXACT = 1e-12
 """Share of the variance of PV below which an error is rounding."""
 WHOLE_NEIGHBOURHOOD = np.ones((3, 3))
