@@ -9,6 +9,7 @@ import pytest
 
 from agent.analysis.quantify import QUANTIFIERS, quantifier
 from agent.analysis.recording import LoopHints, LoopWindow
+from agent.physics.processes import PROCESSES
 from tests.unit.quantify.loops import loop, swinging_op
 
 EACH = pytest.mark.parametrize("member", QUANTIFIERS, ids=lambda member: member.name)
@@ -127,6 +128,11 @@ def test_hints_that_do_not_fit_are_obeyed_and_do_no_harm(member, hints):
             assert found.process.gain <= 0
 
 
+def answer(op):
+    """PV of a free valve."""
+    return 100 + PROCESSES[0].respond(op, (10.0, 3.0))
+
+
 def storms():
     random = np.random.default_rng(5)
     some = random.random(N) < 0.5
@@ -141,6 +147,12 @@ def storms():
     yield "OP and PV never together", np.where(some, op, nan), np.where(some, nan, pv)
     yield "19 of 20 missing", np.where(random.random(N) < 0.05, op, nan), pv
     yield "known only at the end", np.where(np.arange(N) > N - 30, op, nan), pv
+    step, ramp = np.where(np.arange(N) < N / 2, 40.0, 60.0), np.linspace(40.0, 60.0, N)
+    yield "OP a step", step, answer(step)
+    yield "OP a noisy step", step, answer(step) + 0.1 * random.standard_normal(N)
+    yield "OP a ramp", ramp, answer(ramp)
+    yield "OP a ramp that PV does not lag", ramp, 10 + 15 * ramp
+    yield "OP a noisy ramp", ramp, answer(ramp) + 0.05 * random.standard_normal(N)
 
 
 @EACH
@@ -152,6 +164,39 @@ def test_a_storm_is_never_a_sticking_valve_nor_an_exception(member, op, pv):
     assert found.decision != "stiction"
 
 
+def odd_records():
+    random = np.random.default_rng(6)
+    op, pv = STUCK.op, STUCK.pv
+    three = 50 + 10 * np.round((op - 50) / 10)
+    scattered = np.isin(np.arange(N), random.choice(N, 80, replace=False))
+    block = (np.arange(N) >= 200) & (np.arange(N) < 280)
+    yield "three values of OP", three, pv
+    yield "three values of OP, PV its answer", three, answer(three) + 0.01 * random.standard_normal(N)
+    yield "OP moves three times", 50 + 0.1 * np.isin(np.arange(N), [100, 250, 400]), pv
+    yield "two values of PV", op, np.where(pv > pv.mean(), 1.0, 0.0)
+    yield "60 samples", op[:60], pv[:60]
+    yield "80 scattered samples", np.where(scattered, op, np.nan), np.where(scattered, pv, np.nan)
+    yield "80 samples in a row", np.where(block, op, np.nan), np.where(block, pv, np.nan)
+    yield "a spike of OP", np.where(np.arange(N) == 300, 1e12, op), pv
+    yield "a spike of PV", op, np.where(np.arange(N) == 300, 1e12, pv)
+    yield "far from zero", op + 1e9, pv - 1e9
+
+
+@EACH
+@pytest.mark.parametrize(("op", "pv"), [pytest.param(op, pv, id=name) for name, op, pv in odd_records()])
+def test_an_odd_record_ends_in_an_answer_or_a_failure_in_words(member, op, pv):
+    window = LoopWindow("odd", 0.0, 1.0, op, pv)
+    sound(member.quantify(window), window)
+
+
+@EACH
+@pytest.mark.slow
+@pytest.mark.timeout(120)
+def test_20000_samples_end_in_bounded_time(member):
+    window = loop(swinging_op(20_000), 4.0, 1.0, hints=HINTS)
+    sound(member.quantify(window), window)
+
+
 @EACH
 def test_infinity_is_a_gap_like_any_other(member):
     some = np.random.default_rng(5).random(N) < 0.9
@@ -161,7 +206,7 @@ def test_infinity_is_a_gap_like_any_other(member):
 
 
 @EACH
-@pytest.mark.parametrize("scale", [1e-100, 1e100])
+@pytest.mark.parametrize("scale", [1e-100, 1e-12, 1e12, 1e100])
 def test_numbers_of_any_size_are_survived(member, scale):
     window = replace(STUCK, op=scale * STUCK.op, pv=scale * STUCK.pv)
     sound(member.quantify(window), window)

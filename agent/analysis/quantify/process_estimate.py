@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def process_estimate(process: Arx, structure: int, ts: float) -> ProcessEstimate:
     """Return what a plausible process (see ``output_error``) means in seconds; ``ts`` is in s."""
     delay = process.delay * ts
-    if structure == INTEGRATOR:
+    if structure == INTEGRATOR or (process.a1 == 1.0 and process.a2 == 0.0):  # a pole may be fitted as one
         return ProcessEstimate("integrator", gain=process.b1 / ts, tau=None, delay=delay)
     gain = (process.b1 + process.b2) / (1.0 - process.a1 - process.a2)
     root = math.sqrt(process.a1 * process.a1 + 4.0 * process.a2)
