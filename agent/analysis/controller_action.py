@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.pi_controller import pi_controller
+
 if TYPE_CHECKING:
     from agent.analysis.recording import LoopWindow
 
@@ -22,14 +24,8 @@ def process_gain_sign(window: LoopWindow) -> int:
     """
     if window.hints.acting is not None:
         return 1 if window.hints.acting == "reverse" else -1
-    error = window.error
-    increments = np.diff(window.op)
-    terms = np.stack([np.diff(error), error[1:], np.ones(len(increments))], axis=1)
-    known = np.isfinite(increments) & np.isfinite(terms).all(axis=1)
-    if known.sum() < 10 or not np.any(increments[known]):
+    controller = pi_controller(window)
+    if controller is None:
         return 0
-    increments, terms = increments[known], terms[known]
-    weights, *_ = np.linalg.lstsq(terms, increments, rcond=None)
-    explained = 1 - np.var(increments - terms @ weights) / np.var(increments)
-    agree = np.sign(weights[0]) == np.sign(weights[1])
-    return int(np.sign(weights[0])) if agree and explained > LEAST_EXPLAINED else 0
+    agree = np.sign(controller.kc) == np.sign(controller.ki)
+    return int(np.sign(controller.kc)) if agree and controller.explained > LEAST_EXPLAINED else 0
