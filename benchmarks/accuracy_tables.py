@@ -7,7 +7,7 @@ from typing import get_args
 
 from benchmarks.case import Amount, Case
 from benchmarks.markdown import table
-from benchmarks.quantiles import percent, quantile, two_quantiles
+from benchmarks.quantiles import number, percent, quantile, two_quantiles
 from benchmarks.strata import (
     LITTLE_NOISE,
     STRATA,
@@ -61,7 +61,7 @@ def evidence(cases: Sequence[Case], method: str) -> str:
     for kind in KINDS:
         values = [case.evidence for case in of_method(cases, method) if case.kind == kind]
         known = [value for value in values if value is not None]
-        marks = [f"{quantile(known, q):.2f}" for q in (0.1, 0.5, 0.9, 0.95, 1.0)]
+        marks = [number(quantile(known, q)) for q in (0.1, 0.5, 0.9, 0.95, 1.0)]
         rows.append(
             (f"`{kind}`", *marks, *(percent(value >= limit for value in known) for limit in (1.25, 1.5)))
         )
@@ -106,7 +106,7 @@ def error_row(name: str, cases: Sequence[Case]) -> tuple[object, ...]:
         two_quantiles([case.error("j") for case in known_j]),
         percent(case.identifiable_s is True for case in cases),
         percent(case.identifiable_j is True for case in cases),
-        f"{quantile([case.cpu_seconds for case in cases], 0.5):.2f}",
+        number(quantile([case.cpu_seconds for case in cases], 0.5)),
     )
 
 
@@ -124,8 +124,8 @@ def coverage(cases: Sequence[Case], method: str) -> str:
                     word,
                     len(ones),
                     percent(case.covers(amount) for case in ones),
-                    f"{quantile(widths, 0.5):.2f}",
-                    f"{quantile(widths, 0.9):.1f}",
+                    number(quantile(widths, 0.5)),
+                    number(quantile(widths, 0.9), 1),
                 )
             )
     columns = (

@@ -89,6 +89,14 @@ class Case:
         return float(100 * (getattr(self, f"{amount}_high") - getattr(self, f"{amount}_low")) / self.op_span)
 
 
+def warm(methods: Sequence[str]) -> None:
+    """Load or compile what the methods need, so that no case is charged for it."""
+    t = np.arange(300.0)
+    window = LoopWindow("warm", 0.0, 1.0, np.sin(t / 6), np.sin(t / 6 - 1))
+    for method in methods:
+        diagnose(window, quantifier=quantifier(method))
+
+
 def judge(kind: Kind, seed: int, methods: Sequence[str]) -> list[Case]:
     """Simulate one loop and diagnose it by each method, which is told nothing but OP and PV."""
     draw = random_draw(seed, kind)

@@ -12,6 +12,11 @@ def quantile(values: Sequence[float], q: float) -> float:
     return float(np.quantile(values, q, method="higher")) if values else np.nan
 
 
+def number(value: float, digits: int = 2) -> str:
+    """Return a number as a cell of a table; empty where there is none."""
+    return "" if np.isnan(value) else f"{value:.{digits}f}"
+
+
 def two_quantiles(values: Sequence[float]) -> str:
     """Return median and 90th percentile."""
     return f"{quantile(values, 0.5):.2f} / {quantile(values, 0.9):.1f}" if values else ""

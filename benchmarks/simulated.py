@@ -26,7 +26,7 @@ from benchmarks.accuracy_tables import (
     evidence,
     verdicts,
 )
-from benchmarks.case import Case, judge
+from benchmarks.case import Case, judge, warm
 from benchmarks.case_file import append_cases, read_cases
 from benchmarks.options import Options
 from benchmarks.targets import targets
@@ -107,7 +107,12 @@ def work_out(left: Sequence[Job], save: Path | None) -> list[Case]:
 def in_processes(left: Sequence[Job]) -> Iterator[list[Case]]:
     context = multiprocessing.get_context("forkserver")
     cores = len(os.sched_getaffinity(0))
-    # The least priority: it runs for minutes on all cores of a machine that others may be using.
-    with ProcessPoolExecutor(cores, mp_context=context, initializer=os.nice, initargs=(19,)) as pool:
+    with ProcessPoolExecutor(cores, mp_context=context, initializer=get_ready) as pool:
         for future in as_completed([pool.submit(job.work_out) for job in left]):
             yield future.result()
+
+
+def get_ready() -> None:
+    """Prepare a process of the pool: it gives way to others, for it keeps its core busy for minutes."""
+    os.nice(19)
+    warm([each.name for each in QUANTIFIERS])

@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.case import Amount, Case
 from benchmarks.markdown import table
-from benchmarks.quantiles import quantile
+from benchmarks.quantiles import number, quantile
 from benchmarks.strata import LITTLE_NOISE, has_little_noise, of_method, sound, sticking, with_interval
 
 
@@ -32,8 +32,8 @@ class Target:
         wanted = f"<= {self.most:g}" if self.least == 0 else f">= {self.least:g}"
         if self.least > 0 and self.most < 100:
             wanted = f"{self.least:g} to {self.most:g}"
-        measured = "" if np.isnan(self.measured) else f"{self.measured:.2f}"
-        return self.what, self.cases, wanted, measured, "yes" if self.holds else "**no**"
+        holds = "not measured" if np.isnan(self.measured) else "yes" if self.holds else "**no**"
+        return self.what, self.cases, wanted, number(self.measured), holds
 
 
 def targets(cases: Sequence[Case], method: str) -> str:
