@@ -41,7 +41,7 @@ def profile_figure(loop: str, profile: Profile) -> Figure:
             profile.s[lowest], values[lowest], "o", color=MODEL, markersize=5, label="lowest of a basin"
         )
         tidy(axes)
-    upper.set_ylim(0.98, 1 + TALLEST * (profile.limit - 1))
+    upper.set_ylim(1 - 0.3 * (profile.limit - 1), 1 + TALLEST * (profile.limit - 1))
     upper.set_ylabel("squared error over the least")
     delay.set_ylabel("delay (s)")
     j.set_ylabel("J (OP units)")
