@@ -187,7 +187,7 @@ KEYS = {
     "reasons": None,
     "oscillation": {"detected", "period_s", "regularity"},
     "stiction": {"f_s", "f_d", "s", "j", "identifiable"},
-    "process": {"kind", "gain", "tau_s", "delay_s"},
+    "process": {"kind", "gain", "tau_s", "delay_s", "intervals"},
     "fit": {"free_run_percent", "linear_percent"},
     "methods": None,
     "seconds": None,
@@ -218,7 +218,13 @@ def test_json_numbers():
     written = diagnosis_json(judged(WINDOW, replace(STICKING, stiction=low)), "FIC101.csv")
     assert written["stiction"]["s"] == {"value": 3.0, "low": 2.5, "high": None}
     assert written["stiction"]["identifiable"] == {"s": True, "j": None}
-    assert written["process"] == {"kind": "fopdt", "gain": 1.0, "tau_s": 5.0, "delay_s": 2.0}
+    assert written["process"] == {
+        "kind": "fopdt",
+        "gain": 1.0,
+        "tau_s": 5.0,
+        "delay_s": 2.0,
+        "intervals": None,
+    }
     assert written["methods"] == {"told": {"verdict": "stiction", "index": 16.0}}
     assert written["class"] == "dead_band_stick_slip"
 

@@ -47,11 +47,24 @@ def test_the_users_choice_stands(package, monkeypatch):
     assert numba.config.CACHE_DIR == ""
 
 
-def test_compilation_is_told_once_and_only_when_there_is_some(capsys):
+def test_compilation_is_told_before_it_starts_and_only_then():
+    told = []
+    jit.before_compilation(lambda: told.append("compiles"))
+    double = numba.njit(lambda x: 2 * x)
+    assert told == []
+    assert double(1) == 2
+    before = len(told)
+    assert before > 0
+    assert double(3) == 6
+    assert len(told) == before
+
+
+def test_one_line_however_much_is_compiled_in_however_many_processes(monkeypatch, capsys):
+    tells = []
+    monkeypatch.setattr(jit, "before_compilation", tells.append)
     told = threading.Event()
     announce_compilation(told)
-    announce_compilation(told)  # a second process that shares the event
-    double = numba.njit(lambda x: 2 * x)
-    assert capsys.readouterr().err == ""
-    assert (double(1), double(1.5), double(2)) == (2, 3.0, 4)
+    announce_compilation(told)  # as a second process that shares the event
+    for tell in tells * 2:
+        tell()
     assert capsys.readouterr().err.splitlines() == [COMPILING]
