@@ -34,8 +34,8 @@ def grid(largest: float, resolution: float = RESOLUTION) -> FloatArray:
 
 def grid_search(objective: Objective, largest: float) -> FloatArray:
     """Return the lowest point of the contour map; the paper's Table I prints such multiples of 1 %."""
-    bands = grid(largest)
-    return np.asarray(bands[np.argmin(objective(bands))])
+    candidates = grid(largest)
+    return np.asarray(candidates[np.argmin(objective(candidates))])
 
 
 def random_search(objective: Objective, largest: float) -> FloatArray:
@@ -46,14 +46,14 @@ def random_search(objective: Objective, largest: float) -> FloatArray:
     """
     starts, failures_allowed, kept = 32, 6, 4
     random = np.random.default_rng(2008)
-    best = _within(largest * random.random((starts, 2)), largest)
+    best = within(largest * random.random((starts, 2)), largest)
     best[0] = 0.0
-    errors = objective(_bands(best))
+    errors = objective(bands(best))
     scale = np.full(starts, largest / 4)
     failures = np.zeros(starts, dtype=int)
     while scale.max() > RESOLUTION * largest:
-        trial = _within(best + scale[:, None] * random.standard_normal((starts, 2)), largest)
-        trial_errors = objective(_bands(trial))
+        trial = within(best + scale[:, None] * random.standard_normal((starts, 2)), largest)
+        trial_errors = objective(bands(trial))
         better = trial_errors < errors
         best[better], errors[better] = trial[better], trial_errors[better]
         failures = np.where(better, 0, failures + 1)
@@ -61,20 +61,32 @@ def random_search(objective: Objective, largest: float) -> FloatArray:
         scale[stale] /= 2
         failures[stale] = 0
     most_promising = np.argsort(errors, kind="stable")[:kept]
-    ends = [_local_search(objective, best[start], largest) for start in most_promising]
-    point, _ = min(ends, key=lambda end: end[1])
-    bands: FloatArray = _bands(point[None])[0]
-    return bands
-
-
-def _local_search(objective: Objective, point: FloatArray, largest: float) -> tuple[FloatArray, float]:
-    """Go from a point (S, J) to its best neighbour, halving the step where none is better; OP units."""
-    ways = np.array([(s, j) for s in (-1, 0, 1) for j in (-1, 0, 1) if s or j])
-    error = float(objective(_bands(point[None]))[0])
     step = RESOLUTION * largest
+    ends = [pattern_search(objective, best[start], largest, step) for start in most_promising]
+    point, _ = min(ends, key=lambda end: end[1])
+    found: FloatArray = bands(point[None])[0]
+    return found
+
+
+def pattern_search(
+    objective: Objective, point: FloatArray, largest: float, step: float
+) -> tuple[FloatArray, float]:
+    """Go from a point (S, J) to its best neighbour, halving the step where none is better.
+
+    Args:
+        objective: What to make small.
+        point: Start, OP units, (2,).
+        largest: S0, OP units.
+        step: First distance of the neighbours, OP units; the last is a sixteenth of RESOLUTION.
+
+    Returns:
+        The point (S, J) where no neighbour is better, OP units, and its error.
+    """
+    ways = np.array([(s, j) for s in (-1, 0, 1) for j in (-1, 0, 1) if s or j])
+    error = float(objective(bands(point[None]))[0])
     while step > RESOLUTION * largest / 16:
-        neighbours = _within(point + step * ways, largest)
-        errors = objective(_bands(neighbours))
+        neighbours = within(point + step * ways, largest)
+        errors = objective(bands(neighbours))
         if errors.min() < error:
             point, error = neighbours[np.argmin(errors)], float(errors.min())
         else:
@@ -82,13 +94,13 @@ def _local_search(objective: Objective, point: FloatArray, largest: float) -> tu
     return point, error
 
 
-def _within(s_j: FloatArray, largest: float) -> FloatArray:
+def within(s_j: FloatArray, largest: float) -> FloatArray:
     """Return the points (k, 2) put back onto 0 <= J <= S <= S0. The bounds matter: often f_D is zero."""
     s = np.clip(s_j[:, 0], 0.0, largest)
     return np.stack([s, np.clip(s_j[:, 1], 0.0, s)], axis=1)
 
 
-def _bands(s_j: FloatArray) -> FloatArray:
-    """Return f_S and f_D of points (S, J), shape (k, 2)."""
+def bands(s_j: FloatArray) -> FloatArray:
+    """Return f_S and f_D, shape (k, 2), of points (S, J), shape (k, 2); OP units."""
     s, j = s_j[:, 0], s_j[:, 1]
     return np.stack([(s + j) / 2, (s - j) / 2], axis=1)

@@ -1,4 +1,4 @@
-"""Loops whose valve is exactly the model of He et al.: what a fit must give back."""
+"""Loops whose valve is exactly one of the models, mostly that of He et al.: what a fit must give back."""
 
 import numpy as np
 
@@ -18,8 +18,8 @@ def swinging_op(samples=600, seed=0):
     return 50 + 20 * (op - op.mean()) / np.ptp(op)
 
 
-def loop(op, f_s, f_d, process=FIRST_ORDER, noise=0.02, hints=None):
-    mv = he2007(op, f_s, f_d, op[0])
+def loop(op, f_s, f_d, process=FIRST_ORDER, noise=0.02, hints=None, valve=he2007):
+    mv = valve(op, f_s, f_d, op[0])
     model = np.nan_to_num(simulate_arx(process, mv - mv.mean(), np.zeros(len(op))))
     pv = 100 + model + noise * np.random.default_rng(1).standard_normal(len(op))
     return LoopWindow("FIC101", 0.0, 2.0, op, pv, hints=hints or LoopHints())
