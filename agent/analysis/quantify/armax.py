@@ -4,7 +4,8 @@
     eta(t) = eta(t-1) + w(t),    var w = walk^2 var e
 
 Extended least squares (Young 1968; Panuska 1968): the noise that the last fit left stands in the regression
-for e, and so on, from the fit without it. It need not converge, so the most likely of these fits is kept.
+for e, and so on, from the fit without it. That need not converge: a step that makes the record less likely is
+halved, and where that does not help it was the last.
 The bias is that of Karra and Karim (2009): a Kalman filter of eta run over PV and over each regressor leaves
 what eta cannot follow, and ordinary least squares on that is the exact estimate beside a walk
 (Rosenberg 1973). With walk = 0 eta is a constant level and the model plain ARMAX.
@@ -24,8 +25,10 @@ from agent.physics.processes.arx import Arx, simulate_arx
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-SWEEPS = 5
-"""Regressions at most; on simulated loops the likelihood gains nothing after four."""
+SWEEPS = 8
+"""Regressions at most."""
+HALVINGS = 4
+"""Shares of a step, down to an eighth, of which one must raise the likelihood."""
 
 
 class Armax(NamedTuple):
@@ -75,11 +78,18 @@ def fit_armax(
         width = linear if sweep == 0 else columns
         weights = np.zeros(columns)
         weights[:width] = _least_squares(rows, width, walk)
-        if np.isnan(weights[0]) or not _invertible(weights[linear:]):
+        if np.isnan(weights[0]):
             break
-        criterion = _filter(rows, weights, noise_order, walk)[2]
-        if criterion < least:
-            best, least = weights, criterion
+        criterion = np.inf
+        for _ in range(HALVINGS):
+            if _invertible(weights[linear:]):
+                criterion = _filter(rows, weights, noise_order, walk)[2]
+            if sweep == 0 or criterion < least:
+                break
+            weights = (weights + best) / 2.0
+        if not criterion < least:
+            break
+        best, least = weights, criterion
     variance, eta, _ = _filter(rows, best, noise_order, walk)
     return Armax(
         _process(best, structure, delay),

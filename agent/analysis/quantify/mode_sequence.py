@@ -46,14 +46,17 @@ def mode_sequence(
         first += 1
     if first >= n:
         return np.full(n, np.nan)
-    stems = np.empty((BRANCHES, n))
+    # A jump is a node with its time and the jump before it; the branches are leaves of this tree.
+    jumped_at = np.zeros(BRANCHES + n, dtype=np.int64)
+    before = np.full(BRANCHES + n, -1)
+    nodes = BRANCHES
+    leaf = np.arange(BRANCHES)
+    stem = np.linspace(np.nanmin(op), np.nanmax(op), BRANCHES)
+    start = stem.copy()
     last = np.full(BRANCHES, pv[first - 1])
     before_last = np.full(BRANCHES, pv[first - 2])
     cost = np.zeros(BRANCHES)
     born = np.full(BRANCHES, first - YOUNG)
-    low, high = np.nanmin(op), np.nanmax(op)
-    for branch in range(BRANCHES):
-        stems[branch, : first - process.delay] = low + (high - low) * branch / (BRANCHES - 1)
     for t in range(first, n):
         k = t - process.delay
         likely = np.argmin(cost)
@@ -63,19 +66,29 @@ def mode_sequence(
                 old = born[branch] <= t - YOUNG and branch != likely
                 if old and (dropped < 0 or cost[branch] > cost[dropped]):
                     dropped = branch
-            stems[dropped, :k] = stems[likely, :k]
+            jumped_at[nodes], before[nodes] = k, leaf[likely]
+            leaf[dropped] = nodes
+            nodes += 1
+            stem[dropped] = stem[likely]
             last[dropped] = last[likely]
             before_last[dropped] = before_last[likely]
             cost[dropped] = cost[likely] + price
             born[dropped] = t
         for branch in range(BRANCHES):
-            stems[branch, k] = op[k] if branch == dropped else stems[branch, k - 1]
-            forced = process.b1 * stems[branch, k] + process.b2 * stems[branch, k - 1] + process.bias
+            position = op[k] if branch == dropped else stem[branch]
+            forced = process.b1 * position + process.b2 * stem[branch] + process.bias
             y = process.a1 * last[branch] + process.a2 * before_last[branch] + forced
+            stem[branch] = position
             before_last[branch] = last[branch]
             last[branch] = y
             if not np.isnan(pv[t]):
                 cost[branch] += (pv[t] - y) ** 2 / variance
-    best: NDArray[np.float64] = stems[np.argmin(cost)]
-    best[n - process.delay :] = best[n - process.delay - 1]
-    return best
+    positions = np.empty(n)
+    end = n
+    node = leaf[np.argmin(cost)]
+    while before[node] >= 0:
+        positions[jumped_at[node] : end] = op[jumped_at[node]]
+        end = jumped_at[node]
+        node = before[node]
+    positions[:end] = start[node]
+    return positions

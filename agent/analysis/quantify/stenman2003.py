@@ -75,7 +75,7 @@ class Stenman2003:
         anywhere = free_delays(window, structures)
         delays = anywhere if window.hints.delay is None else np.array([window.hints.delay])
         linear = record.best_model(NO_STICTION, np.union1d(anywhere, delays), structures)
-        best = _best_sequence(record, window.op_span, delays, structures) or linear
+        best = _best_sequence(record, window.op_span, delays, structures)
         found = undecided_below_least_fit(answer(self.name, window, record, best, linear, THRESHOLD))
         if best is None or found.decision == "no_stiction" or found.evidence is None:
             return found
