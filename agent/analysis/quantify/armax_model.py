@@ -59,6 +59,13 @@ def without_stiction(
     return _behind_valve(record, none[0], errors, delays, structures, walk, None)
 
 
+def better(best: Model | None, linear: Model | None, delays: NDArray[np.int64]) -> Model | None:
+    """Return the model without stiction where it is the better one and its delay one of ``delays``."""
+    if best is None or linear is None or linear.process.delay not in delays:
+        return best
+    return linear if linear.error <= best.error else best
+
+
 def _behind_valve(
     record: Record,
     bands: FloatArray,

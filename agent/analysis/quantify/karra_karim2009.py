@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.armax_model import best_valves, without_stiction
+from agent.analysis.quantify.armax_model import best_valves, better, without_stiction
 from agent.analysis.quantify.bounded_search import RESOLUTION, grid
 from agent.analysis.quantify.joint_fit import Record, answer, failed, free_delays, lack, structures_to_try
 from agent.analysis.quantify.least_fit import undecided_below_least_fit
@@ -54,6 +54,7 @@ class KarraKarim2009:
         delays = anywhere if window.hints.delay is None else np.array([window.hints.delay])
         best = _search(record, window.op_span, delays, structures)
         linear = without_stiction(record, np.union1d(anywhere, delays), structures, WALK)
+        best = better(best, linear, delays)
         found = undecided_below_least_fit(answer(self.name, window, record, best, linear, THRESHOLD))
         if found.failure is not None:
             return found

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.armax_model import best_valves, without_stiction
+from agent.analysis.quantify.armax_model import best_valves, better, without_stiction
 from agent.analysis.quantify.bounded_search import RESOLUTION
 from agent.analysis.quantify.joint_fit import Record, answer, failed, free_delays, lack, structures_to_try
 from agent.analysis.quantify.least_fit import undecided_below_least_fit
@@ -47,6 +47,7 @@ class Srinivasan2005:
         delays = anywhere if window.hints.delay is None else np.array([window.hints.delay])
         best = best_valves(record, one_parameter(window.op_span), delays, structures, CONSTANT_LEVEL)
         linear = without_stiction(record, np.union1d(anywhere, delays), structures, CONSTANT_LEVEL)
+        best = better(best, linear, delays)
         return undecided_below_least_fit(answer(self.name, window, record, best, linear, THRESHOLD))
 
 
