@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from agent.analysis.results import Quantification
 
 THRESHOLD = 1.3
-"""Evidence above which the valve is said to stick."""
+"""Evidence above which the valve is said to stick: one of 160 simulated loops without stiction and 36 of 40
+with it exceed it and fit (``random_plants``, seeds 0 to 39)."""
 COARSE = 2 * RESOLUTION
 """Step of the first grid, share of the span of OP."""
 WALK = 0.01

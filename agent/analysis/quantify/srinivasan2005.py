@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from agent.analysis.results import Quantification
 
 THRESHOLD = 1.3
-"""Evidence above which the drop of the error counts as significant."""
+"""Evidence above which the drop of the error counts as significant: no simulated loop without stiction and
+18 of 40 with it exceed it and fit (``random_plants``, seeds 0 to 39)."""
 CONSTANT_LEVEL = 0.0
 """The bias of the ARMAX does not walk."""
 

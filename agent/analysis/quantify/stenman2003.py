@@ -46,7 +46,8 @@ if TYPE_CHECKING:
 
 THRESHOLD = 2.0
 """Evidence above which the valve is said to stick. A free sequence follows PV better than any law, so the
-threshold is higher than that of the others."""
+threshold is higher than that of the others: 3 of 160 simulated loops without stiction and 36 of 40 with it
+are told to stick (``random_plants``, seeds 0 to 39)."""
 JUMPS = 0.02
 """Prior probability of a jump at a sample: jumps are sparse."""
 PRICE = 2 * math.log((1 - JUMPS) / JUMPS)
