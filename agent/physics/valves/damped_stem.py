@@ -1,14 +1,16 @@
 """Sticking valve whose stem takes its time and may slide on: an overdamped stem in a packing.
 
-A slip is not over at once: viscous damping leaves a part ``lag`` of the way after one sample, and whether
-the stem is at rest when OP moves again decides whether it must break away again. He's model (``he2007``)
-rests after every slip, Kano's and the two-state model (``two_state``) slide on as long as OP goes on; a real
-stem is between, by how far a slip goes. Derived from Karnopp's law with negligible inertia and OP held
-between samples.
+A slip is not over at once: air reaches the actuator late, viscous damping slows the stem, and friction that
+rises again at low speed (Stribeck) stops it a little short of its balance. Whether it is at rest when OP moves
+on decides whether it must break away again: He's model (``he2007``) rests after every slip, Kano's and the
+two-state model (``two_state``) slide on as long as OP goes on, a real stem is between. Derived from Karnopp's
+law with negligible inertia, OP held between samples and passed to the actuator by a first-order lag; break-away
+and rest within a sample are solved for, so that no finer steps are needed.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -21,39 +23,124 @@ if TYPE_CHECKING:
 
     from agent.units import FrictionBands
 
+BISECTIONS = 5
+"""Halvings in the search of the moment of rest: a 32th of a sample."""
+AT_ONCE = 0.05
+"""Damping and supply together, samples, below which a slip begins and ends within the sample."""
+MEMORY = 6
+"""Samples after which the supply has forgotten what OP was."""
+
 
 @kernel
 def damped_stem(
-    op: NDArray[np.float64], f_s: float, f_d: float, x0: float, lag: float, rest: float
+    op: NDArray[np.float64],
+    f_s: float,
+    f_d: float,
+    x0: float,
+    damping: float,
+    supply: float,
+    rest: float,
 ) -> NDArray[np.float64]:
-    """Return the valve positions, OP units, shape (n,).
+    """Return the valve positions at the end of each sample, OP units, shape (n,).
 
     Args:
         op: Controller output, OP units, shape (n,).
         f_s: Static friction band, OP units.
         f_d: Kinetic friction band, OP units, 0 <= f_d <= f_s.
         x0: Position of the resting stem before the first sample, OP units.
-        lag: Part of its way that the stem has left after a sample, 0 to 1.
-        rest: Way in a sample, OP units, up to which the stem is at rest at its end; infinity gives He's model
-            and zero the two-state one, both with ``lag`` 0.
+        damping: Time constant of the stem, samples, > 0.
+        supply: Time constant of the air to the actuator, samples, > 0.
+        rest: Force over f_D at which the stem stops, over f_S - f_D, 0 to 1; 0 slides on until OP turns.
+
+    With ``damping`` and ``supply`` of a hundredth of a sample it is He's model; with ``rest`` 0 and a ``damping`` of some
+    hundredths the two-state one. While OP is NaN the position holds.
     """
-    position = np.empty(op.size)
+    n = op.size
+    position = np.empty(n)
+    jump = f_s - f_d
+    stop = rest * jump
+    damping_keeps = math.exp(-1.0 / damping)
+    supply_keeps = math.exp(-1.0 / supply)
+    if abs(supply - damping) < 1e-6 * damping:
+        supply *= 1.0 + 1e-5
+    feeds = damping / (supply - damping)
+    at_once = damping + supply < AT_ONCE
     x = x0
-    moving = 0.0  # direction of motion, 0 at rest
-    for t in range(op.size):
-        if not moving * (op[t] - moving * f_d - x) > 0.0:
-            moving = 0.0
-            if op[t] - x > f_s:
-                moving = 1.0
-            elif x - op[t] > f_s:
-                moving = -1.0
-        if moving != 0.0:
-            balance = op[t] - moving * f_d
-            way = moving * (balance - x)
-            x = balance - lag * (balance - x)
-            if way <= rest:
-                moving = 0.0
+    force = op[0]  # of the actuator, OP units
+    direction = 0.0  # of motion, 0 at rest
+    t = 0
+    while t < n:
+        if direction == 0.0:
+            # The force lies between what it was and OP: while OP is within f_S nothing can happen.
+            while t < n and abs(op[t] - x) <= f_s:
+                position[t] = x
+                t += 1
+            if t == n:
+                break
+        if math.isnan(op[t]):
+            direction = 0.0
+            position[t] = x
+            t += 1
+            continue
+        if direction == 0.0:
+            force = op[t]
+            for past in range(t - 1, max(t - MEMORY, 0) - 1, -1):
+                if not math.isnan(op[past]):
+                    force = op[past]
+            for past in range(max(t - MEMORY, 0), t):
+                if not math.isnan(op[past]):
+                    force = op[past] + (force - op[past]) * supply_keeps
+        before = force
+        force = op[t] + (before - op[t]) * supply_keeps
+        way = 0.0  # to go at the start of motion in this sample
+        moves_from = 0.0  # moment when it starts, samples
+        if direction == 0.0:
+            if abs(force - x) > f_s:
+                direction = 1.0 if force > x else -1.0
+                step = direction * (op[t] - before)
+                over = direction * (op[t] - x) - f_s
+                if at_once or step <= over:
+                    way = direction * (before - x) - f_d
+                else:
+                    moves_from = supply * math.log(step / over)
+                    way = jump
+        else:
+            way = direction * (before - x) - f_d
+            if way <= stop and direction * (force - x) - f_d <= stop:
+                direction = 0.0
+        if direction != 0.0:
+            # The way left obeys w' = -w / damping + the rise of the actuator's force.
+            still = 1.0
+            begins = before
+            free = damping_keeps
+            fed = supply_keeps
+            if moves_from > 0.0:
+                still = 1.0 - moves_from
+                begins = op[t] + (before - op[t]) * math.exp(-moves_from / supply)
+                free = math.exp(-still / damping)
+                fed = math.exp(-still / supply)
+            forced = direction * (op[t] - begins) * feeds
+            left = (way - forced) * free + forced * fed
+            if left > stop:
+                x = force - direction * (f_d + left)
+            else:
+                reached = force - direction * (f_d + stop)
+                if not at_once:
+                    low = 0.0
+                    high = still
+                    for _ in range(BISECTIONS):
+                        middle = 0.5 * (low + high)
+                        free = math.exp(-middle / damping)
+                        if (way - forced) * free + forced * math.exp(-middle / supply) > stop:
+                            low = middle
+                        else:
+                            high = middle
+                    reached += (begins - op[t]) * math.exp(-high / supply) - (force - op[t])
+                if direction * (reached - x) > 0.0:
+                    x = reached
+                direction = 0.0
         position[t] = x
+        t += 1
     return position
 
 
@@ -63,14 +150,13 @@ class DampedStem:
 
     name: str = "damped_stem"
     reference: str = "after Karnopp, J. of Dynamic Systems, Measurement, and Control 107 (1985) 100"
-    lag: float = 0.1
-    """Part of its way that the stem has left after a sample, 0 to 1.
-
-    0.1 is a stem with a time constant of 0.43 s, sampled at 1 s.
-    """
-    rest: float = 0.1
-    """Way in a sample up to which the stem is at rest at its end, share of f_S."""
+    damping: float = 0.3
+    """Time constant of the stem, samples."""
+    supply: float = 0.1
+    """Time constant of the air to the actuator, samples."""
+    rest: float = 0.01
+    """Force over f_D at which the stem stops, over f_S - f_D."""
 
     def position(self, op: NDArray[np.float64], bands: FrictionBands, x0: float) -> NDArray[np.float64]:
         """Return the valve positions, OP units, shape (n,)."""
-        return damped_stem(op, bands.f_s, bands.f_d, x0, self.lag, self.rest * bands.f_s)
+        return damped_stem(op, bands.f_s, bands.f_d, x0, self.damping, self.supply, self.rest)

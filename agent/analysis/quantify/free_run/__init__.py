@@ -1,8 +1,8 @@
 """Our quantifier: simulate valve and process from OP, free run, and search everything jointly.
 
-It differs from the paper's method (``lee2008``) in what is searched: the force on the stem at the start of
-the record, a fractional delay and the time constants together with S and J, on the error of the simulated PV,
-with gain, level, drift and start-up in closed form. Design facts 1, 2, 4; ``methods.md`` 0.3 to 0.6.
+It differs from the paper's method (``lee2008``) in what is searched: where the valve stands at the start of the
+record, a fractional delay and the time constants together with S and J, on the error of the simulated PV, with
+gain, level, slope and start-up in closed form. Design facts 1, 2, 4; ``methods.md`` 0.3 to 0.6.
 """
 
 from __future__ import annotations
@@ -13,11 +13,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.intervals import (
+    process_intervals,
+    profile,
+    same_structure,
+    stiction_estimate,
+)
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FOPDT,
     INTEGRATOR,
-    J_RATIO,
     LOG_TAU,
     LOG_TAU2,
     SOPDT,
@@ -26,11 +31,10 @@ from agent.analysis.quantify.free_run.objective import (
     process_response,
     valve_position,
 )
-from agent.analysis.quantify.free_run.problem import Problem, pose
-from agent.analysis.quantify.free_run.search import Fitted, best_linear, best_stiction
+from agent.analysis.quantify.free_run.problem import Problem, bridge, high_pass, pose
+from agent.analysis.quantify.free_run.search import Fitted, Found, best_linear, best_stiction
 from agent.analysis.quantify.turns import turns
-from agent.analysis.results import MethodVerdict, ProcessEstimate, Quantification, StictionEstimate
-from agent.units import FrictionBands
+from agent.analysis.results import MethodVerdict, ProcessEstimate, ProcessIntervals, Quantification
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray, LoopWindow
@@ -62,25 +66,29 @@ class FreeRun:
         problem = pose(window)
         if isinstance(problem, str):
             return unanswered(self.name, problem)
-        sticking = best_stiction(problem, window.hints)
-        linear = best_linear(problem, window.hints, sticking)
-        if not math.isfinite(linear.error):
+        found = best_stiction(problem, window.hints)
+        linear = best_linear(problem, window.hints, found.best if found else None)
+        if linear is None:
             return unanswered(self.name, "no process within bounds follows OP")
-        evidence = 1.0 if sticking is None else max(1.0, linear.error / max(sticking.error, 1e-300))
-        best = sticking if sticking is not None and evidence > 1.0 else linear
-        decision = decide(evidence, sticking, window, problem)
+        evidence = max(1.0, linear.error / max(found.best.error, 1e-300)) if found else 1.0
+        if found is None or evidence == 1.0:
+            found = None
+        decision = decide(evidence, found, problem)
+        best = found.best if found else linear
         chosen = best if decision == "stiction" else linear
-        model_pv, model_mv = simulate(chosen, problem)
+        of_process = process_intervals_of(found, problem, window.ts) if found and chosen is best else None
+        model_pv, model_mv = simulate(chosen, problem, window)
         return Quantification(
             quantifier=self.name,
-            stiction=bands(best) if best.sticks else None,
-            process=process(chosen, problem, window.ts),
-            free_run_percent=fit_percent(best, window, problem),
-            linear_percent=fit_percent(linear, window, problem),
+            stiction=stiction_estimate(found, problem) if found else None,
+            process=process(chosen, problem, window.ts, of_process),
+            free_run_percent=fit_percent(best, problem),
+            linear_percent=fit_percent(linear, problem),
             evidence=evidence,
             decision=decision,
-            model_pv=model_pv + slow_part(window, problem, model_pv),
+            model_pv=model_pv,
             model_mv=model_mv,
+            profile=profile(found, problem, window.ts) if found else None,
         )
 
 
@@ -89,32 +97,36 @@ def unanswered(name: str, failure: str) -> Quantification:
     return Quantification(name, None, None, None, None, None, "not_applicable", failure=failure)
 
 
-def decide(evidence: float, sticking: Fitted | None, window: LoopWindow, problem: Problem) -> MethodVerdict:
+def decide(evidence: float, found: Found | None, problem: Problem) -> MethodVerdict:
     """Return the verdict that the errors support, the valve's turns allow and the fit deserves."""
-    if sticking is None or evidence < SLIDES_BELOW:
+    if found is None or evidence < SLIDES_BELOW:
         return "no_stiction"
-    if sticking.candidate[S] < LEAST_S * problem.op_span:
+    if found.best.candidate[S] < LEAST_S * problem.op_span:
         return "no_stiction"
-    sees_it = turns(valve_position(sticking.candidate, problem)) > 0
-    explains = fit_percent(sticking, window, problem) >= LEAST_FIT
+    sees_it = turns(valve_position(found.best.candidate, problem)) > 0
+    explains = fit_percent(found.best, problem) >= LEAST_FIT
     return "stiction" if evidence >= STICKS_ABOVE and sees_it and explains else "undecided"
 
 
-def bands(fitted: Fitted) -> StictionEstimate:
-    """Return the friction bands of a candidate, OP units."""
-    s = float(fitted.candidate[S])
-    return StictionEstimate.of(FrictionBands.from_s_j(s, s * float(fitted.candidate[J_RATIO])))
+def fitted_gain(fitted: Fitted, problem: Problem) -> float:
+    """Return the gain, PV units per OP unit (per OP unit and sample for an integrator)."""
+    position = valve_position(fitted.candidate, problem)
+    response = process_response(position, fitted.candidate, fitted.structure, problem.block, problem.keep)
+    return float(fit_gain(response, fitted.candidate, fitted.structure, problem)[1])
 
 
-def position_of(fitted: Fitted, problem: Problem) -> FloatArray:
-    """Return the simulated valve position, OP units, (n,)."""
-    return valve_position(fitted.candidate, problem)
+def process_intervals_of(found: Found, problem: Problem, ts: float) -> ProcessIntervals:
+    """Return the ranges of the process over the models that fit alike, engineering units."""
+    per = ts if found.best.structure == INTEGRATOR else 1.0
+    gains = [fitted_gain(fitted, problem) / per for fitted in same_structure(found)]
+    return process_intervals(found, gains, ts)
 
 
-def process(fitted: Fitted, problem: Problem, ts: float) -> ProcessEstimate:
+def process(
+    fitted: Fitted, problem: Problem, ts: float, intervals: ProcessIntervals | None
+) -> ProcessEstimate:
     """Return the process in engineering units."""
-    response = process_response(position_of(fitted, problem), fitted.candidate, fitted.structure)
-    _, gain, _ = fit_gain(response, fitted.candidate, fitted.structure, problem)
+    gain = fitted_gain(fitted, problem)
     tau = math.exp(fitted.candidate[LOG_TAU]) * ts
     integrates = fitted.structure == INTEGRATOR
     tau2 = min(math.exp(fitted.candidate[LOG_TAU2]) * ts, tau) if fitted.structure == SOPDT else None
@@ -124,30 +136,25 @@ def process(fitted: Fitted, problem: Problem, ts: float) -> ProcessEstimate:
         tau=None if integrates else tau,
         delay=float(fitted.candidate[DELAY]) * ts,
         tau2=tau2,
+        intervals=intervals,
     )
 
 
-def simulate(fitted: Fitted, problem: Problem) -> tuple[FloatArray, FloatArray]:
-    """Return PV without level and drift (PV units) and the valve position (OP units), each (n,)."""
-    position = position_of(fitted, problem)
-    response = process_response(position, fitted.candidate, fitted.structure)
-    _, gain, startup = fit_gain(response, fitted.candidate, fitted.structure, problem)
-    free_run = gain * response
-    if startup:
-        lag = math.exp(fitted.candidate[LOG_TAU])
-        elapsed = np.maximum(0.0, np.arange(len(position)) + 1 - fitted.candidate[DELAY])
-        free_run += startup * np.exp(-np.floor(elapsed) / lag)
-    return free_run, position
+def simulate(fitted: Fitted, problem: Problem, window: LoopWindow) -> tuple[FloatArray, FloatArray]:
+    """Return PV (PV units) and the valve position (OP units), each (n,).
+
+    What is slower than the oscillation is not modelled and taken from the record.
+    """
+    position = valve_position(fitted.candidate, problem)
+    no_filter = 1.0
+    model = fitted_gain(fitted, problem) * process_response(
+        position, fitted.candidate, fitted.structure, 1, no_filter
+    )
+    rest = bridge(window.pv) - model
+    slow = rest - high_pass(rest, problem.keep ** (1 / problem.block))
+    return model + slow, position
 
 
-def slow_part(window: LoopWindow, problem: Problem, free_run: FloatArray) -> FloatArray:
-    """Return the level and drift that lie between the free run and PV, PV units, (n,)."""
-    rest = np.where(problem.weight > 0, window.pv - free_run, 0.0)
-    return np.asarray(problem.basis @ (problem.basis.T @ rest))
-
-
-def fit_percent(fitted: Fitted, window: LoopWindow, problem: Problem) -> float:
-    """Return 100 (1 - ||PV - model|| / ||PV - mean PV||) over the samples that count."""
-    known = window.pv[problem.weight > 0]
-    spread = float(np.sum((known - known.mean()) ** 2))
-    return 100.0 * (1.0 - math.sqrt(max(fitted.error, 0.0) / spread))
+def fit_percent(fitted: Fitted, problem: Problem) -> float:
+    """Return 100 (1 - ||PV - model|| / ||PV - mean PV||) over the blocks that count, PV and model high-passed."""
+    return 100.0 * (1.0 - math.sqrt(fitted.error / max(float(np.sum(problem.pv**2)), 1e-300)))

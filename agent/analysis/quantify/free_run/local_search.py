@@ -10,13 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.climb import disturb
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
-    J_RATIO,
-    LAG,
     LOG_TAU,
-    REST,
-    START,
+    LOG_TAU2,
     S,
     free_run_error,
 )
@@ -101,35 +99,22 @@ def random_steps(
 ) -> tuple[FloatArray, float]:
     """Return the best candidate met by an adaptive random search around ``start``, and its error.
 
-    Steps shrink after fifteen failures in a row; ``scale`` 1 starts them at 2 % of the OP span in S.
+    Steps shrink after ten failures in a row. S trades off with the delay: half the steps in S go along.
     """
     samples_per_op = 0.0 if problem.fixed_delay > 0.0 else 1.0 / problem.op_speed
-    step_s = 0.02 * problem.op_span
-    moves = 6 if start[LAG] > 0.0 else 5  # a law without lag stays without
     best = start.copy()
     failures = 0
     for _ in range(evaluations):
         trial = best.copy()
-        move = rng.integers(0, moves)
-        if move in (0, 3, 4):
-            change = scale * step_s * rng.standard_normal()
-            trial[S] += change
-            if move != 4:
-                trial[DELAY] -= change * samples_per_op
-            if rng.random() < 0.5 and trial[S] > 0.0:
-                trial[J_RATIO] *= best[S] / trial[S]
-        if move in (1, 3):
-            trial[J_RATIO] += scale * 0.12 * rng.standard_normal()
-        if move in (2, 3):
-            trial[START] += scale * 0.25 * rng.standard_normal()
-        if move == 3:
-            trial[DELAY] += scale * 0.5 * step_s * samples_per_op * rng.standard_normal()
-            trial[LOG_TAU] += scale * 0.2 * rng.standard_normal()
-        if move == 5:
-            trial[LAG] = min(max(trial[LAG] + scale * 0.08 * rng.standard_normal(), 0.01), 0.6)
-            trial[REST] = min(max(trial[REST], 0.003) * np.exp(scale * rng.standard_normal()), 1.0)
-        trial[J_RATIO] = min(max(trial[J_RATIO], 0.0), 1.0)
-        trial[START] = min(max(trial[START], -0.999), 0.999)
+        if rng.random() < 0.8:
+            disturb(trial, best, scale, problem.op_span, rng)
+            if rng.random() < 0.5:
+                trial[DELAY] -= (trial[S] - best[S]) * samples_per_op
+        else:
+            if problem.fixed_delay == 0.0:
+                trial[DELAY] += 0.3 * scale * rng.standard_normal()
+            trial[LOG_TAU] += 0.1 * scale * rng.standard_normal()
+            trial[LOG_TAU2] += 0.2 * scale * rng.standard_normal()
         trial[DELAY] = max(trial[DELAY], 1.0)
         trial_error = free_run_error(trial, structure, problem)
         if trial_error < error:
@@ -137,7 +122,7 @@ def random_steps(
             failures = 0
         else:
             failures += 1
-            if failures > 15:
-                scale *= 0.6
+            if failures > 10:
+                scale *= 0.7
                 failures = 0
     return best, error

@@ -1,4 +1,4 @@
-"""Free-run error of one candidate, with gain, level, drift and start-up solved in closed form.
+"""Free-run error of one candidate, with gain, level, slope and start-up solved in closed form.
 
 Variable projection: PV = gain * process(valve(OP)) + basis * coefficients + start-up * exp(-t / tau) is
 linear in gain, coefficients and start-up, so only the rest is searched (design, fact 4).
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.problem import Problem
-from agent.jit import kernel
+from agent.jit import kernel, summing_kernel
 from agent.physics.valves.damped_stem import damped_stem
 
 if TYPE_CHECKING:
@@ -20,96 +20,21 @@ if TYPE_CHECKING:
 
 # Structures of the process.
 FOPDT, SOPDT, INTEGRATOR = 0, 1, 2
-# Coordinates of a candidate, shape (8,).
-LOG_TAU, DELAY, LOG_TAU2, S, J_RATIO, START, LAG, REST = range(8)
+# Coordinates of a candidate, shape (10,).
+LOG_TAU, DELAY, LOG_TAU2, S, J_RATIO, LEVEL, LOG_DAMPING, LOG_SUPPLY, LOG_REST, FIRST = range(10)
 # log(tau) and log(tau2) in samples; delay in samples, >= 1; S in OP units, 0: no stiction; J/S;
-# start: force on the stem before the first sample over f_S, -1 to 1; lag; rest over the OP span, 1: always.
-SIZE = 8
+# level: OP at the first slip, OP units, and first: its direction, 1 or -1, so that the stem before it rests at
+# level - first f_S and S or J may change without moving that slip; logs of damping (samples), supply (samples)
+# and rest of the stem.
+SIZE = 10
 
 IMPOSSIBLE = np.inf
 LEAST_LOG_TAU = math.log(0.2)
-
-
-@kernel
-def process_response(position: FloatArray, candidate: FloatArray, structure: int) -> FloatArray:
-    """Return the response of gain one to the valve, OP units, (n,); it starts in rest at position(0).
-
-    y(t) depends first on position(t - delay); a fraction of a sample is interpolated.
-    """
-    n = position.size
-    pole = 0.0 if structure == INTEGRATOR else math.exp(-1.0 / math.exp(candidate[LOG_TAU]))
-    pole2 = 0.0
-    if structure == SOPDT:
-        pole2 = math.exp(-1.0 / math.exp(min(candidate[LOG_TAU2], candidate[LOG_TAU])))
-    mean = 0.0
-    for t in range(n):
-        mean += position[t] / n
-    start = 0.0 if structure == INTEGRATOR else position[0] - mean
-    undelayed = np.empty(n)
-    first = start
-    second = start
-    for t in range(n):
-        undelayed[t] = second
-        if structure == INTEGRATOR:
-            first += position[t] - mean
-        else:
-            first = pole * first + (1.0 - pole) * (position[t] - mean)
-        second = pole2 * second + (1.0 - pole2) * first
-    lag = candidate[DELAY] - 1.0
-    whole = int(lag)
-    part = lag - whole
-    response = np.empty(n)
-    for t in range(n):
-        newer = undelayed[t - whole] if t >= whole else start
-        older = undelayed[t - whole - 1] if t > whole else start
-        response[t] = (1.0 - part) * newer + part * older
-    return response
-
-
-@kernel
-def fit_gain(
-    response: FloatArray, candidate: FloatArray, structure: int, problem: Problem
-) -> tuple[float, float, float]:
-    """Return the least sum of squares (PV units squared), the gain and the start-up coefficient."""
-    n, m = problem.basis.shape
-    startup_pole = 0.0 if structure == INTEGRATOR else math.exp(-1.0 / math.exp(candidate[LOG_TAU]))
-    on_basis = np.zeros(m)
-    startup_on_basis = np.zeros(m)
-    yy = rr = ss = rs = ry = sy = 0.0
-    startup = 0.0 if structure == INTEGRATOR else 1.0
-    for t in range(n):
-        if problem.weight[t] > 0.0:
-            y = problem.pv[t]
-            r = response[t]
-            yy += y * y
-            rr += r * r
-            ss += startup * startup
-            rs += r * startup
-            ry += r * y
-            sy += startup * y
-            for j in range(m):
-                on_basis[j] += problem.basis[t, j] * r
-                startup_on_basis[j] += problem.basis[t, j] * startup
-        if t + 1 >= candidate[DELAY]:
-            startup *= startup_pole
-    raw = rr
-    for j in range(m):
-        rr -= on_basis[j] * on_basis[j]
-        rs -= on_basis[j] * startup_on_basis[j]
-        ss -= startup_on_basis[j] * startup_on_basis[j]
-    if rr <= 1e-9 * raw:
-        return yy, 0.0, 0.0
-    determinant = rr * ss - rs * rs
-    if ss > 1e-9 and determinant > 1e-9 * rr * ss:
-        gain = (ry * ss - sy * rs) / determinant
-        if gain * problem.gain_sign >= 0.0:
-            coefficient = (sy * rr - ry * rs) / determinant
-            return yy - gain * ry - coefficient * sy, gain, coefficient
-        return yy - sy * sy / ss, 0.0, sy / ss
-    gain = ry / rr
-    if gain * problem.gain_sign < 0.0:
-        return yy, 0.0, 0.0
-    return yy - gain * ry, gain, 0.0
+RIGID = -9.0
+"""Log of rest below which a stem stays as it is: He's valve and the two-state one."""
+STEM_LOW = (math.log(0.03), math.log(0.02), math.log(3e-4))
+STEM_HIGH = (math.log(0.9), math.log(0.5), math.log(0.3))
+"""Bounds of damping, supply and rest of every other stem."""
 
 
 @kernel
@@ -119,22 +44,134 @@ def valve_position(candidate: FloatArray, problem: Problem) -> FloatArray:
         return problem.op
     f_s = candidate[S] * (1.0 + candidate[J_RATIO]) / 2.0
     f_d = candidate[S] * (1.0 - candidate[J_RATIO]) / 2.0
-    rest = candidate[REST] * problem.op_span
-    return damped_stem(problem.op, f_s, f_d, problem.op[0] - candidate[START] * f_s, candidate[LAG], rest)
+    return damped_stem(
+        problem.op,
+        f_s,
+        f_d,
+        candidate[LEVEL] - candidate[FIRST] * f_s,
+        math.exp(candidate[LOG_DAMPING]),
+        math.exp(candidate[LOG_SUPPLY]),
+        math.exp(candidate[LOG_REST]),
+    )
+
+
+@summing_kernel
+def process_response(
+    position: FloatArray, candidate: FloatArray, structure: int, block: int, keep: float
+) -> FloatArray:
+    """Return the high-passed response of gain one in blocks to the valve position, OP units, (m,).
+
+    y(t) depends first on position(t - delay); a fraction of a block is interpolated. One loop for all filters,
+    so that the processor works on them side by side.
+    """
+    m = position.size // block
+    pole = 1.0
+    in_gain = 1.0 * block
+    if structure != INTEGRATOR:
+        pole = math.exp(-block / math.exp(candidate[LOG_TAU]))
+        in_gain = 1.0 - pole
+    pole2 = 0.0
+    if structure == SOPDT:
+        pole2 = math.exp(-block / math.exp(min(candidate[LOG_TAU2], candidate[LOG_TAU])))
+    in_gain *= 1.0 - pole2
+    # A block of PV lies (block - 1) / 2 samples after its first, a block's response at its end.
+    lag = (candidate[DELAY] - 1.0) / block + (block + 1) / (2.0 * block)
+    whole = min(int(lag), m)
+    part = lag - int(lag)
+    response = np.empty(m)
+    response[:whole] = 0.0
+    passed = 0.0
+    former = position[0] if block == 1 else position[:block].mean()
+    first = 0.0
+    second = 0.0
+    for b in range(m - whole):
+        mean = position[b]
+        if block > 1:
+            mean = 0.0
+            for t in range(b * block, (b + 1) * block):
+                mean += position[t]
+            mean /= block
+        passed = keep * passed + keep * (mean - former)
+        former = mean
+        first = pole * first + in_gain * passed
+        older = second
+        second = pole2 * second + first
+        response[b + whole] = (1.0 - part) * second + part * older
+    return response
+
+
+@summing_kernel
+def fit_gain(
+    response: FloatArray, candidate: FloatArray, structure: int, problem: Problem
+) -> tuple[float, float, float]:
+    """Return the least sum of squares (PV units squared), the gain and the start-up coefficient."""
+    m = response.size
+    startup_pole = 0.0 if structure == INTEGRATOR else math.exp(-problem.block / math.exp(candidate[LOG_TAU]))
+    r0 = r1 = r2 = s0 = s1 = s2 = 0.0
+    yy = rr = ss = rs = ry = sy = 0.0
+    startup = 0.0 if structure == INTEGRATOR else 1.0
+    for t in range(m):
+        y = problem.pv[t]
+        r = response[t] * problem.weight[t]
+        yy += y * y
+        rr += r * r
+        ry += r * y
+        r0 += problem.basis[t, 0] * r
+        r1 += problem.basis[t, 1] * r
+        r2 += problem.basis[t, 2] * r
+    for t in range(m):
+        if startup < 1e-9:
+            break
+        if problem.weight[t] > 0.0:
+            ss += startup * startup
+            rs += response[t] * startup
+            sy += startup * problem.pv[t]
+            s0 += problem.basis[t, 0] * startup
+            s1 += problem.basis[t, 1] * startup
+            s2 += problem.basis[t, 2] * startup
+        startup *= startup_pole
+    raw = rr
+    rr -= r0 * r0 + r1 * r1 + r2 * r2
+    rs -= r0 * s0 + r1 * s1 + r2 * s2
+    ss_left = ss - (s0 * s0 + s1 * s1 + s2 * s2)
+    if rr <= 1e-9 * raw:
+        return yy, 0.0, 0.0
+    determinant = rr * ss_left - rs * rs
+    if ss_left > 1e-4 * ss and determinant > 1e-9 * rr * ss_left:
+        gain = (ry * ss_left - sy * rs) / determinant
+        if gain * problem.gain_sign >= 0.0:
+            coefficient = (sy * rr - ry * rs) / determinant
+            return yy - gain * ry - coefficient * sy, gain, coefficient
+        return yy - sy * sy / ss_left, 0.0, sy / ss_left
+    gain = ry / rr
+    if gain * problem.gain_sign < 0.0:
+        return yy, 0.0, 0.0
+    return yy - gain * ry, gain, 0.0
+
+
+@kernel
+def in_bounds(candidate: FloatArray, problem: Problem) -> bool:
+    """Whether every coordinate is one that a valve and a process may have."""
+    if not 1.0 <= candidate[DELAY] <= problem.max_delay + 1.0:
+        return False
+    if not LEAST_LOG_TAU <= candidate[LOG_TAU] <= problem.max_log_tau:
+        return False
+    if not 0.0 <= candidate[S] <= problem.op_span:
+        return False
+    if not (0.0 <= candidate[J_RATIO] <= 1.0):
+        return False
+    if candidate[S] > 0.0 and candidate[LOG_REST] > RIGID:
+        for axis in range(3):
+            if not STEM_LOW[axis] <= candidate[LOG_DAMPING + axis] <= STEM_HIGH[axis]:
+                return False
+    return True
 
 
 @kernel
 def free_run_error(candidate: FloatArray, structure: int, problem: Problem) -> float:
     """Return the sum of squares of PV minus its free run, PV units squared; infinite out of bounds."""
-    if not 1.0 <= candidate[DELAY] <= problem.max_delay + 1.0:
+    if not in_bounds(candidate, problem):
         return IMPOSSIBLE
-    if not LEAST_LOG_TAU <= candidate[LOG_TAU] <= problem.max_log_tau:
-        return IMPOSSIBLE
-    if not 0.0 <= candidate[S] <= problem.op_span:
-        return IMPOSSIBLE
-    if not (0.0 <= candidate[J_RATIO] <= 1.0 and -1.0 < candidate[START] < 1.0):
-        return IMPOSSIBLE
-    if not (0.0 <= candidate[LAG] <= 0.6 and 0.0 <= candidate[REST] <= 1.0):
-        return IMPOSSIBLE
-    response = process_response(valve_position(candidate, problem), candidate, structure)
-    return fit_gain(response, candidate, structure, problem)[0]
+    position = valve_position(candidate, problem)
+    response = process_response(position, candidate, structure, problem.block, problem.keep)
+    return max(0.0, fit_gain(response, candidate, structure, problem)[0])

@@ -1,4 +1,9 @@
-"""The record as the search sees it: gaps weighted out, slow nuisance projected out, bounds set."""
+"""The record as the search sees it: gaps weighted out, what is slower than the oscillation filtered out, bounds set.
+
+The valve is simulated at the native rate of OP; its position and PV are then averaged over blocks, so that a
+period has at least forty of them. Both pass the same high-pass filter: drift, a moving set point and the integral
+of every small error of the valve leave the objective, and what is left of an error stays where it was made.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +13,20 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agent.analysis.controller_action import process_gain_sign
+from agent.jit import kernel
+from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.recording import FloatArray, LoopWindow
 
-SLOW_TERMS = 2
-"""Slow cosines beside level and slope, of two records and of one: the drift of a loop that oscillates."""
-APART = 8
-"""Periods in a record from which drift and oscillation are apart; with fewer, cosines follow the slips."""
+BLOCKS_PER_PERIOD = 40
+"""Samples of a period that are kept; fewer would blur the slips."""
+PASS_TIME = 0.5
+"""Time constant of the high-pass filter, periods: it passes 95 % of the oscillation."""
+BURN = 0.5
+"""Start of the record that does not count, periods, at most a twelfth of it: what was before is not known."""
 LEAST_SAMPLES = 50
 SHORT_GAP = 1 / 12
 """Length of a gap in OP, in periods, up to which a straight line stands for what is missing."""
@@ -28,12 +37,16 @@ class Problem(NamedTuple):
 
     op: FloatArray
     """Controller output, a straight line through each gap, OP units, (n,)."""
+    block: int
+    """Samples in a block."""
+    keep: float
+    """Pole of the high-pass filter, per block."""
     pv: FloatArray
-    """Process variable with the nuisance projected out and zero where unknown, PV units, (n,)."""
+    """Filtered block means of PV, the nuisance projected out, zero where unknown, PV units, (m,)."""
     weight: FloatArray
-    """1 where OP and PV are known and the model can know what PV answers to, else 0, (n,)."""
+    """1 where OP and PV are known and the model can know what PV answers to, else 0, (m,)."""
     basis: FloatArray
-    """Orthonormal level, slope and maybe slow cosines on the known samples, (n, 2) or (n, 4)."""
+    """Orthonormal level, slope and end of the filter's memory on the blocks that count, (m, 3)."""
     gain_sign: int
     """+1, -1, or 0 where both are possible."""
     fixed_delay: float
@@ -62,44 +75,63 @@ def pose(window: LoopWindow) -> Problem | str:
         return "PV does not move"
     op = bridge(window.op)
     period = dominant_period(op)
-    known &= ~after_gaps(window.op, period)
-    if known.sum() < LEAST_SAMPLES or np.ptp(window.pv[known]) <= 0:
+    known &= ~after_gaps(window.op, period) & ~after_gaps(window.pv, period)
+    block = max(1, int(period / BLOCKS_PER_PERIOD))
+    counts = block_means(known.astype(np.float64), block) == 1.0
+    counts[: int(min(BURN * period, n / 12) / block)] = False
+    pv = block_means(bridge(window.pv), block)
+    if counts.sum() < LEAST_SAMPLES or np.ptp(pv[counts]) <= 0:
         return "OP has so many gaps that PV answers to them all the time"
-    weight = known.astype(np.float64)
-    basis = nuisance_basis(weight, SLOW_TERMS if n >= APART * period else 0)
-    pv = np.where(known, window.pv, 0.0)
-    pv = (pv - basis @ (basis.T @ pv)) * weight
+    keep = math.exp(-block / (PASS_TIME * period))
+    weight = counts.astype(np.float64)
+    basis = nuisance_basis(weight, keep)
+    pv = high_pass(pv - pv[counts].mean(), keep)
+    pv = (pv - basis @ (basis.T @ (pv * weight))) * weight
     max_delay = max(8.0, min(0.8 * period, n / 8))
     fixed = float(window.hints.delay or 0)
     return Problem(
         op=op,
+        block=block,
+        keep=keep,
         pv=pv,
         weight=weight,
         basis=basis,
         gain_sign=process_gain_sign(window),
         fixed_delay=fixed,
         max_delay=max(max_delay, fixed),
-        max_log_tau=math.log(n),
+        max_log_tau=math.log(4 * period),
         op_span=float(np.ptp(op)),
         period=period,
         op_speed=smooth_speed(op, period),
     )
 
 
-def bridge(op: FloatArray) -> FloatArray:
+def bridge(signal: FloatArray) -> FloatArray:
     """Draw a line through each gap, level before the first and after the last known value."""
-    known = np.flatnonzero(np.isfinite(op))
-    return np.interp(np.arange(len(op)), known, op[known])
+    known = np.flatnonzero(np.isfinite(signal))
+    return np.interp(np.arange(len(signal)), known, signal[known])
 
 
-def after_gaps(op: FloatArray, period: float) -> NDArray[np.bool_]:
+@kernel
+def high_pass(signal: FloatArray, keep: float) -> FloatArray:
+    """Return the signal less its slow part, from rest at its first value, same unit, (m,)."""
+    passed = np.empty(signal.size)
+    rest = 0.0
+    for t in range(signal.size):
+        if t > 0:
+            rest = keep * (rest + signal[t] - signal[t - 1])
+        passed[t] = rest
+    return passed
+
+
+def after_gaps(signal: FloatArray, period: float) -> NDArray[np.bool_]:
     """Return where PV still answers to OP that was not recorded, (n,).
 
     A line bridges what is short against the period (samples). After a longer gap nothing counts for twice its
     length, at most half a period: valve and process are elsewhere, and a sticking valve would explain that.
     """
-    answering = np.zeros(len(op), dtype=np.bool_)
-    edges = np.flatnonzero(np.diff(~np.isfinite(op), prepend=False, append=False))
+    answering = np.zeros(len(signal), dtype=np.bool_)
+    edges = np.flatnonzero(np.diff(~np.isfinite(signal), prepend=False, append=False))
     for first, end in edges.reshape(-1, 2):
         length = end - first
         if length > SHORT_GAP * period:
@@ -107,12 +139,11 @@ def after_gaps(op: FloatArray, period: float) -> NDArray[np.bool_]:
     return answering
 
 
-def nuisance_basis(weight: FloatArray, slow_terms: int) -> FloatArray:
-    """Orthonormal columns for level, slope and ``slow_terms`` half-cosines over the record, (n, 2 + k)."""
-    position = (np.arange(len(weight)) + 0.5) / len(weight)
-    columns = [np.ones_like(position), position]
-    columns += [np.cos(math.pi * k * position) for k in range(1, slow_terms + 1)]
-    orthonormal, _ = np.linalg.qr(np.stack(columns, axis=1) * weight[:, None])
+def nuisance_basis(weight: FloatArray, keep: float) -> FloatArray:
+    """Orthonormal columns for level, slope and the end of the filter's memory, (m, 3)."""
+    at = np.arange(len(weight), dtype=np.float64)
+    columns = np.stack([np.ones_like(at), at / len(at), keep**at], axis=1) * weight[:, None]
+    orthonormal, _ = np.linalg.qr(columns)
     return np.ascontiguousarray(orthonormal)
 
 

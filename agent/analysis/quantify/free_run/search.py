@@ -1,4 +1,8 @@
-"""From the coarse candidates to the best model: successive halving, more care for fewer candidates."""
+"""From the coarse candidates to the best model and those beside it: more care for fewer candidates.
+
+The best of each bin of S, of each half of J/S and of each kind of stem goes on to the end, because the cells of
+one broad wrong basin would crowd out the needles; so the search yields the error against S on its way.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +12,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.coarse_grid import coarse_candidates
+from agent.analysis.quantify.free_run.bank import bank
+from agent.analysis.quantify.free_run.climb import climb
+from agent.analysis.quantify.free_run.coarse_grid import S_BINS, coarse_candidates, log_tau2, processes
+from agent.analysis.quantify.free_run.geometric_error import descend
 from agent.analysis.quantify.free_run.local_search import random_steps, simplex
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
+    FIRST,
     FOPDT,
     INTEGRATOR,
-    LAG,
+    J_RATIO,
+    LEAST_LOG_TAU,
+    LEVEL,
+    LOG_REST,
     LOG_TAU,
     LOG_TAU2,
+    RIGID,
     SIZE,
     SOPDT,
     S,
@@ -24,15 +36,34 @@ from agent.analysis.quantify.free_run.objective import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.recording import FloatArray, LoopHints
 
 SEARCHED = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY, LOG_TAU2), INTEGRATOR: (DELAY,)}
-STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0])
-STEMS = ((0.0, 1.0), (0.0, 0.0), (0.1, 0.03))
-"""Lag and rest that a search starts from: He's valve, the two-state one, and one between them."""
+STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+STEMS = np.array([(0.01, 0.01, 1e-8), (0.08, 0.01, 1e-13), (0.15, 0.1, 0.003), (0.3, 0.15, 0.01)])
+"""Damping, supply and rest that a search starts from: He's valve, the two-state one, and two between them.
+
+The first two stay as they are.
+"""
+TAUS = 12
+RATIOS = np.array([0.0, 0.15, 0.3, 0.5, 0.75, 1.0])
+"""Second time constants of the bank, over the first."""
+PERIODS = 15.0
+"""Periods that the bank looks at."""
+CLIMB = 10
+DESCENTS = ((0.5, 60), (0.3, 120))
+"""Scale and evaluations of the rounds on the geometric error."""
+POLISHED = 8
+FINALISTS = 3
+OFFSETS = (0.0025, 0.005, 0.01, 0.02, 0.04)
+"""Distances from the best S, over the OP span, at which everything else is fitted again; three times that in J."""
+SLIPS_DIFFER = 0.45
+"""J/S below which a valve mostly slides, above which it mostly jumps."""
 WORTH_A_PARAMETER = 0.99
-"""A second pole or a lagging stem must lower the error to this share, or the simpler model is reported."""
+"""A second pole must lower the error to this share, or the simpler model is reported."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,12 +80,100 @@ class Fitted:
         return bool(self.candidate[S] > 0)
 
 
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What the search for a sticking valve found."""
+
+    best: Fitted
+    others: tuple[Fitted, ...]
+    """The best model of each bin of S and J, and those close to the best one."""
+
+
 def structures(hints: LoopHints) -> tuple[int, ...]:
     """Return the processes that the engineer's knowledge leaves possible."""
     if hints.integrating:
         return (INTEGRATOR,)
     lags = {1: (FOPDT,), 2: (SOPDT,)}.get(hints.order or 0, (FOPDT, SOPDT))
     return lags if hints.integrating is False else (*lags, INTEGRATOR)
+
+
+def best_stiction(problem: Problem, hints: LoopHints) -> Found | None:
+    """Return the best sticking model and its neighbours, or None where no candidate moves the valve."""
+    rng = np.random.default_rng(0)
+    starts = climbed(problem, hints, rng)
+    for scale, evaluations in DESCENTS:
+        lowered = [Fitted(*geometric(fitted, problem, scale, evaluations, rng)) for fitted in starts]
+        starts = best_by_bin(lowered, problem)
+    binned = [refine(restart(f, f.structure, problem), problem, 0.2, (30, 40), rng) for f in starts]
+    binned = by_error(binned)
+    if not binned:
+        return None
+    finalists = by_error([refine(f, problem, 0.1, (60, 120), rng) for f in binned[:POLISHED]])[:FINALISTS]
+    final = list(finalists)
+    for fitted in finalists:
+        for structure in structures(hints):
+            lowered_again = Fitted(*geometric(restart(fitted, structure, problem), problem, 0.1, 120, rng))
+            final.append(refine(restart(lowered_again, structure, problem), problem, 0.1, (60, 120), rng))
+    allowed = [f for f in by_error(final) if f.structure in structures(hints)]
+    if not allowed:
+        return None
+    best = simplest(allowed)
+    return Found(best, tuple(by_error([*binned, *final, *around(best, problem, rng)])))
+
+
+def climbed(problem: Problem, hints: LoopHints, rng: np.random.Generator) -> list[Fitted]:
+    """Return the coarse candidates after a short climb in the bank, the best of each bin, processes read off."""
+    candidates, shares = coarse_candidates(problem, STEMS, hints.integrating)
+    taus, ratios = processes(problem, TAUS, RATIOS, hints.integrating)
+    near = bank(problem, taus, ratios, PERIODS)
+    log_taus = np.minimum(np.log(np.minimum(taus, 1e9)), problem.max_log_tau)
+    log_taus2 = np.array([log_tau2(a, r, problem) for a, r in zip(log_taus, ratios, strict=True)])
+    grid = (len(taus) // len(RATIOS), len(RATIOS))
+    climbs = []
+    for i in np.argsort(-shares):
+        apart = np.abs(log_taus - candidates[i, LOG_TAU])
+        apart += 0.5 * np.abs(np.maximum(log_taus2, -1) - max(candidates[i, LOG_TAU2], -1))
+        candidate, share, place = climb(
+            candidates[i], near, grid, int(np.argmin(apart)), problem.op_span, 1.0, CLIMB, rng
+        )
+        candidate[LOG_TAU] = log_taus[place]
+        candidate[LOG_TAU2] = max(min(log_taus2[place], log_taus[place]), LEAST_LOG_TAU)
+        candidate[DELAY] = problem.fixed_delay or min(max(candidate[DELAY], 1.0), problem.max_delay)
+        integrates = bool(np.isinf(taus[place])) and ratios[place] == 0
+        structure = INTEGRATOR if integrates else SOPDT if ratios[place] > 0 else FOPDT
+        climbs.append(Fitted(-float(share), structure, candidate))
+    return best_by_bin(climbs, problem, top=2)
+
+
+def best_by_bin(fits: Sequence[Fitted], problem: Problem, top: int = 1) -> list[Fitted]:
+    """Keep the ``top`` best of each bin of S, of each half of J/S and of each stem that stays as it is."""
+    bins: dict[tuple[int, bool, float], list[Fitted]] = {}
+    for fitted in sorted(fits, key=lambda fit: fit.error):
+        x = fitted.candidate
+        key = (int(x[S] / problem.op_span * S_BINS), bool(x[J_RATIO] > SLIPS_DIFFER), min(x[LOG_REST], RIGID))
+        if len(bins.setdefault(key, [])) < top:
+            bins[key].append(fitted)
+    return [fitted for one_bin in bins.values() for fitted in one_bin]
+
+
+def geometric(
+    fitted: Fitted, problem: Problem, scale: float, evaluations: int, rng: np.random.Generator
+) -> tuple[float, int, FloatArray]:
+    """Return the geometric error, the structure and the candidate after a descent on that error."""
+    candidate, error = descend(fitted.candidate, fitted.structure, problem, scale, evaluations, rng)
+    return float(error), fitted.structure, candidate
+
+
+def restart(fitted: Fitted, structure: int, problem: Problem) -> Fitted:
+    """Evaluate a candidate by its sum of squares, with a structure that may be another."""
+    candidate = fitted.candidate.copy()
+    candidate[LOG_TAU2] = min(candidate[LOG_TAU2], candidate[LOG_TAU])
+    return start(candidate, structure, problem)
+
+
+def start(candidate: FloatArray, structure: int, problem: Problem) -> Fitted:
+    """Evaluate a candidate as it stands."""
+    return Fitted(float(free_run_error(candidate, structure, problem)), structure, candidate)
 
 
 def smooth(fitted: Fitted, problem: Problem, scale: float, evaluations: int) -> Fitted:
@@ -73,46 +192,44 @@ def smooth(fitted: Fitted, problem: Problem, scale: float, evaluations: int) -> 
     return Fitted(float(error), fitted.structure, candidate)
 
 
-def refine(fitted: Fitted, problem: Problem, scale: float, smooth_steps: int, steps: int) -> Fitted:
-    """Improve the process, then the valve with the process following."""
-    fitted = smooth(fitted, problem, scale, smooth_steps)
+def refine(
+    fitted: Fitted, problem: Problem, scale: float, evaluations: tuple[int, int], rng: np.random.Generator
+) -> Fitted:
+    """Improve the process, then the valve with the process following; ``evaluations`` for each."""
+    fitted = smooth(fitted, problem, scale, evaluations[0])
     candidate, error = random_steps(
-        fitted.candidate, fitted.error, scale, fitted.structure, problem, steps, np.random.default_rng(0)
+        fitted.candidate, fitted.error, scale, fitted.structure, problem, evaluations[1], rng
     )
     return Fitted(float(error), fitted.structure, candidate)
 
 
-def start(candidate: FloatArray, structure: int, problem: Problem) -> Fitted:
-    """Evaluate a candidate as it stands."""
-    return Fitted(float(free_run_error(candidate, structure, problem)), structure, candidate)
+def around(best: Fitted, problem: Problem, rng: np.random.Generator) -> list[Fitted]:
+    """Start again a little off the best S, and J, so that the neighbourhood of the best is seen."""
+    fits = []
+    for off in np.outer(OFFSETS, (-problem.op_span, problem.op_span)).ravel():
+        for axis in (S, J_RATIO):
+            candidate = best.candidate.copy()
+            s, j = candidate[S], candidate[S] * candidate[J_RATIO]
+            if axis == S:
+                s += off
+                candidate[LEVEL] += 0.5 * candidate[FIRST] * off
+                if problem.fixed_delay == 0:
+                    candidate[DELAY] = max(1.0, candidate[DELAY] - 0.5 * off / problem.op_speed)
+            else:
+                j += 3 * off
+            if not 0 < s <= problem.op_span:
+                continue
+            candidate[S], candidate[J_RATIO] = s, min(max(j / s, 0.0), 1.0)
+            fits.append(refine(start(candidate, best.structure, problem), problem, 0.05, (30, 40), rng))
+    return fits
 
 
-def by_error(fits: list[Fitted]) -> list[Fitted]:
-    """Sort, best first."""
-    return sorted(fits, key=lambda fitted: fitted.error)
+def by_error(fits: Sequence[Fitted]) -> list[Fitted]:
+    """Sort those that are possible, best first."""
+    return sorted((f for f in fits if math.isfinite(f.error)), key=lambda fitted: fitted.error)
 
 
-def best_stiction(problem: Problem, hints: LoopHints, per_bin: int = 1) -> Fitted | None:
-    """Return the best sticking model, or None where no candidate moves the valve."""
-    allowed = structures(hints)
-    first = INTEGRATOR if allowed == (INTEGRATOR,) else FOPDT
-    promising = []
-    for stem in STEMS:
-        tried = [start(c, first, problem) for c in coarse_candidates(problem, stem, per_bin)]
-        tried = by_error([refine(f, problem, 1.0, 40, 80) for f in tried])
-        tried = by_error([refine(f, problem, 1.0, 60, 150) for f in tried[: 20 * per_bin]])
-        promising += tried[:3]
-    final = []
-    for structure in allowed:
-        for fitted in promising:
-            polished = start(fitted.candidate, structure, problem)
-            for _ in range(2):
-                polished = refine(polished, problem, 0.7, 100, 250)
-            final.append(polished)
-    return simplest(final) if final else None
-
-
-def best_linear(problem: Problem, hints: LoopHints, also: Fitted | None) -> Fitted:
+def best_linear(problem: Problem, hints: LoopHints, also: Fitted | None) -> Fitted | None:
     """Return the best model whose valve follows OP; ``also`` lends its process as one more start."""
     starts = [] if also is None else [also.candidate * np.where(np.arange(SIZE) == S, 0.0, 1.0)]
     delays = [problem.fixed_delay] if problem.fixed_delay > 0 else np.linspace(1, 0.75 * problem.max_delay, 6)
@@ -129,16 +246,12 @@ def best_linear(problem: Problem, hints: LoopHints, also: Fitted | None) -> Fitt
         for fitted in tried:
             polished = smooth(fitted, problem, 1.0, 150)
             final.append(smooth(polished, problem, 0.5, 150))
-    return simplest(final)
+    final = by_error(final)
+    return simplest(final) if final else None
 
 
-def simplest(fits: list[Fitted]) -> Fitted:
-    """Return the least error, but a second pole or a lagging stem only where it buys something."""
+def simplest(fits: Sequence[Fitted]) -> Fitted:
+    """Return the least error, but a second pole only where it buys something; ``fits`` are not empty."""
     best = by_error(fits)[0]
-    enough = [f for f in fits if best.error >= WORTH_A_PARAMETER * f.error]
-    return min(enough, key=lambda f: (parameters(f), f.error))
-
-
-def parameters(fitted: Fitted) -> int:
-    """Count what a model has beyond a first-order process and a stem without lag."""
-    return int(fitted.structure == SOPDT) + 2 * int(fitted.candidate[LAG] > 0)
+    enough = [f for f in fits if WORTH_A_PARAMETER * f.error <= best.error]
+    return min(enough, key=lambda f: (f.structure == SOPDT, f.error))

@@ -1,0 +1,313 @@
+"""A bank of first-order processes and delays that scores a valve with the best of them in closed form.
+
+With c(t) the sum from t on of PV filtered backward by the adjoint of high pass and process, the covariance of PV
+with a delayed response is the sum over the valve's moves of move * c(t + delay): a score costs little more than
+the valve itself. Between two delays the response is interpolated, with both parts fitted.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from agent.analysis.quantify.free_run.problem import Problem
+from agent.jit import kernel, summing_kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from agent.analysis.recording import FloatArray
+
+
+class Bank(NamedTuple):
+    """One record before many processes; gaps count as no deviation here, for this only orders candidates."""
+
+    op: FloatArray
+    """Native OP, OP units, (n,)."""
+    block: int
+    keep: float
+    """Pole of the high-pass filter, per block."""
+    poles: FloatArray
+    """Per block; 1 is an integrator, (k,)."""
+    second: FloatArray
+    """Second poles, 0 where there is none, (k,)."""
+    gains: FloatArray
+    """What makes each gain one (the integrator: one per sample), (k,)."""
+    sums: FloatArray
+    """c(t) of the module's text, PV units, (m + longest delay + 2, k)."""
+    burn: int
+    """First block that counts."""
+    gram: FloatArray
+    """Inverse Gram matrix of level and end of the filter's memory, (2, 2)."""
+    squares: float
+    """Sum of squares of PV, PV units squared."""
+    gain_sign: int
+
+
+def bank(problem: Problem, taus: FloatArray, ratios: FloatArray, periods: float) -> Bank:
+    """Return the bank of the first ``periods`` periods.
+
+    ``taus`` in samples, infinite for an integrator; ``ratios`` of the second time constant to the first, of
+    an integrator to a quarter period; both (k,).
+    """
+    block = problem.block
+    m = min(len(problem.pv), max(200, math.ceil(periods * problem.period / block)))
+    counted = np.flatnonzero(problem.weight[:m] > 0)
+    burn = int(counted[0]) if len(counted) else 0
+    at = np.arange(m)
+    basis = np.stack([np.ones(m), problem.keep**at], axis=1)
+    basis[:burn] = 0.0
+    gram = np.linalg.pinv(basis.T @ basis)
+    pv = problem.pv[:m] - basis @ (gram @ (basis.T @ problem.pv[:m]))
+    poles = np.exp(-block / taus)
+    gains = np.where(np.isinf(taus), float(block), 1.0 - poles)
+    taus2 = ratios * np.where(np.isinf(taus), problem.period / 4, taus)
+    second = np.exp(-block / np.maximum(taus2, 1e-3))
+    gains *= 1.0 - second
+    longest = int(problem.max_delay / block) + 4
+    sums = np.zeros((m + longest, len(taus)))
+    backward_sums(adjoint_high_pass(pv, problem.keep), poles, second, gains, sums)
+    return Bank(
+        op=np.ascontiguousarray(problem.op[: m * block]),
+        block=block,
+        keep=problem.keep,
+        poles=poles,
+        second=second,
+        gains=gains,
+        sums=sums,
+        burn=burn,
+        gram=gram,
+        squares=float(pv @ pv),
+        gain_sign=problem.gain_sign,
+    )
+
+
+@kernel
+def adjoint_high_pass(signal: FloatArray, keep: float) -> FloatArray:
+    """Return the transpose of ``high_pass`` applied to the signal, (m,)."""
+    m = signal.size
+    passed = np.zeros(m)
+    ahead = 0.0
+    for t in range(m - 1, 0, -1):
+        ahead = keep * (ahead + signal[t])
+        passed[t] += ahead
+        passed[t - 1] -= ahead
+    return passed
+
+
+@kernel
+def backward_sums(
+    signal: FloatArray, poles: FloatArray, second: FloatArray, gains: FloatArray, sums: FloatArray
+) -> None:
+    """Fill c(t), the sum from t on of the signal filtered backward in time by each process, (m, k)."""
+    for i in range(poles.size):
+        filtered = 0.0
+        twice = 0.0
+        total = 0.0
+        for t in range(signal.size - 1, -1, -1):
+            filtered = poles[i] * filtered + gains[i] * signal[t]
+            twice = second[i] * twice + filtered
+            total += twice
+            sums[t, i] = total
+
+
+@summing_kernel
+def moves_of(
+    position: FloatArray, block: int, means: FloatArray, at: NDArray[np.int64], by: FloatArray
+) -> int:
+    """Fill the block means of the position less its first value, and its moves; return their number."""
+    m = means.size
+    start = position[0]
+    former = 0.0
+    moves = 0
+    for b in range(m):
+        mean = position[b] - start
+        if block > 1:
+            mean = 0.0
+            for t in range(b * block, (b + 1) * block):
+                mean += position[t]
+            mean = mean / block - start
+        means[b] = mean
+        if mean != former:
+            at[moves] = b
+            by[moves] = mean - former
+            moves += 1
+        former = mean
+    return moves
+
+
+@summing_kernel
+def response_sums(
+    means: FloatArray,
+    keep: float,
+    poles: FloatArray,
+    second: FloatArray,
+    gains: FloatArray,
+    delays: NDArray[np.int64],
+    burn: int,
+    sums: FloatArray,
+) -> None:
+    """Fill ``sums`` (4, delays, poles): of the response z, z^2, z keep^t and z(t) z(t-1).
+
+    Over the samples that count once it is delayed; ``delays`` ascend, so that they end the sums early.
+    """
+    m = means.size
+    k = poles.size
+    first = np.zeros(k)
+    z = np.zeros(k)
+    r0 = np.zeros(k)
+    r1 = np.zeros(k)
+    r2 = np.zeros(k)
+    r3 = np.zeros(k)
+    passed = 0.0
+    former = means[0]
+    fading = 1.0
+    begin = delays.size - 1
+    end = delays.size - 1
+    for t in range(m + 1):
+        while begin >= 0 and t == max(0, burn - delays[begin]):
+            for i in range(k):
+                sums[0, begin, i] = -r0[i]
+                sums[1, begin, i] = -r1[i]
+                sums[2, begin, i] = -r2[i]
+                sums[3, begin, i] = -r3[i]
+            begin -= 1
+        while end >= 0 and t == m - delays[end]:
+            for i in range(k):
+                sums[0, end, i] += r0[i]
+                sums[1, end, i] += r1[i]
+                sums[2, end, i] += r2[i]
+                sums[3, end, i] += r3[i]
+            end -= 1
+        if t == m:
+            break
+        passed = keep * passed + keep * (means[t] - former)
+        former = means[t]
+        for i in range(k):
+            first[i] = poles[i] * first[i] + gains[i] * passed
+            zi = second[i] * z[i] + first[i]
+            r0[i] += zi
+            r1[i] += zi * zi
+            r2[i] += zi * fading
+            r3[i] += zi * z[i]
+            z[i] = zi
+        fading *= keep
+
+
+@summing_kernel
+def covariances(
+    at: NDArray[np.int64],
+    by: FloatArray,
+    moves: int,
+    sums: FloatArray,
+    places: NDArray[np.int64],
+    delays: NDArray[np.int64],
+    covariance: FloatArray,
+) -> None:
+    """Fill the covariance of PV with each delayed response, (delays, poles)."""
+    covariance[:] = 0.0
+    for j in range(moves):
+        move = by[j]
+        for q in range(delays.size):
+            row = at[j] + delays[q]
+            for i in range(places.size):
+                covariance[q, i] += move * sums[row, places[i]]
+
+
+@kernel
+def best_process(
+    response: FloatArray, covariance: FloatArray, delays: NDArray[np.int64], bank: Bank
+) -> tuple[float, int, int]:
+    """Return the largest explained share of PV with its places among delays and poles."""
+    best = 0.0
+    best_q = 0
+    best_i = 0
+    for q in range(delays.size):
+        fading = bank.keep ** delays[q]
+        for i in range(covariance.shape[1]):
+            if covariance[q, i] * bank.gain_sign < 0.0:
+                continue
+            level = response[0, q, i]
+            end = fading * response[2, q, i]
+            left = response[1, q, i] - (
+                bank.gram[0, 0] * level * level
+                + 2.0 * bank.gram[0, 1] * level * end
+                + bank.gram[1, 1] * end * end
+            )
+            if left > 1e-3 * response[1, q, i]:
+                share = covariance[q, i] ** 2 / left / bank.squares
+                if share > best:
+                    best = share
+                    best_q = q
+                    best_i = i
+    return best, best_q, best_i
+
+
+@kernel
+def best_between(
+    response: FloatArray, covariance: FloatArray, delays: NDArray[np.int64], bank: Bank
+) -> tuple[float, float, int]:
+    """Return the largest explained share with its delay (blocks, with a fraction) and the place of its pole.
+
+    ``delays`` are consecutive. A response between two of them is a sum of both with parts of one sign.
+    """
+    best = 0.0
+    best_delay = float(delays[0])
+    best_i = 0
+    for i in range(covariance.shape[1]):
+        for q in range(delays.size):
+            fading = bank.keep ** delays[q]
+            level = response[0, q, i]
+            end = fading * response[2, q, i]
+            energy = response[1, q, i] - (
+                bank.gram[0, 0] * level * level
+                + 2.0 * bank.gram[0, 1] * level * end
+                + bank.gram[1, 1] * end * end
+            )
+            if energy <= 1e-3 * response[1, q, i]:
+                continue
+            c = covariance[q, i]
+            if c * bank.gain_sign >= 0.0 and c * c / energy > best * bank.squares:
+                best = c * c / energy / bank.squares
+                best_delay = float(delays[q])
+                best_i = i
+            if q + 1 == delays.size:
+                continue
+            level2 = response[0, q + 1, i]
+            end2 = fading * bank.keep * response[2, q + 1, i]
+            energy2 = response[1, q + 1, i] - (
+                bank.gram[0, 0] * level2 * level2
+                + 2.0 * bank.gram[0, 1] * level2 * end2
+                + bank.gram[1, 1] * end2 * end2
+            )
+            both = response[3, q, i] - (
+                bank.gram[0, 0] * level * level2
+                + bank.gram[0, 1] * (level * end2 + end * level2)
+                + bank.gram[1, 1] * end * end2
+            )
+            determinant = energy * energy2 - both * both
+            if energy2 <= 1e-3 * response[1, q + 1, i] or determinant <= 1e-6 * energy * energy2:
+                continue
+            c2 = covariance[q + 1, i]
+            here = (c * energy2 - c2 * both) / determinant
+            later = (c2 * energy - c * both) / determinant
+            if here * later <= 0.0 or here * bank.gain_sign < 0.0:
+                continue
+            share = (here * c + later * c2) / bank.squares
+            if share > best:
+                best = share
+                best_delay = delays[q] + later / (here + later)
+                best_i = i
+    return best, best_delay, best_i
+
+
+@kernel
+def to_blocks(delay: float, block: int) -> float:
+    return (delay - 1.0) / block + (block + 1.0) / (2.0 * block)
+
+
+@kernel
+def from_blocks(delay: float, block: int) -> float:
+    return (delay - (block + 1.0) / (2.0 * block)) * block + 1.0

@@ -1,0 +1,118 @@
+"""What the record says of each number: the range over all models that fit about as well as the best.
+
+The union over the basins that the record cannot tell apart. How much worse still counts as alike was read off
+simulated loops by measured coverage (docs/methods/intervals.md), because the errors of a fit are no independent
+noise: mostly they are slips that the model places a sample beside the true ones.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.quantify.free_run.objective import DELAY, J_RATIO, LOG_TAU, LOG_TAU2, SOPDT, S
+from agent.analysis.results import Estimate, ProcessIntervals, Profile, StictionEstimate
+
+if TYPE_CHECKING:
+    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.analysis.quantify.free_run.search import Fitted, Found
+
+ALIKE = 1.5
+"""Sum of squares over the least up to which a model counts as alike (simulated loops, seeds 2000 to 2079)."""
+MARGIN_S = 0.008
+"""Added on each side of S, over the OP span: friction that the stem of the model does not have."""
+MARGIN_J = 0.016
+NARROW_S = 0.10
+"""Width of the interval of S, over the OP span, up to which the record determines S."""
+NARROW_J = 0.20
+"""Likewise of J."""
+PROFILE_POINTS = 40
+
+
+def alike(found: Found) -> list[Fitted]:
+    """Return the models that fit about as well as the best one, the best included."""
+    limit = ALIKE * min(found.best.error, found.others[0].error)
+    return [found.best, *(f for f in found.others if f.error <= limit)]
+
+
+def stiction_estimate(found: Found, problem: Problem) -> StictionEstimate:
+    """Return the bands of the best model with their intervals, OP units."""
+    bands = np.array([s_and_j(f) for f in alike(found)])
+    span = problem.op_span
+    s, j = bands.T
+    s_estimate = interval(s, MARGIN_S * span)
+    j_estimate = interval(j, MARGIN_J * span)
+    margin = (MARGIN_S + MARGIN_J) / 2 * span
+    return StictionEstimate(
+        f_s=interval((s + j) / 2, margin),
+        f_d=interval((s - j) / 2, margin),
+        s=s_estimate,
+        j=j_estimate,
+        identifiable_s=width(s_estimate) <= NARROW_S * span,
+        identifiable_j=width(j_estimate) <= NARROW_J * span,
+    )
+
+
+def s_and_j(fitted: Fitted) -> tuple[float, float]:
+    """Return S and J of a model, OP units."""
+    s = float(fitted.candidate[S])
+    return s, s * float(fitted.candidate[J_RATIO])
+
+
+def interval(values: np.ndarray[tuple[int], np.dtype[np.float64]], margin: float) -> Estimate:
+    """Return the first value with the range of all, widened by the margin, not below zero."""
+    low = max(0.0, float(values.min()) - margin)
+    return Estimate(float(values[0]), low, float(values.max()) + margin)
+
+
+def width(estimate: Estimate) -> float:
+    """Return how wide an interval is."""
+    return (estimate.high or 0.0) - (estimate.low or 0.0)
+
+
+def process_intervals(found: Found, gains: list[float], ts: float) -> ProcessIntervals:
+    """Return the ranges of the process over the models alike that share the best one's structure.
+
+    ``gains`` are those of ``same_structure(found)``, in its order; ``ts`` in s.
+    """
+    candidates = np.array([f.candidate for f in same_structure(found)])
+    integrates = found.best.structure not in (0, SOPDT)
+    taus = np.exp(candidates[:, LOG_TAU]) * ts
+    seconds = np.minimum(np.exp(candidates[:, LOG_TAU2]) * ts, taus)
+    return ProcessIntervals(
+        gain=(min(gains), max(gains)),
+        tau=None if integrates else ends(taus),
+        delay=ends(candidates[:, DELAY] * ts),
+        tau2=ends(seconds) if found.best.structure == SOPDT else None,
+    )
+
+
+def same_structure(found: Found) -> list[Fitted]:
+    """Return the models alike whose process has the best one's structure, the best first."""
+    return [f for f in alike(found) if f.structure == found.best.structure]
+
+
+def ends(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
+    """Return the least and the largest."""
+    return float(values.min()), float(values.max())
+
+
+def profile(found: Found, problem: Problem, ts: float) -> Profile:
+    """Return the best model in each of some ranges of S."""
+    step = problem.op_span / PROFILE_POINTS
+    best: dict[int, Fitted] = {}
+    for fitted in [found.best, *found.others]:
+        place = math.floor(fitted.candidate[S] / step)
+        if place not in best or fitted.error < best[place].error:
+            best[place] = fitted
+    fits = [best[place] for place in sorted(best)]
+    least = min(f.error for f in fits)
+    return Profile(
+        s=np.array([f.candidate[S] for f in fits]),
+        error=np.array([f.error / max(least, 1e-300) for f in fits]),
+        delay=np.array([f.candidate[DELAY] * ts for f in fits]),
+        j=np.array([s_and_j(f)[1] for f in fits]),
+        limit=ALIKE,
+    )
