@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.quantify.free_run.search import Fitted, Found
 
-ALIKE = 1.5
+ALIKE = 1.65
 """Sum of squares over the least up to which a model counts as alike (simulated loops, seeds 2000 to 2079)."""
+ALIKE_IN_J = 1.3
+"""Likewise for the interval of J, which fewer misplaced slips disturb."""
 MARGIN_S = 0.008
 """Added on each side of S, over the OP span: friction that the stem of the model does not have."""
 MARGIN_J = 0.016
@@ -31,19 +33,19 @@ NARROW_J = 0.20
 PROFILE_POINTS = 40
 
 
-def alike(found: Found) -> list[Fitted]:
-    """Return the models that fit about as well as the best one, the best included."""
-    limit = ALIKE * min(found.best.error, found.others[0].error)
+def alike(found: Found, times: float = ALIKE) -> list[Fitted]:
+    """Return the models whose sum of squares is up to ``times`` the least, the best model first."""
+    limit = times * min(found.best.error, found.others[0].error)
     return [found.best, *(f for f in found.others if f.error <= limit)]
 
 
 def stiction_estimate(found: Found, problem: Problem) -> StictionEstimate:
     """Return the bands of the best model with their intervals, OP units."""
-    bands = np.array([s_and_j(f) for f in alike(found)])
+    s, j = np.array([s_and_j(f) for f in alike(found)]).T
+    j_alone = np.array([s_and_j(f)[1] for f in alike(found, ALIKE_IN_J)])
     span = problem.op_span
-    s, j = bands.T
     s_estimate = interval(s, MARGIN_S * span)
-    j_estimate = interval(j, MARGIN_J * span)
+    j_estimate = interval(j_alone, MARGIN_J * span)
     margin = (MARGIN_S + MARGIN_J) / 2 * span
     return StictionEstimate(
         f_s=interval((s + j) / 2, margin),

@@ -108,16 +108,16 @@ def best_stiction(problem: Problem, hints: LoopHints) -> Found | None:
     binned = by_error(binned)
     if not binned:
         return None
-    finalists = by_error([refine(f, problem, 0.1, (60, 120), rng) for f in binned[:POLISHED]])[:FINALISTS]
+    finalists = by_error([refine(f, problem, 0.1, (80, 250), rng) for f in binned[:POLISHED]])[:FINALISTS]
     final = list(finalists)
     for fitted in finalists:
         for structure in structures(hints):
-            lowered_again = Fitted(*geometric(restart(fitted, structure, problem), problem, 0.1, 120, rng))
-            final.append(refine(restart(lowered_again, structure, problem), problem, 0.1, (60, 120), rng))
+            lowered_again = Fitted(*geometric(restart(fitted, structure, problem), problem, 0.1, 200, rng))
+            final.append(refine(restart(lowered_again, structure, problem), problem, 0.1, (80, 250), rng))
     allowed = [f for f in by_error(final) if f.structure in structures(hints)]
     if not allowed:
         return None
-    best = simplest(allowed)
+    best = refine(simplest(allowed), problem, 0.03, (100, 300), rng)
     return Found(best, tuple(by_error([*binned, *final, *around(best, problem, rng)])))
 
 
