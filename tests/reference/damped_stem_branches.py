@@ -1,24 +1,30 @@
-"""The damped stem as an engineer would tell it: does it move, how far, does it rest then?"""
+"""The damped stem in many small steps: air reaches the actuator, the stem creeps, breaks away or rests."""
 
 import math
 
 
-def damped_stem_branches(op, f_s, f_d, x0, lag, rest):
-    """Return the positions; a missing OP brings the stem to rest where it is."""
+def damped_stem_in_small_steps(op, f_s, f_d, x0, damping, supply, rest, steps=400):
+    """Return the positions at the end of each sample.
+
+    A missing OP stops the stem; the next one finds the actuator settled at it.
+    """
+    dt = 1 / steps
+    keeps = math.exp(-dt / supply)
     position = []
-    x, direction = x0, 0
+    x, direction, force = x0, 0, math.nan
     for u in op:
         if math.isnan(u):
-            direction = 0
-        else:
-            goes_on = direction != 0 and direction * (u - direction * f_d - x) > 0
-            if not goes_on:
-                direction = int(math.copysign(1, u - x)) if abs(u - x) > f_s else 0
-            if direction != 0:
-                balance = u - direction * f_d
-                way = abs(balance - x)
-                x = balance - lag * (balance - x)
-                if way <= rest:
-                    direction = 0
+            direction, force = 0, math.nan
+        elif math.isnan(force):
+            force = u
+        for _ in range(0 if math.isnan(u) else steps):
+            force = u + (force - u) * keeps
+            if direction == 0 and abs(force - x) > f_s:
+                direction = 1 if force > x else -1
+            way = direction * (force - x) - f_d
+            if direction != 0 and way > rest * (f_s - f_d):
+                x += direction * way * (1 - math.exp(-dt / damping))
+            else:
+                direction = 0
         position.append(x)
     return position

@@ -59,10 +59,10 @@ def damped_stem(
     position = np.empty(n)
     jump = f_s - f_d
     stop = rest * jump
-    damping_keeps = math.exp(-1.0 / damping)
-    supply_keeps = math.exp(-1.0 / supply)
     if abs(supply - damping) < 1e-6 * damping:
         supply *= 1.0 + 1e-5
+    damping_keeps = math.exp(-1.0 / damping)
+    supply_keeps = math.exp(-1.0 / supply)
     feeds = damping / (supply - damping)
     at_once = damping + supply < AT_ONCE
     x = x0
