@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.quantify.free_run.search import Fitted, Found
 
-ALIKE = 1.65
+ALIKE = 1.8
 """Sum of squares over the least up to which a model counts as alike (simulated loops, seeds 2000 to 2079)."""
 ALIKE_IN_J = 1.3
 """Likewise for the interval of J, which fewer misplaced slips disturb."""
