@@ -70,7 +70,7 @@ def before_compilation(tell: Callable[[], None]) -> None:
 
 
 def summing_kernel(function: F) -> F:
-    """Compile ``function`` like ``kernel``, and let the compiler reorder sums, so that it adds several at once.
+    """Compile ``function`` like ``kernel``, and let the compiler reorder sums to add several at once.
 
     NaN and infinity keep their meaning; only the last digits of a sum depend on the machine.
     """

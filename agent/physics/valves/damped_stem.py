@@ -1,11 +1,11 @@
 """Sticking valve whose stem takes its time and may slide on: an overdamped stem in a packing.
 
 A slip is not over at once: air reaches the actuator late, viscous damping slows the stem, and friction that
-rises again at low speed (Stribeck) stops it a little short of its balance. Whether it is at rest when OP moves
-on decides whether it must break away again: He's model (``he2007``) rests after every slip, Kano's and the
-two-state model (``two_state``) slide on as long as OP goes on, a real stem is between. Derived from Karnopp's
-law with negligible inertia, OP held between samples and passed to the actuator by a first-order lag; break-away
-and rest within a sample are solved for, so that no finer steps are needed.
+rises again at low speed (Stribeck) stops it a little short of its balance. Whether it is at rest when OP
+moves on decides whether it must break away again: He's model (``he2007``) rests after every slip, Kano's and
+the two-state model (``two_state``) slide on as long as OP goes on, a real stem is between. Derived from
+Karnopp's law with negligible inertia, OP held between samples and passed to the actuator by a first-order
+lag; break-away and rest within a sample are solved for, so that no finer steps are needed.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ def damped_stem(
         supply: Time constant of the air to the actuator, samples, > 0.
         rest: Force over f_D at which the stem stops, over f_S - f_D, 0 to 1; 0 slides on until OP turns.
 
-    With ``damping`` and ``supply`` of a hundredth of a sample it is He's model; with ``rest`` 0 and a ``damping`` of some
-    hundredths the two-state one. While OP is NaN the position holds.
+    With ``damping`` and ``supply`` of a hundredth of a sample it is He's model; with ``rest`` 0 and a
+    ``damping`` of some hundredths the two-state one. While OP is NaN the position holds.
     """
     n = op.size
     position = np.empty(n)

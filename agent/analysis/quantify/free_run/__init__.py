@@ -1,8 +1,8 @@
 """Our quantifier: simulate valve and process from OP, free run, and search everything jointly.
 
-It differs from the paper's method (``lee2008``) in what is searched: where the valve stands at the start of the
-record, a fractional delay and the time constants together with S and J, on the error of the simulated PV, with
-gain, level, slope and start-up in closed form. Design facts 1, 2, 4; ``methods.md`` 0.3 to 0.6.
+It differs from the paper's method (``lee2008``) in what is searched: where the valve stands at the start of
+the record, a fractional delay and the time constants together with S and J, on the error of the simulated PV,
+with gain, level, slope and start-up in closed form. Design facts 1, 2, 4; ``methods.md`` 0.3 to 0.6.
 """
 
 from __future__ import annotations
@@ -156,5 +156,5 @@ def simulate(fitted: Fitted, problem: Problem, window: LoopWindow) -> tuple[Floa
 
 
 def fit_percent(fitted: Fitted, problem: Problem) -> float:
-    """Return 100 (1 - ||PV - model|| / ||PV - mean PV||) over the blocks that count, PV and model high-passed."""
+    """Return 100 (1 - ||PV - model|| / ||PV - mean PV||) over the blocks that count, high-passed."""
     return 100.0 * (1.0 - math.sqrt(fitted.error / max(float(np.sum(problem.pv**2)), 1e-300)))

@@ -1,8 +1,8 @@
 """A bank of first-order processes and delays that scores a valve with the best of them in closed form.
 
-With c(t) the sum from t on of PV filtered backward by the adjoint of high pass and process, the covariance of PV
-with a delayed response is the sum over the valve's moves of move * c(t + delay): a score costs little more than
-the valve itself. Between two delays the response is interpolated, with both parts fitted.
+With c(t) the sum from t on of PV filtered backward by the adjoint of high pass and process, the covariance of
+PV with a delayed response is the sum over the valve's moves of move * c(t + delay): a score costs little more
+than the valve itself. Between two delays the response is interpolated, with both parts fitted.
 """
 
 from __future__ import annotations
@@ -305,9 +305,11 @@ def best_between(
 
 @kernel
 def to_blocks(delay: float, block: int) -> float:
+    """Return the lag in blocks of a delay in samples, from the block's end to its middle."""
     return (delay - 1.0) / block + (block + 1.0) / (2.0 * block)
 
 
 @kernel
 def from_blocks(delay: float, block: int) -> float:
+    """Return the delay in samples of a lag in blocks, the inverse of ``to_blocks``."""
     return (delay - (block + 1.0) / (2.0 * block)) * block + 1.0

@@ -1,6 +1,7 @@
 """Local stage on the valve alone: random steps, each scored by the processes of a bank around the last best.
 
-The process follows the valve in closed form, so that the trade-off of S with the delay is no ridge to walk along.
+The process follows the valve in closed form, so that the trade-off of S with the delay is no ridge to walk
+along.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ def climb(
     evaluations: int,
     rng: np.random.Generator,
 ) -> tuple[FloatArray, float, int]:
-    """Return the best candidate met and its explained share of PV; the first evaluation is the start itself."""
+    """Return the best candidate met and its explained share of PV; the start is evaluated first."""
     m = bank.op.size // bank.block
     means = np.empty(m)
     at = np.empty(m, np.int64)

@@ -1,7 +1,8 @@
-"""Global stage: every (S, J/S, level of the first slip) on a grid for a few stems, scored by a bank of processes.
+"""Global stage: every (S, J/S, level of the first slip) on a grid, scored by a bank of processes.
 
-Minima are needles, but a score is cheap. A valve that slips once each way never forgets at which level of OP it
-first slipped, so that level is searched like S; levels whose valves meet again within a period and a half are one.
+Minima are needles, but a score is cheap. A valve that slips once each way never forgets at which level of OP
+it first slipped, so that level is searched like S; levels whose valves meet again within a period and a half
+are one.
 """
 
 from __future__ import annotations
@@ -55,14 +56,14 @@ PER_BIN = 3
 
 
 def coarse_candidates(
-    problem: Problem, stems: FloatArray, integrates: bool | None
+    problem: Problem, stems: FloatArray, *, integrates: bool | None
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the best few of each bin of S and J for each stem, shape (k, SIZE), and their shares of PV, (k,).
+    """Return the best few of each bin of S and J for each stem, (k, SIZE), and their shares of PV, (k,).
 
     By bins, because the cells of one broad wrong basin would crowd out the needles.
     """
     s_values = np.linspace(1.0 / S_STEPS, 1.0, S_STEPS) * problem.op_span
-    taus, ratios = processes(problem, TAUS, RATIOS, integrates)
+    taus, ratios = processes(problem, TAUS, RATIOS, integrates=integrates)
     delays = bank_delays(problem)
     near = bank(problem, taus, ratios, PERIODS)
     level_step = LEVEL_STEP * problem.op_span
@@ -83,7 +84,7 @@ def coarse_candidates(
 
 
 def best_cells(scores: FloatArray, bins: NDArray[np.int64]) -> list[tuple[int, int, int]]:
-    """Return the cells (stem, S, J) with the ``PER_BIN`` largest scores of each bin of S, group of J and stem."""
+    """Return the ``PER_BIN`` best cells (stem, S, J) of each bin of S, group of J and stem."""
     chosen = []
     for one_bin in np.unique(bins):
         rows = np.flatnonzero(bins == one_bin)
@@ -105,9 +106,9 @@ def log_tau2(log_tau: float, ratio: float, problem: Problem) -> float:
 
 
 def processes(
-    problem: Problem, count: int, ratios: FloatArray, integrates: bool | None
+    problem: Problem, count: int, ratios: FloatArray, *, integrates: bool | None
 ) -> tuple[FloatArray, FloatArray]:
-    """Time constants (samples, infinite for an integrator) and ratios of a bank, ratio by ratio, (k,) each."""
+    """Time constants (samples, integrator infinite) and ratios of a bank, ratio by ratio, (k,) each."""
     slowest = max(6.0, problem.period)
     taus = np.geomspace(max(0.7, 0.5 * problem.block), slowest, count - 1)
     if integrates:
@@ -153,7 +154,7 @@ def scan(
     period: float,
     delays: NDArray[np.int64],
 ) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
-    """Return explained shares, shape (stem, S, J), the place in the bank and the upper level that reached each."""
+    """Return explained shares, (stem, S, J), with the place in the bank and the upper level of each."""
     shape = (stems.shape[0], s_values.size, j_ratios.size)
     levels = np.zeros(shape)
     early_op = bank.op[: min(bank.op.size, int(1.5 * period))]

@@ -1,8 +1,9 @@
 """Error of a free run that a few wrong slips do not spoil, for the search of the valve.
 
-One slip missed or too many displaces the stem until the next reversal. Near the true valve most half periods are
-right and a few are far off, so that least squares sees a needle a quarter per cent wide. The geometric mean over
-half periods of their mean squared errors sees the many that are right: its basin is some per cent wide.
+One slip missed or too many displaces the stem until the next reversal. Near the true valve most half periods
+are right and a few are far off, so that least squares sees a needle a quarter per cent wide. The geometric
+mean over half periods of their mean squared errors sees the many that are right: its basin is some per cent
+wide.
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ def half_period_sums(response: FloatArray, problem: Problem, length: int, sums: 
 
 @kernel
 def geometric_error(sums: FloatArray, gain_sign: int) -> float:
-    """Return the geometric mean of the half periods' errors, over the variance of PV, by gain and level reweighted."""
+    """Return the geometric mean of the half periods' errors, over the variance of PV."""
     segments = sums.shape[0]
     variance = np.sum(sums[:, 5]) / np.sum(sums[:, 0])
     floor = FLOOR * variance

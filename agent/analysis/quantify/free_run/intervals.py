@@ -1,8 +1,8 @@
 """What the record says of each number: the range over all models that fit about as well as the best.
 
 The union over the basins that the record cannot tell apart. How much worse still counts as alike was read off
-simulated loops by measured coverage (docs/methods/intervals.md), because the errors of a fit are no independent
-noise: mostly they are slips that the model places a sample beside the true ones.
+simulated loops by measured coverage (docs/methods/intervals.md), because the errors of a fit are no
+independent noise: mostly they are slips that the model places a sample beside the true ones.
 """
 
 from __future__ import annotations

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 FOPDT, SOPDT, INTEGRATOR = 0, 1, 2
 # Coordinates of a candidate, shape (10,).
 LOG_TAU, DELAY, LOG_TAU2, S, J_RATIO, LEVEL, LOG_DAMPING, LOG_SUPPLY, LOG_REST, FIRST = range(10)
-# log(tau) and log(tau2) in samples; delay in samples, >= 1; S in OP units, 0: no stiction; J/S;
-# level: OP at the first slip, OP units, and first: its direction, 1 or -1, so that the stem before it rests at
-# level - first f_S and S or J may change without moving that slip; logs of damping (samples), supply (samples)
+# log(tau) and log(tau2) in samples; delay in samples, >= 1; S in OP units, 0: no stiction; J/S; level: OP
+# at the first slip, OP units, and first: its direction, 1 or -1, so that the stem before it rests at level
+# - first f_S and S or J may change without moving that slip; logs of damping (samples), supply (samples)
 # and rest of the stem.
 SIZE = 10
 
@@ -61,8 +61,8 @@ def process_response(
 ) -> FloatArray:
     """Return the high-passed response of gain one in blocks to the valve position, OP units, (m,).
 
-    y(t) depends first on position(t - delay); a fraction of a block is interpolated. One loop for all filters,
-    so that the processor works on them side by side.
+    y(t) depends first on position(t - delay); a fraction of a block is interpolated. One loop for all
+    filters, so that the processor works on them side by side.
     """
     m = position.size // block
     pole = 1.0

@@ -1,8 +1,9 @@
-"""The record as the search sees it: gaps weighted out, what is slower than the oscillation filtered out, bounds set.
+"""The record as the search sees it: gaps weighted out, slow parts filtered out, bounds set.
 
 The valve is simulated at the native rate of OP; its position and PV are then averaged over blocks, so that a
-period has at least forty of them. Both pass the same high-pass filter: drift, a moving set point and the integral
-of every small error of the valve leave the objective, and what is left of an error stays where it was made.
+period has at least forty of them. Both pass the same high-pass filter: drift, a moving set point and the
+integral of every small error of the valve leave the objective, and what is left of an error stays where it
+was made.
 """
 
 from __future__ import annotations

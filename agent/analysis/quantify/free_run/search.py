@@ -1,7 +1,7 @@
 """From the coarse candidates to the best model and those beside it: more care for fewer candidates.
 
-The best of each bin of S, of each half of J/S and of each kind of stem goes on to the end, because the cells of
-one broad wrong basin would crowd out the needles; so the search yields the error against S on its way.
+The best of each bin of S, of each half of J/S and of each kind of stem goes on to the end, because the cells
+of one broad wrong basin would crowd out the needles; so the search yields the error against S on its way.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ DESCENTS = ((0.5, 60), (0.3, 120))
 POLISHED = 8
 FINALISTS = 3
 OFFSETS = (0.0025, 0.005, 0.01, 0.02, 0.04)
-"""Distances from the best S, over the OP span, at which everything else is fitted again; three times that in J."""
+"""Distances from the best S, OP spans, at which all else is fitted again; three times that in J."""
 SLIPS_DIFFER = 0.45
 """J/S below which a valve mostly slides, above which it mostly jumps."""
 WORTH_A_PARAMETER = 0.99
@@ -122,9 +122,9 @@ def best_stiction(problem: Problem, hints: LoopHints) -> Found | None:
 
 
 def climbed(problem: Problem, hints: LoopHints, rng: np.random.Generator) -> list[Fitted]:
-    """Return the coarse candidates after a short climb in the bank, the best of each bin, processes read off."""
-    candidates, shares = coarse_candidates(problem, STEMS, hints.integrating)
-    taus, ratios = processes(problem, TAUS, RATIOS, hints.integrating)
+    """Return the coarse candidates after a short climb in the bank: the best of each bin, with processes."""
+    candidates, shares = coarse_candidates(problem, STEMS, integrates=hints.integrating)
+    taus, ratios = processes(problem, TAUS, RATIOS, integrates=hints.integrating)
     near = bank(problem, taus, ratios, PERIODS)
     log_taus = np.minimum(np.log(np.minimum(taus, 1e9)), problem.max_log_tau)
     log_taus2 = np.array([log_tau2(a, r, problem) for a, r in zip(log_taus, ratios, strict=True)])
