@@ -13,7 +13,18 @@ from matplotlib.figure import Figure
 from agent.analysis.diagnose import diagnose
 from agent.analysis.quantify import quantifier
 from agent.analysis.quantify.error_map import error_map
-from agent.analysis.quantify.free_run.coarse_grid import J_RATIOS, bank_delays, score_grid
+from agent.analysis.quantify.free_run.bank import bank
+from agent.analysis.quantify.free_run.coarse_grid import (
+    J_RATIOS,
+    LEVEL_STEP,
+    PERIODS,
+    RATIOS,
+    TAUS,
+    bank_delays,
+    processes,
+    scan,
+)
+from agent.analysis.quantify.free_run.geometric_error import candidate_error
 from agent.analysis.quantify.free_run.objective import S, free_run_error
 from agent.analysis.quantify.free_run.problem import Problem, pose
 from agent.analysis.quantify.free_run.search import STEMS, best_stiction
@@ -24,6 +35,7 @@ from agent.physics.valves import LAWS, StictionLaw
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
 from agent.plots.contour import contour_figure
 from agent.plots.fit import fit_figure
+from agent.plots.profile import profile_figure
 from agent.units import FrictionBands
 from connectors.recording import read_recording
 from simulators.parameters import ProcessParameters, ValveParameters
@@ -46,35 +58,38 @@ def chem10() -> Figure:
 
 
 def free_run_search() -> Figure:
-    """Draw where the search looks: the coarse grid, and the needle that it must hit."""
-    window, truth = recorded("tic302_second_order")
+    """Draw where the search looks: the coarse grid, and the basin of each error around the best S."""
+    window, truth = recorded("pic401_direct_stick_slip")
     problem = pose(window)
     if isinstance(problem, str):
         raise TypeError(problem)
     figure = Figure(figsize=(11.0, 4.0), layout="constrained")
-    grid, needle = figure.subplots(1, 2)
+    grid, basins = figure.subplots(1, 2)
 
-    s_values = np.linspace(0.004, 1.0, 160) * problem.op_span
-    taus = np.geomspace(0.7, 4 * problem.period, 8)
-    scores, _ = score_grid(problem, STEMS[0], s_values, taus, bank_delays(problem))
-    left = 100 * (1 - scores.max(axis=2).T)
-    image = grid.pcolormesh(s_values, J_RATIOS, left, cmap="viridis", shading="nearest")
-    figure.colorbar(image, ax=grid, label="PV left unexplained, %")
+    s_values = np.linspace(0.01, 1.0, 160) * problem.op_span
+    near = bank(problem, *processes(problem, TAUS, RATIOS, integrates=None), PERIODS)
+    level_step = LEVEL_STEP * problem.op_span
+    scores, _, _ = scan(near, STEMS[:1], s_values, J_RATIOS, level_step, problem.period, bank_delays(problem))
+    image = grid.pcolormesh(
+        s_values, J_RATIOS, 100 * (1 - scores[0].T), cmap="viridis", shading="nearest", vmax=15
+    )
+    figure.colorbar(image, ax=grid, extend="max", label="PV left unexplained, %")
     s, j = truth.f_s + truth.f_d, truth.f_s - truth.f_d
     grid.plot(s, j / s, "o", color="white", markeredgecolor=MODEL, label="truth")
     grid.set_xlabel("S (OP units)")
     grid.set_ylabel("J/S")
-    grid.set_title("coarse grid, best start of the valve", fontsize=10)
+    grid.set_title("coarse grid, best first slip of He's valve", fontsize=10)
     grid.legend(loc="lower right")
 
-    fine, left_fine = residual_over_s(problem)
-    needle.plot(fine, left_fine, color=MEASURED, linewidth=0.9)
-    needle.axvline(s, color=MODEL, linewidth=0.9, linestyle="--", label="truth")
-    needle.set_xlabel("S (OP units)")
-    needle.set_ylabel("PV left unexplained, %")
-    needle.set_title("all but S at the optimum", fontsize=10)
-    needle.legend()
-    tidy(needle)
+    fine, squares, geometric = errors_over_s(problem)
+    basins.semilogy(fine, squares, color=MEASURED, linewidth=0.9, label="sum of squares")
+    basins.semilogy(fine, geometric, color=VALVE, linewidth=0.9, label="geometric over half periods")
+    basins.axvline(s, color=MODEL, linewidth=0.9, linestyle="--", label="truth")
+    basins.set_xlabel("S (OP units)")
+    basins.set_ylabel("error over the variance of PV, %")
+    basins.set_title("all but S at the optimum", fontsize=10)
+    basins.legend(fontsize=9)
+    tidy(basins)
     return figure
 
 
@@ -87,6 +102,15 @@ def contour_map() -> Figure:
     return contour_figure(window.loop, errors, quantifier("free_run").quantify(window))
 
 
+def profile() -> Figure:
+    """Draw what the same loop says of S, and the delay and J that go with it."""
+    window, _ = recorded("pic401_direct_stick_slip")
+    errors_at_s = quantifier("free_run").quantify(window).profile
+    if errors_at_s is None:
+        raise TypeError("no stiction was found")
+    return profile_figure(window.loop, errors_at_s)
+
+
 def recorded(scenario_name: str) -> tuple[LoopWindow, ValveParameters]:
     """Return what a scenario of ``config/scenarios`` records, and its true valve."""
     scenario = load_scenario(ROOT / "config" / "scenarios" / f"{scenario_name}.yaml")
@@ -94,18 +118,22 @@ def recorded(scenario_name: str) -> tuple[LoopWindow, ValveParameters]:
     return LoopWindow(scenario.loop, scenario.start, scenario.ts, record.op, record.pv), scenario.valve
 
 
-def residual_over_s(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
-    """Return S (OP units) and the share of PV that the optimum leaves when only S is moved, %."""
-    best = best_stiction(problem, LoopHints())
-    if best is None:
+def errors_over_s(problem: Problem) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return S around the best (OP units), and sum of squares and geometric error with all else kept, %."""
+    found = best_stiction(problem, LoopHints())
+    if found is None:
         raise TypeError("nothing was found")
-    s_values = np.linspace(0.01, 0.9, 1500) * problem.op_span
-    left = []
+    best = found.best
+    length = max(3, int(problem.period / problem.block / 2))
+    sums = np.empty((problem.pv.size // length, 6))
+    s_values = best.candidate[S] + np.linspace(-0.1, 0.1, 1201) * problem.op_span
+    squares, geometric = [], []
     for s in s_values:
         candidate = best.candidate.copy()
         candidate[S] = s
-        left.append(100 * free_run_error(candidate, best.structure, problem) / np.sum(problem.pv**2))
-    return s_values, np.array(left)
+        squares.append(100 * free_run_error(candidate, best.structure, problem) / np.sum(problem.pv**2))
+        geometric.append(100 * candidate_error(candidate, best.structure, problem, length, sums))
+    return s_values, np.array(squares), np.array(geometric)
 
 
 def slow_triangle() -> tuple[FloatArray, FloatArray]:
@@ -196,7 +224,7 @@ def process_steps() -> Figure:
 
 
 if __name__ == "__main__":
-    for draw in (free_run_search, contour_map, process_steps, stiction_laws, chem10):
+    for draw in (free_run_search, contour_map, profile, process_steps, stiction_laws, chem10):
         draw().savefig(HERE / f"{draw.__name__}.png", dpi=DPI)
     for each in LAWS:
         law_on_triangle(each).savefig(HERE / f"law_{each.name}.png", dpi=DPI)
