@@ -3,34 +3,12 @@
 import numpy as np
 from scipy.signal import lfilter
 
-from agent.analysis.quantify.free_run.objective import (
-    DELAY,
-    INTEGRATOR,
-    J_RATIO,
-    LAG,
-    LOG_TAU,
-    LOG_TAU2,
-    REST,
-    SOPDT,
-    START,
-    S,
-)
-from tests.reference.damped_stem_branches import damped_stem_branches
+from agent.analysis.quantify.free_run.objective import DELAY, INTEGRATOR, LOG_TAU, LOG_TAU2, SOPDT
 
 
-def valve(stem, op, f_s, f_d, x0):
-    """Return the positions; ``stem`` is lag and rest, rest over the span of OP."""
-    lag, rest = stem
-    return np.array(damped_stem_branches(op, f_s, f_d, x0, lag, rest * np.ptp(op)))
-
-
-def bands(s, j_ratio):
-    return s * (1 + j_ratio) / 2, s * (1 - j_ratio) / 2
-
-
-def valve_position(candidate, op):
-    f_s, f_d = bands(candidate[S], candidate[J_RATIO])
-    return valve((candidate[LAG], candidate[REST]), op, f_s, f_d, op[0] - candidate[START] * f_s)
+def high_pass(signal, keep):
+    """From rest at the first value."""
+    return lfilter([keep, -keep], [1, -keep], signal - signal[0])
 
 
 def first_order(values, tau):
@@ -39,27 +17,32 @@ def first_order(values, tau):
     return lfilter([1 - pole], [1, -pole], values)
 
 
-def process_response(position, candidate, structure):
-    tau, tau2 = np.exp(candidate[LOG_TAU]), np.exp(min(candidate[LOG_TAU2], candidate[LOG_TAU]))
+def process_response(position, candidate, structure, block, keep):
+    """Average, filter, pass through the process, then shift; the record starts at rest."""
+    blocks = position[: len(position) // block * block].reshape(-1, block).mean(axis=1)
+    start = blocks[0] if block > 1 else position[0]
+    passed = high_pass(np.concatenate([[start], blocks]), keep)[1:]
     if structure == INTEGRATOR:
-        rest = 0.0
-        moved = np.cumsum(position - position.mean())
+        answer = block * np.cumsum(passed)
     else:
-        rest = position[0] - position.mean()
-        moved = first_order(position - position[0], tau)
+        tau, tau2 = np.exp(candidate[LOG_TAU]), np.exp(min(candidate[LOG_TAU2], candidate[LOG_TAU]))
+        answer = first_order(passed, tau / block)
         if structure == SOPDT:
-            moved = first_order(moved, tau2)
-    t = np.arange(len(position))
-    answer = rest + np.concatenate([[0.0], moved[:-1]])  # one sample of delay is always there
-    return np.interp(t - (candidate[DELAY] - 1), t, answer, left=rest)
+            answer = first_order(answer, tau2 / block)
+    lag = (candidate[DELAY] - 1) / block + (block + 1) / (2 * block)
+    whole, t = int(lag), np.arange(len(answer))
+    shifted = np.interp(t - lag, t, answer, left=0.0)
+    between = (t >= whole) & (t < lag)  # the first answer comes in with the part of it that is due
+    shifted[between] = (1 - (lag - whole)) * answer[0]
+    return shifted
 
 
-def startup(n, candidate, structure):
+def startup(m, candidate, structure, block):
     """The process' own state before the record dies away; an integrator has none, level is its state."""
     if structure == INTEGRATOR:
-        return np.zeros(n)
-    samples_since_the_delay = np.maximum(0, np.arange(n) - np.ceil(candidate[DELAY] - 1))
-    return np.exp(-samples_since_the_delay / np.exp(candidate[LOG_TAU]))
+        return np.zeros(m)
+    decay = np.exp(-np.arange(m) * block / np.exp(candidate[LOG_TAU]))
+    return np.where(decay < 1e-9, 0.0, decay)
 
 
 def squares(columns, pv):
@@ -70,66 +53,62 @@ def squares(columns, pv):
 
 def fit_gain(response, candidate, structure, problem):
     known = problem.weight > 0
-    decay = startup(len(response), candidate, structure)
-    if squares(problem.basis[known], decay[known])[0] <= 1e-9:
-        decay = np.zeros(len(response))  # over before the first known sample, or a part of level and drift
-    columns = np.column_stack([response, decay, problem.basis])[known]
-    error, weights = squares(columns, problem.pv[known])
+    decay = startup(len(response), candidate, structure, problem.block)[known]
+    nuisance = problem.basis[known]
+    if squares(nuisance, decay)[0] > 1e-4 * np.sum(decay**2):
+        nuisance = np.column_stack([decay, nuisance])  # else over before the first block that counts
+    error, weights = squares(np.column_stack([response[known], nuisance]), problem.pv[known])
     if weights[0] * problem.gain_sign >= 0:
-        return error, weights[0], weights[1]
-    error, weights = squares(columns[:, 1:], problem.pv[known])
-    return error, 0.0, weights[0]
+        return error, weights[0]
+    return squares(nuisance, problem.pv[known])[0], 0.0
 
 
-def free_run_error(candidate, structure, problem):
-    response = process_response(valve_position(candidate, problem.op), candidate, structure)
-    return fit_gain(response, candidate, structure, problem)[0]
+def backward_sums(signal, pole, second, gain):
+    """The impulse response against what follows, summed from each block on."""
+    m = len(signal)
+    impulse = lfilter([gain], np.convolve([1, -pole], [1, -second]), np.eye(1, m)[0])
+    filtered = [sum(impulse[k - t] * signal[k] for k in range(t, m)) for t in range(m)]
+    return np.cumsum(filtered[::-1])[::-1]
 
 
-def backward_sums(pv, pole):
-    n = len(pv)
-    filtered = [sum((1 - pole) * pole ** (k - t - 1) * pv[k] for k in range(t + 1, n)) for t in range(n)]
-    return np.array([sum(filtered[t:]) for t in range(n)])
+def bank_response(means, delay, place, bank):
+    """One process of the bank, ``delay`` whole blocks late."""
+    response = lfilter(
+        [bank.gains[place]],
+        np.convolve([1, -bank.poles[place]], [1, -bank.second[place]]),
+        high_pass(means, bank.keep),
+    )
+    return np.concatenate([np.zeros(delay), response])[: len(means)]
 
 
-def scan_scores(op, pv, gain_sign, stem, s_values, j_ratios, starts, taus, delays):
-    """Return the best explained share of each (S, J, start) and where in the bank it was reached."""
-    n = len(op)
-    scores = np.zeros((len(s_values), len(j_ratios), len(starts)))
-    places = np.zeros(scores.shape, int)
-    line = np.column_stack([np.ones(n), np.arange(n)])
-    total = squares(line, pv)[0]
-    for i, s in enumerate(s_values):
-        for j, j_ratio in enumerate(j_ratios):
-            f_s, f_d = bands(s, j_ratio)
-            slip_before, met = None, []
-            for r, start in enumerate(starts):
-                x0 = op[0] - start * f_s
-                position = valve(stem, op, f_s, f_d, x0)
-                moves = np.flatnonzero(np.diff(position, prepend=x0))
-                if len(moves) == 0:
-                    continue
-                slip = moves[0], np.sign(position[moves[0]] - x0)
-                if slip == slip_before:
-                    continue  # the start before this one told the same story
-                slip_before = slip
-                if np.any(np.abs(position[n // 6] - np.array(met)) <= stem[0] * stem[1] * np.ptp(op)):
-                    continue
-                met.append(position[n // 6])
-                if len(moves) < 3:
-                    continue
-                for place, (tau, delay) in enumerate((tau, delay) for tau in taus for delay in delays):
-                    share = explained(position - x0, pv, line, tau, delay, gain_sign) / total
-                    if share > scores[i, j, r]:
-                        scores[i, j, r], places[i, j, r] = share, place
-    return scores, places
+def bank_share(response, pv, bank):
+    """Return the share of PV explained by a response beside level and filter memory, and its gain.
+
+    A response that is all but level and memory has gain NaN: the bank passes over it.
+    """
+    at = np.arange(bank.burn, len(pv))
+    nuisance = np.column_stack([np.ones(len(at)), bank.keep**at])
+    error, weights = squares(np.column_stack([response[at], nuisance]), pv[at])
+    left = squares(nuisance, response[at])[0]
+    gain = weights[0] if left > 1e-3 * np.sum(response[at] ** 2) else np.nan
+    return 1 - error / squares(nuisance, pv[at])[0], gain
 
 
-def explained(position, pv, line, tau, delay, gain_sign):
-    n = len(pv)
-    answer = np.concatenate([np.zeros(delay + 1), first_order(position, tau)])[:n]
-    nuisance = np.column_stack([line, np.exp(-np.arange(n) / tau)])
-    if squares(nuisance, answer)[0] <= 1e-6 * np.sum(answer**2):
-        return 0.0  # the response itself is a nuisance
-    error, weights = squares(np.column_stack([answer, nuisance]), pv)
-    return squares(line, pv)[0] - error if weights[0] * gain_sign >= 0 else 0.0
+def geometric_error(response, problem, length, floor, reweightings):
+    """Iteratively reweighted line through each half period's points, then the mean of the logs."""
+    halves = np.arange(len(response)) // length
+    whole = halves < len(response) // length
+    known = (problem.weight > 0) & whole
+    r, y, half = response[known], problem.pv[known], halves[known]
+    variance = np.mean(y**2)
+    weight = np.ones(len(y))
+    for _ in range(reweightings):
+        root = np.sqrt(weight)
+        columns = np.column_stack([r, np.ones_like(r)]) * root[:, None]
+        gain, level = np.linalg.lstsq(columns, y * root)[0]
+        if gain * problem.gain_sign < 0:
+            gain, level = 0.0, np.average(y, weights=weight)
+        squared = (y - gain * r - level) ** 2
+        error = np.array([squared[half == h].mean() for h in half]) + floor * variance
+        weight = 1 / error
+    return np.exp(np.mean(np.log(error))) / variance
