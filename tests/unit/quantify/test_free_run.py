@@ -9,10 +9,11 @@ import pytest
 from agent.analysis.quantify.free_run import FreeRun
 from agent.analysis.quantify.free_run.problem import SHORT_GAP, after_gaps, bridge, pose
 from agent.analysis.recording import LoopHints, LoopWindow
+from agent.physics.valves.damped_stem import damped_stem
 from simulators.plant import simulate
 from simulators.scenario import load_scenario
 from tests.conftest import ROOT
-from tests.reference.free_run_twins import first_order, valve
+from tests.reference.free_run_twins import first_order
 
 SCENARIOS = sorted((ROOT / "config" / "scenarios").glob("*.yaml"))
 SAMPLES = 1200
@@ -131,7 +132,8 @@ def test_the_model_is_given_in_the_units_of_the_record():
     _, window = plant("fic101_stick_slip")
     found = measured("fic101_stick_slip")
     assert found.model_pv.shape == found.model_mv.shape == (SAMPLES,)
-    assert np.abs(window.op - found.model_mv).max() <= found.stiction.f_s.value + 1e-9
+    # air that comes late lets OP run a little ahead of the break-away
+    assert np.abs(window.op - found.model_mv).max() <= 1.01 * found.stiction.f_s.value
     rest = np.sqrt(np.mean((found.model_pv - window.pv) ** 2)) / np.std(window.pv)
     assert found.free_run_percent == pytest.approx(100 * (1 - rest))
 
@@ -139,7 +141,7 @@ def test_the_model_is_given_in_the_units_of_the_record():
 def test_a_record_that_is_the_model_gives_its_parameters_back():
     n = 800
     op = 50 + 6 * np.sin(np.arange(n) / 9) + 0.1 * np.cumsum(np.random.default_rng(0).standard_normal(n))
-    position = valve((0.0, 1.0), op, 3.0, 1.0, op[0] - 1.0)
+    position = damped_stem(op, 3.0, 1.0, op[0] - 1.0, 0.01, 0.01, 1e-8)
     pv = 20 - 0.5 * np.roll(first_order(position - position[0], 6.0), 4)
     noise = 0.005 * np.random.default_rng(1).standard_normal(n)
     found = FREE_RUN.quantify(LoopWindow("x", 0.0, 2.0, op, pv + noise, hints=LoopHints(acting="direct")))
