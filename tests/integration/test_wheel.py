@@ -9,6 +9,7 @@ import zipfile
 
 import pytest
 
+from agent.cli.compilation import COMPILING
 from simulators.plant import rows
 from simulators.record_file import write_rows
 from simulators.scenario import load_scenario
@@ -71,7 +72,10 @@ def test_diagnose(installed, tmp_path):
     scenario = load_scenario(ROOT / "config" / "scenarios" / "fic101_stick_slip.yaml")
     write_rows(tmp_path / "FIC101.csv", itertools.islice(rows(scenario), 600))
     done = run(installed, "diagnose", "FIC101.csv", "--json", "--plot", "pictures", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert done.returncode == 0
+    assert set(done.stderr.splitlines()) <= {
+        COMPILING
+    }  # at first use, once
     assert json.loads(done.stdout)["verdict"] == "stiction"
     assert (tmp_path / "pictures" / "FIC101.png").is_file()
 
