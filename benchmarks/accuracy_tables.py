@@ -63,9 +63,9 @@ def evidence(cases: Sequence[Case], method: str) -> str:
         known = [value for value in values if value is not None]
         marks = [number(quantile(known, q)) for q in (0.1, 0.5, 0.9, 0.95, 1.0)]
         rows.append(
-            (f"`{kind}`", *marks, *(percent(value >= limit for value in known) for limit in (1.25, 1.5)))
+            (f"`{kind}`", *marks, *(percent(value >= limit for value in known) for limit in (1.25, 1.75)))
         )
-    columns = ("kind", "10 %", "median", "90 %", "95 %", "largest", "share >= 1.25, %", "share >= 1.5, %")
+    columns = ("kind", "10 %", "median", "90 %", "95 %", "largest", "share >= 1.25, %", "share >= 1.75, %")
     return table(f"### Evidence of `{method}` on them", columns, rows)
 
 

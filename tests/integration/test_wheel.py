@@ -73,9 +73,7 @@ def test_diagnose(installed, tmp_path):
     write_rows(tmp_path / "FIC101.csv", itertools.islice(rows(scenario), 600))
     done = run(installed, "diagnose", "FIC101.csv", "--json", "--plot", "pictures", cwd=tmp_path)
     assert done.returncode == 0
-    assert set(done.stderr.splitlines()) <= {
-        COMPILING
-    }  # at first use, once
+    assert set(done.stderr.splitlines()) <= {COMPILING}  # at first use, once
     assert json.loads(done.stdout)["verdict"] == "stiction"
     assert (tmp_path / "pictures" / "FIC101.png").is_file()
 

@@ -134,9 +134,12 @@ def test_long_gaps_may_leave_it_open_but_never_turn_it(name):
 
 @pytest.mark.parametrize("name", ["pic401_direct_stick_slip", "fic104_tight_tuning"])
 @pytest.mark.parametrize("which", ["op", "pv"])
-def test_nor_do_gaps_in_one_of_the_two(name, which):
+def test_nor_do_long_gaps_in_one_of_the_two(name, which):
     scenario, window = plant(name)
-    assert FREE_RUN.quantify(with_gaps(window, 20, which)).decision == scenario.truth.verdict
+    assert FREE_RUN.quantify(with_gaps(window, 20, which)).decision in {
+        scenario.truth.verdict,
+        "undecided",
+    }
 
 
 def test_the_model_is_given_in_the_units_of_the_record():

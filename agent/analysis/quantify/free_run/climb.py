@@ -38,7 +38,6 @@ from agent.physics.valves.damped_stem import damped_stem
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
 
-POLES_AROUND = 1
 DELAYS_AROUND = 3
 
 
