@@ -6,11 +6,12 @@ Source: reference ``methods.md`` sections 3 (preparation) and 5 (pitfalls).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 import numpy as np
 
 from agent.analysis.recording import LoopWindow
+from agent.analysis.results import MethodKind
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
@@ -30,15 +31,20 @@ CONSTANT = 1e-9
 """A span below this part of the largest value is round-off."""
 
 
+ALL_KINDS: frozenset[MethodKind] = frozenset(get_args(MethodKind))
+
+
 @dataclass(frozen=True, slots=True)
 class GateFault:
-    """Something about the record that forbids a verdict."""
+    """Something about the record that forbids a verdict to some methods."""
 
     name: str
     """Stable word: few_samples, gaps, manual, op_constant, op_still, op_quantised, op_saturated, pv_constant,
     pv_quantised."""
     reason: str
     """The same for an engineer."""
+    closes: frozenset[MethodKind] = ALL_KINDS
+    """Kinds of methods that it forbids to speak."""
 
 
 def gates(window: LoopWindow) -> tuple[GateFault, ...]:

@@ -13,6 +13,8 @@ Verdict = Literal["stiction", "no_stiction", "undecided", "not_testable"]
 Cause = Literal["stiction", "tight_tuning", "external_disturbance", "no_oscillation", "undecided"]
 StictionClass = Literal["weak", "dead_band", "stick_slip", "dead_band_stick_slip"]
 MethodVerdict = Literal["stiction", "no_stiction", "undecided", "not_applicable"]
+MethodKind = Literal["limit_cycle", "travel", "model"]
+"""What a method looks at: the shape of a steady oscillation, valve against OP, or a model's free run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,10 +144,14 @@ class Quantification:
 
 @dataclass(frozen=True, slots=True)
 class MethodResult:
-    """Verdict and index of one detector, for the table of methods."""
+    """What one method says, for the table of methods."""
 
     verdict: MethodVerdict
     index: float | None
+    reason: str = ""
+    """Why, for an engineer; empty where the quantifier's own words stand elsewhere."""
+    seen: object = field(default=None, repr=False, compare=False)
+    """What the detector looked at, its own dataclass, for its picture; None where it did not get so far."""
 
 
 @dataclass(frozen=True, slots=True)
