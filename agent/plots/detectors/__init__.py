@@ -1,0 +1,54 @@
+"""What each stiction detector saw, one panel a detector, drawn by the file of its name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import ceil, sqrt
+from typing import TYPE_CHECKING, Any
+
+from matplotlib.figure import Figure
+
+from agent.plots.axes import tidy
+from agent.plots.detectors import horch_ccf
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from agent.analysis.results import MethodResult
+
+Picture = Callable[["Axes", Any], None]
+"""Draws into axes what a detector left in ``MethodResult.seen``."""
+
+PICTURES: dict[str, Picture] = {
+    "horch_ccf": horch_ccf.draw,
+}
+"""By name of the detector."""
+
+
+def detectors_figure(loop: str, methods: Mapping[str, MethodResult]) -> Figure | None:
+    """Draw a panel for each method that saw something; None where none did.
+
+    Args:
+        loop: Name for the title.
+        methods: Results by name of the method; those without a picture are left out.
+    """
+    shown = {name: result for name, result in methods.items() if name in PICTURES and result.seen is not None}
+    if not shown:
+        return None
+    columns = ceil(sqrt(len(shown)))
+    rows = ceil(len(shown) / columns)
+    figure = Figure(figsize=(5.0 * columns, 3.6 * rows + 0.4), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False).flat
+    for (name, result), axes in zip(shown.items(), panels, strict=False):
+        PICTURES[name](axes, result.seen)
+        axes.set_title(_title(name, result), fontsize=10, loc="left")
+        tidy(axes)
+    for axes in panels:  # of the last row, what is left over
+        axes.remove()
+    figure.suptitle(f"{loop}: what the detectors saw", x=0.01, ha="left", fontsize=12)
+    return figure
+
+
+def _title(name: str, result: MethodResult) -> str:
+    verdict = f"{name}: {result.verdict.replace('_', ' ')}"
+    return verdict if result.index is None else f"{verdict}, index {result.index:.3g}"
