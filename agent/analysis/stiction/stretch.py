@@ -14,6 +14,7 @@ from scipy import signal
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.results import Oscillation
 
 CUT_OFF = 10.0
 """Cut-off of the low-pass in frequencies of the oscillation: it keeps the harmonics that make the shape."""
@@ -58,17 +59,36 @@ def longest_stretch(window: LoopWindow) -> Stretch:
     return Stretch(window.op[part], window.pv[part], window.error[part], mv, start, window.ts)
 
 
-def smoothed(values: FloatArray, period: float) -> FloatArray:
-    """Return ``values`` (n,) through a low-pass without phase at ten times the frequency of the oscillation.
+def period_of(stretch: Stretch, oscillation: Oscillation, *, periods: float, samples: float) -> float | str:
+    """Return the period in samples; in words why it cannot show a shape.
+
+    Args:
+        stretch: The part that is looked at.
+        oscillation: Its oscillation.
+        periods: The fewest periods without a gap that the method needs.
+        samples: The fewest samples a period that it needs.
+    """
+    if oscillation.period is None:
+        return "no oscillation with a period is known"
+    period = oscillation.period / stretch.ts
+    if len(stretch) < periods * period:
+        return f"fewer than {periods:.0f} periods without a gap"
+    return period if period >= samples else f"fewer than {samples:.0f} samples a period"
+
+
+def smoothed(values: FloatArray, period: float, cut_off: float = CUT_OFF) -> FloatArray:
+    """Return ``values`` (n,) through a low-pass without phase, which leaves the shape of the oscillation.
 
     Args:
         values: Signal without gaps, at least three periods of it.
-        period: Of the oscillation, samples; below 25 there is nothing to take out and a copy comes back.
+        period: Of the oscillation, samples; below 2.5 ``cut_off`` there is nothing to take out and a copy
+            comes back.
+        cut_off: Cut-off frequency over that of the oscillation.
     """
-    cut_off = CUT_OFF / period
-    if cut_off >= 0.4:  # so near the Nyquist frequency a filter would do more harm than noise
+    corner = cut_off / period
+    if corner >= 0.4:  # so near the Nyquist frequency a filter would do more harm than noise
         return values.copy()
-    sections = signal.butter(2, 2 * cut_off, output="sos")
+    sections = signal.butter(2, 2 * corner, output="sos")
     return np.asarray(signal.sosfiltfilt(sections, values), dtype=np.float64)
 
 

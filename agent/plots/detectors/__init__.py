@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from agent.plots.axes import tidy
-from agent.plots.detectors import horch_ccf
+from agent.plots.detectors import horch_ccf, horch_histogram, singhal_salsbury
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +21,8 @@ Picture = Callable[["Axes", Any], None]
 
 PICTURES: dict[str, Picture] = {
     "horch_ccf": horch_ccf.draw,
+    "horch_histogram": horch_histogram.draw,
+    "singhal_salsbury": singhal_salsbury.draw,
 }
 """By name of the detector."""
 
