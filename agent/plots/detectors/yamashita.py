@@ -1,0 +1,28 @@
+"""The stem over OP at the samples that become symbols, with the steps in which only OP moves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.plots.axes import MODEL, SET_POINT
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from agent.analysis.stiction.yamashita import QualitativeShape
+
+
+def draw(axes: Axes, seen: QualitativeShape) -> None:
+    """Draw the stem over OP and mark the steps IS and DS."""
+    axes.plot(seen.op, seen.position, color=SET_POINT, linewidth=0.7)
+    (stuck,) = np.nonzero(np.isin(seen.symbols, ("IS", "DS")))
+    axes.plot(
+        np.stack((seen.op[stuck], seen.op[stuck + 1])),
+        np.stack((seen.position[stuck], seen.position[stuck + 1])),
+        color=MODEL,
+        linewidth=1.1,
+    )
+    axes.set_xlabel("OP from its first value (OP units)")
+    axes.set_ylabel("stem; red: OP moves and the stem does not")
