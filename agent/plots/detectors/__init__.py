@@ -9,7 +9,18 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from agent.plots.axes import tidy
-from agent.plots.detectors import horch_ccf, horch_histogram, singhal_salsbury
+from agent.plots.detectors import (
+    damarla,
+    fitted_half_cycles,
+    hagglund_backlash,
+    horch_ccf,
+    horch_histogram,
+    kano_a,
+    kano_b,
+    singhal_salsbury,
+    srinivasan_dtw,
+    yamashita,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,6 +34,15 @@ PICTURES: dict[str, Picture] = {
     "horch_ccf": horch_ccf.draw,
     "horch_histogram": horch_histogram.draw,
     "singhal_salsbury": singhal_salsbury.draw,
+    "kano_a": kano_a.draw,
+    "kano_b": kano_b.draw,
+    "yamashita": yamashita.draw,
+    "he_curve_fit": fitted_half_cycles.draw,
+    "rossi_scali": fitted_half_cycles.draw,
+    "hagglund_shape": fitted_half_cycles.draw,
+    "hagglund_backlash": hagglund_backlash.draw,
+    "damarla": damarla.draw,
+    "srinivasan_dtw": srinivasan_dtw.draw,
 }
 """By name of the detector."""
 
