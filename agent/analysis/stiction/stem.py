@@ -26,7 +26,8 @@ SAMPLES = 20
 """Samples a period after averaging: a stroke has ten (Yamashita 2006)."""
 FEWEST_SAMPLES = 10.0
 """Samples a period in the record."""
-FEWEST_PERIODS = 5.0
+FEWEST_PERIODS = 3.0
+"""As many strokes each way as the detectors average over at least."""
 SHORT_STEPS = 0.2
 """Part of the time in which PV makes half of its way, up to which it stands for the stem.
 
