@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from agent.analysis.results import Diagnosis
 
 DPI = 110
+SUFFIXES = ("-contour", "-profile", "-detectors")
+"""Of the stems of the pictures beside NAME.png that not every recording has."""
 
 
 def picture_files(recordings: Sequence[Path], folder: Path | None) -> list[Path | None]:
@@ -39,14 +41,22 @@ def picture_files(recordings: Sequence[Path], folder: Path | None) -> list[Path 
 
 
 def draw(window: LoopWindow, diagnosis: Diagnosis, file: Path) -> tuple[str, ...]:
-    """Draw NAME.png, and NAME-contour.png and NAME-profile.png where there is one; return what failed."""
+    """Draw NAME.png and the pictures of ``SUFFIXES`` that there are; return what failed.
+
+    Those that an earlier run left and this one does not draw are removed: they show another analysis.
+    """
     faults = []
-    for suffix, figure in _figures(window, diagnosis):
-        path = file.with_stem(f"{file.stem}{suffix}")
+    figures = dict(_figures(window, diagnosis))
+    for suffix in ("", *SUFFIXES):
+        path, figure = file.with_stem(f"{file.stem}{suffix}"), figures.get(suffix)
         try:
-            figure.savefig(path, dpi=DPI)
+            if figure is None:
+                path.unlink(missing_ok=True)
+            else:
+                figure.savefig(path, dpi=DPI)
         except OSError as error:
-            faults.append(f"{path}: cannot be written: {error.strerror}")
+            fate = "removed" if figure is None else "written"
+            faults.append(f"{path}: cannot be {fate}: {error.strerror}")
     return tuple(faults)
 
 
@@ -54,6 +64,7 @@ def _figures(window: LoopWindow, diagnosis: Diagnosis) -> Iterator[tuple[str, Fi
     """Yield each picture with the suffix of its file's stem."""
     from agent.analysis.quantify.error_map import error_map
     from agent.plots.contour import contour_figure
+    from agent.plots.detectors import detectors_figure
     from agent.plots.fit import fit_figure
     from agent.plots.profile import profile_figure
 
@@ -64,3 +75,6 @@ def _figures(window: LoopWindow, diagnosis: Diagnosis) -> Iterator[tuple[str, Fi
         yield "-contour", contour_figure(diagnosis.loop, errors, found)
     if found is not None and found.profile is not None:
         yield "-profile", profile_figure(diagnosis.loop, found.profile)
+    detectors = detectors_figure(diagnosis.loop, diagnosis.methods)
+    if detectors is not None:
+        yield "-detectors", detectors

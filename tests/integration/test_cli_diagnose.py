@@ -161,7 +161,7 @@ def test_every_picture_of_a_loop_that_could_be_judged(slipjump, moving, tmp_path
     words = ("--quantifier", "lee2008", "--delay", 6, "--order", 1, "--plot", tmp_path / "pictures")
     code, _, err = slipjump("diagnose", moving, *words)
     assert (code, err) == (0, "")
-    assert names(tmp_path / "pictures") == ["MOVING-contour.png", "MOVING.png"]
+    assert names(tmp_path / "pictures") == ["MOVING-contour.png", "MOVING-detectors.png", "MOVING.png"]
 
 
 def test_a_profile_is_drawn_where_the_quantifier_has_one(tmp_path):
@@ -173,6 +173,16 @@ def test_a_profile_is_drawn_where_the_quantifier_has_one(tmp_path):
     diagnosis = Diagnosis("A", "undecided", 0.0, "undecided", (), None, (), None, found)
     assert draw(window, diagnosis, tmp_path / "A.2.png") == ()
     assert names(tmp_path) == ["A.2-contour.png", "A.2-profile.png", "A.2.png"]
+
+
+def test_pictures_of_an_earlier_run_are_not_left_beside_those_of_this_one(tmp_path):
+    for stem in ("A", "A-contour", "A-profile", "A-detectors", "B-profile"):
+        (tmp_path / f"{stem}.png").write_bytes(b"\x89PNG of an earlier run")
+    window = LoopWindow("A", 0.0, 1.0, np.zeros(200), np.zeros(200))
+    nothing = Diagnosis("A", "not_testable", 0.0, "undecided", (), None, (), None, None)
+    assert draw(window, nothing, tmp_path / "A.png") == ()
+    assert names(tmp_path) == ["A.png", "B-profile.png"]
+    assert b"of an earlier run" not in (tmp_path / "A.png").read_bytes()
 
 
 def names(folder):

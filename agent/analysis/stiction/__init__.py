@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from agent.analysis.results import MethodResult
 from agent.analysis.stiction.damarla import Damarla
 from agent.analysis.stiction.detector import StictionDetector
 from agent.analysis.stiction.hagglund_backlash import HagglundBacklash
@@ -16,7 +19,14 @@ from agent.analysis.stiction.singhal_salsbury import SinghalSalsbury
 from agent.analysis.stiction.srinivasan_dtw import SrinivasanDtw
 from agent.analysis.stiction.yamashita import Yamashita
 
-__all__ = ["DETECTORS", "StictionDetector"]
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from agent.analysis.gates import GateFault
+    from agent.analysis.recording import LoopWindow
+    from agent.analysis.results import Oscillation
+
+__all__ = ["DETECTORS", "StictionDetector", "detect_stiction"]
 
 DETECTORS: tuple[StictionDetector, ...] = (
     HorchCcf(),
@@ -32,3 +42,22 @@ DETECTORS: tuple[StictionDetector, ...] = (
     Damarla(),
     SrinivasanDtw(),
 )
+
+
+def detect_stiction(
+    window: LoopWindow, oscillation: Oscillation, faults: Iterable[GateFault] = ()
+) -> dict[str, MethodResult]:
+    """Return what each detector says of ``window``, by its name.
+
+    Args:
+        window: The stretch to judge.
+        oscillation: What ``detect_oscillation`` saw in it.
+        faults: What the gates found; a detector of a kind that one of them closes is not asked.
+    """
+    closed = {kind: fault.reason for fault in faults for kind in fault.closes}
+    return {
+        each.name: MethodResult("not_applicable", None, closed[each.kind])
+        if each.kind in closed
+        else each.detect(window, oscillation)
+        for each in DETECTORS
+    }
