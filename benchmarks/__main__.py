@@ -7,7 +7,15 @@ import os
 import platform
 from pathlib import Path
 
-from benchmarks import lee2008_map, real_recordings, record_length, simulated, start_up, table_one
+from benchmarks import (
+    lee2008_map,
+    oscillation,
+    real_recordings,
+    record_length,
+    simulated,
+    start_up,
+    table_one,
+)
 from benchmarks.options import Options
 
 BENCHMARKS = {
@@ -17,6 +25,7 @@ BENCHMARKS = {
     "lee2008_map": lee2008_map.run,
     "record_length": record_length.run,
     "start_up": start_up.run,
+    "oscillation": oscillation.run,
 }
 
 

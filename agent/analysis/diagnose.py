@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.cause import cause_without_stiction
-from agent.analysis.gates import gates
+from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
 from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.quantify import Quantifier
 from agent.analysis.quantify import quantifier as quantifier_named
@@ -23,6 +23,7 @@ from agent.analysis.results import (
     StictionEstimate,
     Verdict,
 )
+from agent.analysis.stiction import detect_stiction
 from agent.analysis.stiction_class import stiction_class
 from agent.units import FrictionBands
 
@@ -73,8 +74,9 @@ def _possible(values: FloatArray) -> FloatArray:
 
 
 def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
-    faults = gates(window)
-    if faults:
+    oscillation = detect_oscillation(window)
+    faults = gates(window, oscillation)
+    if closed_kinds(faults) == ALL_KINDS:
         return Diagnosis(
             loop=window.loop,
             verdict="not_testable",
@@ -86,7 +88,6 @@ def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
             oscillation=None,
             quantification=None,
         )
-    oscillation = detect_oscillation(window)
     found = quantifier.quantify(window)
     verdict = _verdict(found)
     causes: tuple[CauseShare, ...]
@@ -109,7 +110,10 @@ def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
         ),
         oscillation=oscillation,
         quantification=found,
-        methods={found.quantifier: MethodResult(found.decision, found.evidence)},
+        methods={
+            found.quantifier: MethodResult(found.decision, found.evidence),
+            **detect_stiction(window, oscillation, faults),
+        },
     )
 
 

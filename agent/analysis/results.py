@@ -36,6 +36,8 @@ class Oscillation:
     """s; None where no period could be found."""
     regularity: float | None
     """Mean over three standard deviations of the period (Thornhill 2003); > 1 is regular."""
+    share: float | None = None
+    """Its part of the signal's power, 0 to 1; None where it was not separated from the rest."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,11 +1,15 @@
 """Each thing that makes a record untestable is named; a good record passes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from agent.analysis.gates import gates
+from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
 from agent.analysis.mode import automatic_share
+from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.results import Oscillation
 from connectors.recording import read_recording
 
 N = 400
@@ -13,10 +17,29 @@ T = np.arange(N)
 WAVE = np.sin(2 * np.pi * T / 50)
 
 
-def faults(op=50 + 10 * WAVE, pv=100 + WAVE, **rest):
-    return [
-        fault.name for fault in gates(LoopWindow("x", 0.0, 1.0, op=np.asarray(op), pv=np.asarray(pv), **rest))
-    ]
+STEADY = Oscillation(detected=True, period=50.0, regularity=3.0)
+SHAPE = {"limit_cycle", "travel"}
+
+
+def found(op=50 + 10 * WAVE, pv=100 + WAVE, oscillation=STEADY, ts=1.0, **rest):
+    return gates(LoopWindow("x", 0.0, ts, op=np.asarray(op), pv=np.asarray(pv), **rest), oscillation)
+
+
+def faults(**case):
+    return [fault.name for fault in found(**case)]
+
+
+def noisy(seed):
+    return WAVE + 0.05 * np.random.default_rng(seed).normal(size=N)
+
+
+def by_exception(values, band):
+    """What a bus tells that sends a value only when it has moved by more than ``band``."""
+    told = values.copy()
+    for k in range(1, told.size):
+        if abs(values[k] - told[k - 1]) <= band:
+            told[k] = told[k - 1]
+    return told
 
 
 def with_gaps(values, count):
@@ -53,8 +76,71 @@ def test_faults(case, expected):
     assert faults(**case) == [expected]
 
 
+@pytest.mark.parametrize(
+    ("case", "expected", "closes"),
+    [
+        ({"op": np.round(3 * WAVE)}, "op_quantised", SHAPE),
+        ({"pv": np.round(3 * WAVE)}, "pv_quantised", SHAPE),
+        ({"pv": np.round(WAVE)}, "pv_quantised", ALL_KINDS),
+        ({"op": np.where(T < 10, 20.0, 50 + 0.01 * T)}, "op_few_reversals", SHAPE),
+        ({"pv": np.where(T < 250, WAVE, 0.3)}, "pv_frozen", ALL_KINDS),
+        ({"pv": np.repeat(noisy(2)[::4], 4)}, "pv_slow_scan", SHAPE),
+        ({"op": np.repeat(noisy(3)[::10], 10)}, "op_slow_scan", SHAPE),
+        ({"pv": by_exception(noisy(4), 0.15)}, "pv_by_exception", SHAPE),
+        ({"op": by_exception(noisy(5), 0.3)}, "op_by_exception", ALL_KINDS),
+        ({"pv": np.interp(T, T[::9], noisy(6)[::9])}, "pv_interpolated", SHAPE),
+        ({"op": np.round(np.interp(T, T[::9], noisy(6)[::9]), 4)}, "op_interpolated", SHAPE),
+        ({"sp": np.where(T < 200, 100.0, 101.0)}, "sp_moves", {"limit_cycle"}),
+        (
+            {"oscillation": Oscillation(detected=False, period=None, regularity=None)},
+            "no_oscillation",
+            {"limit_cycle"},
+        ),
+        (
+            {"oscillation": Oscillation(detected=True, period=50.0, regularity=None)},
+            "unsteady",
+            {"limit_cycle"},
+        ),
+        ({"oscillation": replace(STEADY, period=90.0)}, "few_periods", {"limit_cycle"}),
+        ({"ts": 6.0}, "coarse", {"limit_cycle"}),
+    ],
+)
+def test_a_fault_closes_only_what_it_concerns(case, expected, closes):
+    (fault,) = found(**case)
+    assert fault.name == expected
+    assert closed_kinds((fault,)) == fault.closes == closes
+
+
+def test_fast_enough_a_scan_does_no_harm():
+    held = np.repeat(noisy(7)[::2], 2)
+    assert faults(pv=held) == []
+
+
+@pytest.mark.parametrize("digits", [2, 4, 8])
+def test_a_rounded_wave_is_not_drawn_as_lines(digits):
+    assert faults(pv=np.round(100 + WAVE, digits), op=np.round(50 + 10 * WAVE, digits)) == []
+
+
+def test_gaps_are_no_rest_and_no_line():
+    assert faults(pv=np.where(T % 7 == 0, np.nan, noisy(8)), op=np.where(T % 5 == 0, np.nan, noisy(9))) == []
+
+
+def test_nothing_closed_without_a_fault():
+    assert closed_kinds(()) == frozenset()
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
+def test_units_do_not_matter(unit):
+    assert faults(
+        pv=unit * by_exception(noisy(4), 0.15), op=unit * np.round(np.interp(T, T[::9], noisy(6)[::9]), 4)
+    ) == [
+        "op_interpolated",
+        "pv_by_exception",
+    ]
+
+
 def test_reasons_are_sentences_with_numbers():
-    (fault,) = gates(LoopWindow("x", 0.0, 1.0, op=np.full(N, 55.5), pv=WAVE))
+    (fault,) = found(op=np.full(N, 55.5))
     assert fault.reason == "OP does not move: it stands at 55.5"
 
 
@@ -76,4 +162,6 @@ def test_modes():
 @pytest.mark.parametrize("name", ["CHEM1", "CHEM10", "CHEM11", "CHEM12", "CHEM13", "PAP2", "PAP4"])
 def test_industrial_loops_pass(recordings, name):
     loop = read_recording(recordings / "isdb" / f"{name}.csv")
-    assert gates(LoopWindow(name, 0.0, 1.0, op=loop.op, pv=loop.pv)) == ()
+    window = LoopWindow(name, 0.0, 1.0, op=loop.op, pv=loop.pv)
+    closed = closed_kinds(gates(window, detect_oscillation(window)))
+    assert "model" not in closed

@@ -37,7 +37,7 @@ def test_each_detector_finds_a_noisy_sine_and_its_period(detector, period):
     seen = detector.detect(window(sine(period) + 0.1 * noise(0)))
     assert seen.detected
     assert seen.period == pytest.approx(period, rel=0.02)
-    assert seen.regularity > 1
+    assert seen.regularity is None or seen.regularity > 1
 
 
 @pytest.mark.parametrize(
@@ -77,9 +77,11 @@ def test_noise_of_any_colour_is_no_oscillation(pole):
     assert alarms <= 5
 
 
-def test_chirp_is_not_regular():
+def test_a_chirp_oscillates_but_is_not_regular():
     swept = chirp(T, f0=1 / 200, t1=N, f1=1 / 8)
-    assert not detect_oscillation(window(swept, op=swept)).detected
+    seen = detect_oscillation(window(swept, op=swept))
+    assert seen.detected
+    assert seen.regularity < 1
 
 
 @pytest.mark.parametrize("flat", [np.zeros(N), np.full(N, 1e9), np.full(N, np.nan), T * 0.1, [1.0], []])

@@ -65,18 +65,22 @@ def _lagged_products(values: FloatArray, lags: int) -> FloatArray:
     return np.asarray(fft.irfft(spectrum * spectrum.conj(), length)[:lags], dtype=np.float64)
 
 
-def significant_crossings(acf: Autocorrelation) -> FloatArray:
-    """Return the lags (samples) where the ACF crosses zero, as long as it swings beyond chance between them.
+def swing_of_noise(acf: Autocorrelation) -> FloatArray:
+    """Return how far an ACF estimate scatters where the true one is zero (Bartlett), shape of ``acf.r``.
 
-    Chance is the scatter of an ACF estimate at lags where the true one is zero (Bartlett), for noise
-    that is correlated as far as the first crossing; so slow noise is not taken for a wave.
+    For noise that is correlated as far as the first crossing of zero; so slow noise is not taken for a wave.
     """
+    first = np.flatnonzero(np.signbit(acf.r[:-1]) != np.signbit(acf.r[1:]))[:1].sum()
+    memory = 1 + 2 * float(np.sum(acf.r[1 : first + 1] ** 2))
+    return np.asarray(TWO_SIDED_95 * np.sqrt(memory / acf.pairs), dtype=np.float64)
+
+
+def significant_crossings(acf: Autocorrelation, chance: FloatArray) -> FloatArray:
+    """Return the lags (samples) where the ACF crosses zero while it swings beyond ``chance`` between."""
     r = acf.r
     before = np.flatnonzero(np.signbit(r[:-1]) != np.signbit(r[1:]))
     if before.size == 0:
         return np.empty(0)
-    memory = 1 + 2 * float(np.sum(r[1 : before[0] + 1] ** 2))
-    chance = TWO_SIDED_95 * np.sqrt(memory / acf.pairs)
     swings = (np.max(np.abs(r[a + 1 : b + 1]) / chance[a + 1 : b + 1]) > 1 for a, b in pairwise(before))
     count = 1
     for significant in swings:
@@ -87,10 +91,8 @@ def significant_crossings(acf: Autocorrelation) -> FloatArray:
     return np.asarray(k + r[k] / (r[k] - r[k + 1]), dtype=np.float64)
 
 
-def acf_oscillation(signal: FloatArray, ts: float) -> Oscillation:
-    """Return what the zero crossings of the ACF of ``signal`` (n,) say; ``ts`` in s."""
-    acf = autocorrelation(detrended(signal))
-    crossings = np.empty(0) if acf is None else significant_crossings(acf)
+def regular_crossings(crossings: FloatArray, ts: float) -> Oscillation:
+    """Return what the lags (samples) of the crossings say of period and regularity; ``ts`` in s."""
     if len(crossings) < MIN_CROSSINGS:
         return Oscillation(detected=False, period=None, regularity=None)
     periods = 2 * ts * np.diff(crossings)
@@ -99,11 +101,19 @@ def acf_oscillation(signal: FloatArray, ts: float) -> Oscillation:
     return Oscillation(regular > 1 and period >= MIN_SAMPLES_PER_PERIOD * ts, period, regular)
 
 
+def acf_oscillation(signal: FloatArray, ts: float) -> Oscillation:
+    """Return what the zero crossings of the ACF of ``signal`` (n,) say; ``ts`` in s."""
+    acf = autocorrelation(detrended(signal))
+    crossings = np.empty(0) if acf is None else significant_crossings(acf, swing_of_noise(acf))
+    return regular_crossings(crossings, ts)
+
+
 @dataclass(frozen=True, slots=True)
 class AcfZeroCrossings:
     """Looks at the control error and at OP and answers with the more regular one."""
 
     name: str = "acf_zero_crossings"
+    noise_proof: bool = True
 
     def detect(self, window: LoopWindow) -> Oscillation:
         """Judge a window of at least four periods."""

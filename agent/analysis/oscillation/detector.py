@@ -17,6 +17,11 @@ class OscillationDetector(Protocol):
         """Short name, as the literature calls it."""
         ...
 
+    @property
+    def noise_proof(self) -> bool:
+        """Whether it says oscillation of at most one in twenty records of noise, whatever its colour."""
+        ...
+
     def detect(self, window: LoopWindow) -> Oscillation:
         """Judge one window; never raises on its content."""
         ...

@@ -106,6 +106,7 @@ class HagglundIae:
     """Batch form on the error of a window; the amplitude that counts follows from the noise of the record."""
 
     name: str = "hagglund_iae"
+    noise_proof: bool = False
 
     def detect(self, window: LoopWindow) -> Oscillation:
         """Run the monitor over the window: the answer is that at its end."""

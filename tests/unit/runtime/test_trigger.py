@@ -4,7 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agent.analysis.recording import LoopWindow
-from agent.runtime.trigger import significant_reversals, trigger
+from agent.analysis.reversals import significant_reversals
+from agent.runtime.trigger import trigger
 
 T = np.arange(1000)
 NOISE = np.random.default_rng(7).normal(size=T.size)

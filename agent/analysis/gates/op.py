@@ -1,0 +1,59 @@
+"""Whether OP moves enough, in enough values, inside its limits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.gates.fault import SHAPE, GateFault
+from agent.analysis.gates.values import constant, quantised
+from agent.analysis.reversals import significant_reversals
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray, LoopWindow
+
+MAX_SATURATED_SHARE = 0.3
+MIN_SPAN_OF_RANGE = 0.002
+"""Smallest movement of OP that counts, as a part of its range: the usual resolution of a positioner."""
+LIMIT_MARGIN = 0.002
+"""OP within this part of its range (or span) of a limit stands at the limit."""
+FEWEST_REVERSALS = 2
+"""A stick band shows itself where the valve turns; there and back again is the least."""
+
+
+def op_faults(window: LoopWindow) -> list[GateFault]:
+    """Return the first of what is wrong with OP itself, and whether it turns often enough."""
+    op = window.op[window.valid]
+    if constant(op):
+        return [GateFault("op_constant", f"OP does not move: it stands at {op[0]:g}")]
+    fault = _still(op, window.hints.op_range) or quantised("OP", op) or _saturated(op, window.hints.op_range)
+    if fault is not None:
+        return [fault]
+    reversals = significant_reversals(op)
+    if reversals < FEWEST_REVERSALS:
+        reason = (
+            f"OP turns only {reversals} times, at least {FEWEST_REVERSALS} are needed to see the valve turn"
+        )
+        return [GateFault("op_few_reversals", reason, SHAPE)]
+    return []
+
+
+def _still(op: FloatArray, op_range: tuple[float, float] | None) -> GateFault | None:
+    if op_range is None:
+        return None
+    share = float(np.ptp(op)) / (op_range[1] - op_range[0])
+    if share >= MIN_SPAN_OF_RANGE:
+        return None
+    return GateFault("op_still", f"OP moves by only {share:.2%} of its range")
+
+
+def _saturated(op: FloatArray, op_range: tuple[float, float] | None) -> GateFault | None:
+    low, high = (float(op.min()), float(op.max())) if op_range is None else op_range
+    margin = LIMIT_MARGIN * (high - low)
+    for limit, at_limit in ((low, op <= low + margin), (high, op >= high - margin)):
+        share = float(np.mean(at_limit))
+        if share > MAX_SATURATED_SHARE:
+            reason = f"OP stands at {limit:g}, its limit, for {share:.0%} of the record"
+            return GateFault("op_saturated", reason)
+    return None

@@ -1,0 +1,41 @@
+"""Whether the transmitter of PV is alive and fine enough."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.gates.fault import GateFault
+from agent.analysis.gates.values import constant, quantised
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray, LoopWindow
+
+MAX_FROZEN_SHARE = 0.3
+"""Longest time that PV may stand at one value, part of the record."""
+
+
+def pv_faults(window: LoopWindow) -> list[GateFault]:
+    """Return the first of what is wrong with PV itself."""
+    pv, op = window.pv[window.valid], window.op[window.valid]
+    if constant(pv):
+        reason = f"PV does not move: it stands at {pv[0]:g}; is the transmitter alive?"
+        return [GateFault("pv_constant", reason)]
+    fault = quantised("PV", pv)
+    if fault is not None:
+        return [fault]
+    rest = longest_rest(pv)
+    if len(pv[rest]) > MAX_FROZEN_SHARE * len(pv) and not constant(op[rest]):
+        share = len(pv[rest]) / len(pv)
+        reason = f"PV stands at exactly {pv[rest][0]:g} for {share:.0%} of the record while OP moves"
+        return [GateFault("pv_frozen", f"{reason}; is the transmitter alive?")]
+    return []
+
+
+def longest_rest(values: FloatArray) -> slice:
+    """Return the longest stretch of ``values`` (n,), n >= 1, in which all are the same."""
+    starts = np.concatenate(([0], np.flatnonzero(np.diff(values)) + 1))
+    ends = np.concatenate((starts[1:], [len(values)]))
+    longest = int(np.argmax(ends - starts))
+    return slice(int(starts[longest]), int(ends[longest]))

@@ -1,0 +1,57 @@
+"""Whether there is a limit cycle to look at: steady, long and fine enough, and the loop's own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.gates.fault import LIMIT_CYCLE, GateFault
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import LoopWindow
+    from agent.analysis.results import Oscillation
+
+FEWEST_PERIODS = 5.0
+"""Shapes are means over so many periods at least (``methods.md`` 3)."""
+FEWEST_SAMPLES = 10.0
+"""Samples a period below which a triangle cannot be told from a sine: its third harmonic is past the
+Nyquist frequency at 6, and the low-pass of the shape detectors, at ten times the frequency, takes nothing
+out below 20."""
+MOST_SET_POINT = 0.2
+"""Span of SP, part of that of PV, up to which the oscillation is the loop's own."""
+
+
+def rhythm_faults(window: LoopWindow, oscillation: Oscillation) -> list[GateFault]:
+    """Return what forbids to speak of a limit cycle; all these faults leave travel and model open."""
+    return [
+        GateFault(name, reason, LIMIT_CYCLE)
+        for name, reason in (*_set_point(window), *_oscillation(window, oscillation))
+    ]
+
+
+def _set_point(window: LoopWindow) -> list[tuple[str, str]]:
+    if window.sp is None:
+        return []
+    sp = window.sp[window.valid & np.isfinite(window.sp)]
+    share = float(np.ptp(sp) / np.ptp(window.pv[window.valid])) if sp.size else 0.0
+    if share <= MOST_SET_POINT:
+        return []
+    return [("sp_moves", f"the set point moves, by {share:.0%} of the span of PV")]
+
+
+def _oscillation(window: LoopWindow, oscillation: Oscillation) -> list[tuple[str, str]]:
+    if not oscillation.detected or oscillation.period is None:
+        return [("no_oscillation", "the loop shows no oscillation")]
+    if oscillation.regularity is None or oscillation.regularity <= 1:
+        return [("unsteady", "the period of the oscillation is not regular, or too few of them are there")]
+    faults = []
+    periods = len(window) * window.ts / oscillation.period
+    if periods < FEWEST_PERIODS:
+        reason = f"the record holds only {periods:.1f} periods, at least {FEWEST_PERIODS:.0f} are needed"
+        faults.append(("few_periods", reason))
+    samples = oscillation.period / window.ts
+    if samples < FEWEST_SAMPLES:
+        reason = f"a period has only {samples:.1f} samples, at least {FEWEST_SAMPLES:.0f} are needed"
+        faults.append(("coarse", reason))
+    return faults
