@@ -11,6 +11,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from agent.analysis.diagnose import diagnose
+from agent.analysis.oscillation.acf_filtered import band_passed, peaks
+from agent.analysis.oscillation.acf_zero_crossings import autocorrelation
+from agent.analysis.oscillation.signals import detrended
+from agent.analysis.oscillation.spectrum import spectrum
 from agent.analysis.quantify import quantifier
 from agent.analysis.quantify.error_map import error_map
 from agent.analysis.quantify.free_run.bank import bank
@@ -223,8 +227,46 @@ def process_steps() -> Figure:
     return figure
 
 
+def oscillation_peak() -> Figure:
+    """Draw how a wave is found under a drift: a simulated OP and a random walk of twice its size."""
+    window, _ = recorded("pic401_direct_stick_slip")
+    walk = np.cumsum(np.random.default_rng(1).normal(size=len(window)))
+    op = detrended(window.op + 2 * np.std(window.op) / np.std(walk) * walk)
+    found = spectrum(op)
+    line = max(peaks(found), key=found.prominence)
+    filtered = band_passed(op, found.period(line))
+    correlations = [autocorrelation(values) for values in (op, filtered)]
+    figure = Figure(figsize=(11.0, 3.6), layout="constrained")
+    over_time, power, lags = figure.subplots(1, 3, width_ratios=(1.4, 1, 1))
+    over_time.plot(op, color=MEASURED, linewidth=0.8, label="OP with drift")
+    over_time.plot(filtered, color=MODEL, linewidth=0.9, label="peak filtered out")
+    over_time.set_xlabel("sample")
+    power.loglog(found.frequency[1:], found.power[1:], color=MEASURED, linewidth=0.7)
+    power.axvline(found.frequency[line], color=MODEL, linewidth=0.8, linestyle="--")
+    power.set_xlabel("cycles a sample")
+    power.set_title(f"prominence {found.prominence(line):.0f}", fontsize=10)
+    for acf, colour, name in zip(correlations, (MEASURED, MODEL), ("OP", "filtered"), strict=True):
+        if acf is not None:
+            lags.plot(acf.r, color=colour, linewidth=0.9, label=name)
+    lags.axhline(0, color=SET_POINT, linewidth=0.6)
+    lags.set_xlabel("lag of the autocorrelation (samples)")
+    for axes in (over_time, power, lags):
+        tidy(axes)
+    for axes in (over_time, lags):
+        legend_above(axes)
+    return figure
+
+
 if __name__ == "__main__":
-    for draw in (free_run_search, contour_map, profile, process_steps, stiction_laws, chem10):
+    for draw in (
+        oscillation_peak,
+        free_run_search,
+        contour_map,
+        profile,
+        process_steps,
+        stiction_laws,
+        chem10,
+    ):
         draw().savefig(HERE / f"{draw.__name__}.png", dpi=DPI)
     for each in LAWS:
         law_on_triangle(each).savefig(HERE / f"law_{each.name}.png", dpi=DPI)
