@@ -12,6 +12,7 @@ from agent.analysis.diagnose import diagnose
 from agent.analysis.quiet import quiet
 from agent.analysis.recording import LoopWindow
 from agent.analysis.results import Diagnosis
+from agent.analysis.stiction.online import OnlineShapes
 from agent.runtime.outbox import Outbox
 from agent.runtime.trigger import trigger
 from agent.runtime.window import RollingWindow
@@ -45,6 +46,7 @@ class LoopPipeline:
         """Of the newest window."""
         self.superseded = 0
         """Windows that were never diagnosed, because a newer one came due before their turn."""
+        self._shapes = OnlineShapes(integrating=settings.hints.integrating)
         self._executor = executor
         self._outboxes = outboxes
         self._on_diagnosis = on_diagnosis
@@ -58,9 +60,15 @@ class LoopPipeline:
         window = self.window.push(sample, arrival)
         if window is None:
             return
+        self._shapes.follow(window)
         self.superseded += self._waiting is not None
         self._waiting = window
         self._due.set()
+
+    @property
+    def indices(self) -> dict[str, float]:
+        """The newest index of each stiction detector that has an online form, by its name."""
+        return self._shapes.indices
 
     @property
     def busy(self) -> bool:

@@ -2,8 +2,8 @@
 
 Source: R. Srinivasan, R. Rengaswamy, R. Miller, "Control loop performance assessment. 1. A qualitative
 approach for stiction diagnosis", Industrial & Engineering Chemistry Research 44 (2005) 6708; reconstructed
-from its abstract (reference ``methods.md`` 3.15). Which signal is looked at, the slopes of the saw-teeth, the band
-of the warping and the shares that decide are settled here.
+from its abstract (reference ``methods.md`` 3.15). Which signal is looked at, the slopes of the saw-teeth, the
+band of the warping and the shares that decide are settled here.
 """
 
 from __future__ import annotations
