@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from agent.analysis.diagnose import diagnose
+from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.oscillation.acf_filtered import band_passed, peaks
 from agent.analysis.oscillation.acf_zero_crossings import autocorrelation
 from agent.analysis.oscillation.signals import detrended
@@ -33,11 +34,13 @@ from agent.analysis.quantify.free_run.objective import S, free_run_error
 from agent.analysis.quantify.free_run.problem import Problem, pose
 from agent.analysis.quantify.free_run.search import STEMS, best_stiction
 from agent.analysis.recording import FloatArray, LoopHints, LoopWindow
+from agent.analysis.stiction import DETECTORS, StictionDetector
 from agent.cli.recordings import loop_window
 from agent.physics.processes import PROCESSES
 from agent.physics.valves import LAWS, StictionLaw
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
 from agent.plots.contour import contour_figure
+from agent.plots.detectors import PICTURES
 from agent.plots.fit import fit_figure
 from agent.plots.profile import profile_figure
 from agent.units import FrictionBands
@@ -45,6 +48,7 @@ from connectors.recording import read_recording
 from simulators.parameters import ProcessParameters, ValveParameters
 from simulators.plant import simulate
 from simulators.process import Process as SimulatedProcess
+from simulators.random_plants import Kind, random_plant
 from simulators.scenario import load_scenario
 from simulators.valve import STEP, Valve
 
@@ -53,6 +57,8 @@ ROOT = HERE.parents[1]
 RECORDINGS = Path(os.environ.get("SLIPJUMP_DATA", ROOT.parent / "shared" / "data"))
 DPI = 100
 BANDS = FrictionBands(f_s=5.0, f_d=2.0)
+STUCK_AND_FREE: tuple[tuple[Kind, int], ...] = (("stiction", 13), ("sinusoid", 1))
+"""Loops of ``simulators.random_plants`` for the pictures of the stiction detectors: kind and seed."""
 
 
 def chem10() -> Figure:
@@ -257,6 +263,20 @@ def oscillation_peak() -> Figure:
     return figure
 
 
+def stiction_detector(detector: StictionDetector) -> Figure:
+    """Draw what a detector sees where a valve sticks, and where the load swings and no valve does."""
+    figure = Figure(figsize=(10.0, 3.6), layout="constrained")
+    for axes, (kind, seed) in zip(figure.subplots(1, 2), STUCK_AND_FREE, strict=True):
+        record = simulate(random_plant(seed, kind))
+        window = LoopWindow(kind, 0.0, 1.0, record.op, record.pv, record.sp, record.mv)
+        result = detector.detect(window, detect_oscillation(window))
+        if result.seen is not None:
+            PICTURES[detector.name](axes, result.seen)
+        axes.set_title(f"{kind}: {result.verdict.replace('_', ' ')}", fontsize=10)
+        tidy(axes)
+    return figure
+
+
 if __name__ == "__main__":
     for draw in (
         oscillation_peak,
@@ -270,3 +290,5 @@ if __name__ == "__main__":
         draw().savefig(HERE / f"{draw.__name__}.png", dpi=DPI)
     for each in LAWS:
         law_on_triangle(each).savefig(HERE / f"law_{each.name}.png", dpi=DPI)
+    for detector in DETECTORS:
+        stiction_detector(detector).savefig(HERE / f"detector_{detector.name}.png", dpi=DPI)

@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 from agent.analysis.oscillation import DETECTORS
 from agent.analysis.quantify import QUANTIFIERS
+from agent.analysis.stiction import DETECTORS as STICTION_DETECTORS
 from agent.cli import app
 from agent.physics.processes import PROCESSES
 from agent.settings.load import settings_of
@@ -22,7 +23,9 @@ LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 COMMAND = re.compile(r"(?:^ {4}(?:\$ )?|`)slipjump ([a-z]+)", re.MULTILINE)
 
 
-@pytest.mark.parametrize("method", [each.name for each in (*QUANTIFIERS, *DETECTORS, *PROCESSES)])
+@pytest.mark.parametrize(
+    "method", [each.name for each in (*QUANTIFIERS, *DETECTORS, *STICTION_DETECTORS, *PROCESSES)]
+)
 def test_every_method_has_a_page_whose_title_names_it(method):
     titles = [page.read_text(encoding="utf-8").splitlines()[0] for page in (DOCS / "methods").glob("*.md")]
     assert [title for title in titles if f"`{method}`" in title]

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
     from agent.analysis.stiction.stuck import StuckIntervals
 
-SHOWN = 200
-"""Samples of the stem in the picture, in widths of its moving mean: ten periods."""
+SHOWN = 100
+"""Samples of the stem in the picture, in widths of its moving mean: five periods."""
 
 
 def draw(axes: Axes, seen: StuckIntervals) -> None:
@@ -30,7 +30,7 @@ def draw(axes: Axes, seen: StuckIntervals) -> None:
             label = "_"  # one entry in the legend is enough
     axes.set_xlabel("sample")
     axes.set_ylabel("over its span")
-    axes.legend(frameon=False, fontsize=8)
+    axes.legend(loc="upper right", fontsize=8)
 
 
 def _over_span(values: FloatArray) -> FloatArray:

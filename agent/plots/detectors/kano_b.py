@@ -21,6 +21,6 @@ def draw(axes: Axes, seen: Parallelogram) -> None:
         axes.plot(stem.op[each], stem.position[each], color=MODEL, linewidth=1.1, label=label)
         label = "_"  # one entry in the legend is enough
     axes.set_xlabel("OP from its first value (OP units)")
-    axes.set_ylabel("stem" if stem.measured else "PV, for the stem")
+    axes.set_ylabel("stem" if stem.measured else "PV for the stem")
     if seen.stuck.intervals:
         axes.legend(frameon=False, fontsize=8)

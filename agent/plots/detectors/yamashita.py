@@ -18,11 +18,11 @@ def draw(axes: Axes, seen: QualitativeShape) -> None:
     """Draw the stem over OP and mark the steps IS and DS."""
     axes.plot(seen.op, seen.position, color=SET_POINT, linewidth=0.7)
     (stuck,) = np.nonzero(np.isin(seen.symbols, ("IS", "DS")))
-    axes.plot(
-        np.stack((seen.op[stuck], seen.op[stuck + 1])),
-        np.stack((seen.position[stuck], seen.position[stuck + 1])),
-        color=MODEL,
-        linewidth=1.1,
+    gap = np.full(len(stuck), np.nan)  # between two steps no line is drawn
+    op, position = (
+        np.column_stack((each[stuck], each[stuck + 1], gap)).ravel() for each in (seen.op, seen.position)
     )
+    axes.plot(op, position, color=MODEL, linewidth=1.1, label="only OP moves")
     axes.set_xlabel("OP from its first value (OP units)")
-    axes.set_ylabel("stem; red: OP moves and the stem does not")
+    axes.set_ylabel("stem, or PV for it")
+    axes.legend(frameon=False, fontsize=8)
