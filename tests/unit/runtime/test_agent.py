@@ -1,6 +1,7 @@
 """The daemon in virtual time: hours of five loops in seconds, with all that goes wrong on a bus."""
 
 import asyncio
+import random
 import contextlib
 import logging
 import math
@@ -128,9 +129,11 @@ def test_the_alarm_comes_and_goes_with_its_delays():
 
 
 def test_a_loop_at_rest_is_not_handed_to_the_workers():
+    noise = random.Random(1)
+
     def source(_):
         for t in range(1000):
-            yield sample("pv", t, 50 + (t * 7919 % 101) / 1000)
+            yield sample("pv", t, 50 + noise.random() / 10)
             yield sample("op", t, 50 + t / 1000)
             yield 1.0
 
