@@ -1,10 +1,10 @@
 """The daemon in virtual time: hours of five loops in seconds, with all that goes wrong on a bus."""
 
 import asyncio
-import random
 import contextlib
 import logging
 import math
+import random
 import tracemalloc
 
 import async_solipsism
