@@ -28,7 +28,7 @@ BAND = 5
 """Points of 100 that the warping may shift: as much as a sine is off a triangle of the same height."""
 STICKING, SOUND = 2 / 3, 1 / 3
 """Share of cycles that are no sine from which a valve sticks, and up to which not. Of random_plants, seeds 0
-to 39, swinging loads have at most 0.13."""
+to 39, swinging loads have at most 0.15."""
 FEWEST_CYCLES = 4
 CYCLE = (0.5, 1.5)
 """Shortest and longest cycle that counts, periods."""

@@ -36,7 +36,7 @@ def online(window):
 
 @pytest.mark.parametrize("kind", ["stiction", "sinusoid"])
 def test_online_and_batch_agree_on_simulated_loops(kind):
-    """Within 0.1 in half of the loops, 0.2 in all. Areas beside the peak feel the least shift of zero: by side."""
+    """Within 0.1 in half of the loops, 0.2 in all; the areas, which feel a shift of zero more, by side."""
     apart = {name: [] for name in ("he_curve_fit", "rossi_scali", "hagglund_shape")}
     for seed in range(6):
         window = simulated(kind, seed)
