@@ -5,6 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from agent.analysis.results import MethodResult
+from agent.analysis.stiction.bicoherence import Bicoherence
+from agent.analysis.stiction.choudhury_cmeans import ChoudhuryCmeans
+from agent.analysis.stiction.choudhury_ellipse import ChoudhuryEllipse
 from agent.analysis.stiction.damarla import Damarla
 from agent.analysis.stiction.detector import StictionDetector
 from agent.analysis.stiction.hagglund_backlash import HagglundBacklash
@@ -17,6 +20,7 @@ from agent.analysis.stiction.kano_b import KanoB
 from agent.analysis.stiction.rossi_scali import RossiScali
 from agent.analysis.stiction.singhal_salsbury import SinghalSalsbury
 from agent.analysis.stiction.srinivasan_dtw import SrinivasanDtw
+from agent.analysis.stiction.thornhill_surrogates import ThornhillSurrogates
 from agent.analysis.stiction.yamashita import Yamashita
 
 if TYPE_CHECKING:
@@ -41,6 +45,10 @@ DETECTORS: tuple[StictionDetector, ...] = (
     HagglundBacklash(),
     Damarla(),
     SrinivasanDtw(),
+    Bicoherence(),
+    ChoudhuryEllipse(),
+    ChoudhuryCmeans(),
+    ThornhillSurrogates(),
 )
 
 

@@ -10,6 +10,9 @@ from matplotlib.figure import Figure
 
 from agent.plots.axes import tidy
 from agent.plots.detectors import (
+    bicoherence,
+    choudhury_cmeans,
+    choudhury_ellipse,
     damarla,
     fitted_half_cycles,
     hagglund_backlash,
@@ -19,6 +22,7 @@ from agent.plots.detectors import (
     kano_b,
     singhal_salsbury,
     srinivasan_dtw,
+    thornhill_surrogates,
     yamashita,
 )
 
@@ -43,6 +47,10 @@ PICTURES: dict[str, Picture] = {
     "hagglund_backlash": hagglund_backlash.draw,
     "damarla": damarla.draw,
     "srinivasan_dtw": srinivasan_dtw.draw,
+    "bicoherence": bicoherence.draw,
+    "choudhury_ellipse": choudhury_ellipse.draw,
+    "choudhury_cmeans": choudhury_cmeans.draw,
+    "thornhill_surrogates": thornhill_surrogates.draw,
 }
 """By name of the detector."""
 
