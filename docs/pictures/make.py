@@ -59,6 +59,9 @@ DPI = 100
 BANDS = FrictionBands(f_s=5.0, f_d=2.0)
 STUCK_AND_FREE: tuple[tuple[Kind, int], ...] = (("stiction", 13), ("sinusoid", 1))
 """Loops of ``simulators.random_plants`` for the pictures of the stiction detectors: kind and seed."""
+MANY_PERIODS: tuple[tuple[Kind, int], ...] = (("stiction", 37), ("sinusoid", 1))
+"""The same with periods enough for the tests of nonlinearity."""
+OF_NONLINEARITY = ("bicoherence", "choudhury_ellipse", "choudhury_cmeans", "thornhill_surrogates")
 
 
 def chem10() -> Figure:
@@ -266,7 +269,8 @@ def oscillation_peak() -> Figure:
 def stiction_detector(detector: StictionDetector) -> Figure:
     """Draw what a detector sees where a valve sticks, and where the load swings and no valve does."""
     figure = Figure(figsize=(10.0, 3.6), layout="constrained")
-    for axes, (kind, seed) in zip(figure.subplots(1, 2), STUCK_AND_FREE, strict=True):
+    loops = MANY_PERIODS if detector.name in OF_NONLINEARITY else STUCK_AND_FREE
+    for axes, (kind, seed) in zip(figure.subplots(1, 2), loops, strict=True):
         record = simulate(random_plant(seed, kind))
         window = LoopWindow(kind, 0.0, 1.0, record.op, record.pv, record.sp, record.mv)
         result = detector.detect(window, detect_oscillation(window))

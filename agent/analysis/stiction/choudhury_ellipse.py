@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 LARGEST_MISFIT = 0.3
 """Distance of the points from the ellipse, rms over its radius. Points spread evenly over a rectangle have
-0.35, a Gaussian cloud 0.47; no simulated sticking loop has more than 0.23 (``simulators.random_plants``, kind
+0.35, a Gaussian cloud 0.47; no simulated sticking loop has more than 0.2 (``simulators.random_plants``, kind
 stiction, seeds 0 to 39)."""
 
 

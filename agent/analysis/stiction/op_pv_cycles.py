@@ -38,7 +38,7 @@ class Cycles:
     op: FloatArray
     """OP units, about 0."""
     pv: FloatArray
-    """Parts of the largest deviation of PV, about 0."""
+    """PV units, about 0."""
 
 
 def op_pv_cycles(window: LoopWindow, nonlinearity: SquaredBicoherence) -> Cycles | None:
@@ -49,12 +49,9 @@ def op_pv_cycles(window: LoopWindow, nonlinearity: SquaredBicoherence) -> Cycles
         nonlinearity: Of its control error.
     """
     stretch = longest_stretch(window)
-    rest = detrended(stretch.op)
-    if not rest.any():
-        return None
-    op, pv = (_band_passed(each, nonlinearity) for each in (rest, detrended(stretch.pv)))
+    op, pv = (_band_passed(each, nonlinearity) for each in (stretch.op, stretch.pv))
     part = most_regular(pv)
-    return None if part is None else Cycles(op[part] * np.max(np.abs(stretch.op)), pv[part])
+    return None if part is None or not op.any() else Cycles(op[part], pv[part])
 
 
 def most_regular(values: FloatArray) -> slice | None:
@@ -79,7 +76,7 @@ def span_of(window: LoopWindow) -> float:
 
 
 def _band_passed(values: FloatArray, nonlinearity: SquaredBicoherence) -> FloatArray:
-    """Return ``values`` (n,), without a trend, in the band of the nonlinearity."""
+    """Return ``values`` (n,) in the band of the nonlinearity, same unit; zero where they stand still."""
     f = nonlinearity.frequency
     peak = (f, *nonlinearity.peak) if nonlinearity.nonlinear else (f,)
     low = max(LOWEST, min(peak) - BESIDE) / nonlinearity.block
@@ -89,4 +86,5 @@ def _band_passed(values: FloatArray, nonlinearity: SquaredBicoherence) -> FloatA
     else:
         sections = signal.butter(2, 2 * low, btype="highpass", output="sos")
     padding = min(round(1 / low), len(values) - 1)  # the filter remembers so long
-    return np.asarray(signal.sosfiltfilt(sections, values, padlen=padding), dtype=np.float64)
+    rest = signal.sosfiltfilt(sections, detrended(values), padlen=padding)
+    return np.asarray(rest * np.max(np.abs(values)), dtype=np.float64)

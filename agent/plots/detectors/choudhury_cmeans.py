@@ -20,5 +20,5 @@ def draw(axes: Axes, seen: Clusters) -> None:
     axes.plot(seen.centres, (0.0, 0.0), color=VALVE, linewidth=2)
     axes.plot(seen.centres, (0.0, 0.0), "o", color=MODEL, markersize=7, label=label)
     axes.set_xlabel("OP (OP units)")
-    axes.set_ylabel("PV over its largest value")
+    axes.set_ylabel("PV (PV units)")
     axes.legend(frameon=False, fontsize=8)

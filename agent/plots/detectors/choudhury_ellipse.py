@@ -25,5 +25,5 @@ def draw(axes: Axes, seen: OpPvEllipse) -> None:
     chord = ellipse.x0 + seen.apparent * np.array((-0.5, 0.5))
     axes.plot(chord, (ellipse.y0, ellipse.y0), color=VALVE, linewidth=2, label=f"width {seen.apparent:.3g}")
     axes.set_xlabel("OP (OP units)")
-    axes.set_ylabel("PV over its largest value")
+    axes.set_ylabel("PV (PV units)")
     axes.legend(frameon=False, fontsize=8)
