@@ -33,8 +33,8 @@ FEWEST_SAMPLES, MOST_SAMPLES = 7.0, 25.0
 FEWEST_PERIODS = 14.0
 """Twelve (published), and what is cut off to match the ends."""
 MARGIN = 3.0
-"""Most periods that are cut off at each end for it. With 1 the index of 14 of 40 loops with a swinging load
-is above 1, with 3 of 3 (``simulators.random_plants``, kind sinusoid, seeds 0 to 39)."""
+"""Most periods that are cut off at each end for it. Of 40 loops with a swinging load the index is above 1
+in 10 with a margin of 1, in 2 with 3 (``simulators.random_plants``, kind sinusoid, seeds 0 to 39)."""
 MOST_BLOCKS = 1000
 """Of longer records the end is taken: the work grows with the square."""
 NEIGHBOURS, COUNT = 8, 50
