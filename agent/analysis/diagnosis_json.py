@@ -19,6 +19,7 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
         "causes": [{"cause": each.cause, "share": _number(each.share)} for each in diagnosis.causes],
         "class": diagnosis.stiction_class,
         "reasons": list(diagnosis.reasons),
+        "advice": list(diagnosis.advice),
         "oscillation": {
             "detected": None if oscillation is None else oscillation.detected,
             "period_s": None if oscillation is None else _number(oscillation.period),
@@ -31,7 +32,7 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
             "linear_percent": None if found is None else _number(found.linear_percent),
         },
         "methods": {
-            name: {"verdict": result.verdict, "index": _number(result.index)}
+            name: {"verdict": result.verdict, "index": _number(result.index), "reason": result.reason}
             for name, result in diagnosis.methods.items()
         },
         "seconds": _number(diagnosis.seconds),

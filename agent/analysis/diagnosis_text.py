@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from agent.analysis.results import Diagnosis, Estimate, ProcessEstimate, StictionEstimate
+    from agent.analysis.results import Diagnosis, Estimate, MethodResult, ProcessEstimate, StictionEstimate
 
 
 def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
@@ -21,8 +21,24 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
         numbers = [] if found.stiction is None else _stiction(found.stiction)
         numbers += [] if found.process is None else _process(found.process)
         yield from (f"  {line}" for line in numbers)
-    for reason in diagnosis.reasons:
-        yield f"  - {reason}"
+    yield from (f"  - {reason}" for reason in diagnosis.reasons)
+    yield from (f"  > {step}" for step in diagnosis.advice)
+    yield from (f"  {line}" for line in method_lines(diagnosis.methods))
+
+
+def method_lines(methods: Mapping[str, MethodResult]) -> Iterator[str]:
+    """Yield a line for each verdict, with the methods that gave it and their index; count the others."""
+    for verdict in ("stiction", "no_stiction", "undecided"):
+        said = [_indexed(name, each.index) for name, each in methods.items() if each.verdict == verdict]
+        if said:
+            yield f"{verdict.replace('_', ' ')} say: {', '.join(said)}"
+    silent = sum(each.verdict == "not_applicable" for each in methods.values())
+    if silent:
+        yield f"{silent} methods do not apply (--json tells why)"
+
+
+def _indexed(name: str, index: float | None) -> str:
+    return name if index is None else f"{name} {index:.3g}"
 
 
 def _stiction(stiction: StictionEstimate) -> list[str]:

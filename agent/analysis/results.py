@@ -142,6 +142,10 @@ class Quantification:
     """Error against S; None where a quantifier has none."""
     cause_shares: tuple[CauseShare, ...] = ()
     """Causes of the oscillation, where the method names them."""
+    quick_evidence: float | None = None
+    """``evidence`` from what is quicker than a load wanders; None where a quantifier does not give it."""
+    turns: int | None = None
+    """Changes of direction of the valve that was found; None where a quantifier does not count them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,14 +167,17 @@ class Diagnosis:
     loop: str
     verdict: Verdict
     confidence: float
-    """0 to 1."""
+    """Probability that the verdict is right, 0 to 1; 0 where there is none."""
     cause: Cause
     causes: tuple[CauseShare, ...]
     stiction_class: StictionClass | None
     """Only with verdict ``stiction``."""
     reasons: tuple[str, ...]
+    """What the record shows and what speaks for and against, in plain words."""
     oscillation: Oscillation | None
     quantification: Quantification | None
     methods: dict[str, MethodResult] = field(default_factory=dict)
+    advice: tuple[str, ...] = ()
+    """What to do next, the most useful first."""
     seconds: float = 0.0
     """Wall time of the analysis, s."""

@@ -32,6 +32,7 @@ from agent.analysis.quantify.free_run.objective import (
     valve_position,
 )
 from agent.analysis.quantify.free_run.problem import Problem, bridge, high_pass, pose
+from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
 from agent.analysis.quantify.free_run.search import Fitted, Found, best_linear, best_stiction
 from agent.analysis.quantify.turns import turns
 from agent.analysis.results import MethodVerdict, ProcessEstimate, ProcessIntervals, Quantification
@@ -75,7 +76,7 @@ class FreeRun:
             found = None
         decision = decide(evidence, found, problem)
         best = found.best if found else linear
-        chosen = best if decision == "stiction" else linear
+        chosen = linear if decision == "no_stiction" else best
         of_process = process_intervals_of(found, problem, window.ts) if found and chosen is best else None
         model_pv, model_mv = simulate(chosen, problem, window)
         return Quantification(
@@ -89,6 +90,8 @@ class FreeRun:
             model_pv=model_pv,
             model_mv=model_mv,
             profile=profile(found, problem, window.ts) if found else None,
+            quick_evidence=quick_evidence(window, problem, best) if found else 1.0,
+            turns=turns(valve_position(best.candidate, problem)) if found else 0,
         )
 
 

@@ -1,0 +1,68 @@
+"""Simulated loops of every kind, as the diagnosis sees them and with what is true of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from agent.analysis.recording import FloatArray, LoopWindow
+from agent.analysis.results import Cause
+from simulators.plant import simulate
+from simulators.random_moves import MovedKind, random_moved
+from simulators.random_plants import Kind, random_draw
+
+AnyKind = Literal[Kind, MovedKind]
+MOVED: tuple[MovedKind, ...] = get_args(MovedKind)
+STEADY: tuple[Kind, ...] = get_args(Kind)
+KINDS: tuple[AnyKind, ...] = (*STEADY, *MOVED)
+STICKING = {"stiction", "set_point_stiction", "stiction_sinusoid"}
+CAUSES: dict[AnyKind, set[Cause]] = {
+    "stiction": {"stiction"},
+    "none_noise": {"no_oscillation"},
+    "tuning": {"tight_tuning"},
+    "sinusoid": {"external_disturbance"},
+    "drift": {"no_oscillation", "external_disturbance"},
+    "set_point": {"no_oscillation", "external_disturbance"},
+    "set_point_stiction": {"stiction"},
+    "stiction_sinusoid": {"stiction"},
+}
+"""What may be named as the cause; a load that wanders may look like an oscillation or not."""
+STEM_NOISE = 0.02
+"""Of the measured stem, over its standard deviation."""
+
+
+@dataclass(frozen=True, slots=True)
+class RandomLoop:
+    """One loop."""
+
+    kind: AnyKind
+    seed: int
+    window: LoopWindow
+    """OP and PV, and SP where it moves."""
+    stem: FloatArray
+    """Measured stem, OP units, (n,)."""
+    noise_percent: float | None
+    """Of the standard deviation of PV without noise; None where nothing but noise moves PV, or SP does."""
+
+    @property
+    def sticks(self) -> bool:
+        return self.kind in STICKING
+
+
+def random_loop(kind: AnyKind, seed: int) -> RandomLoop:
+    """Draw and simulate a loop; the same seed gives the same loop."""
+    noise = None
+    if kind in MOVED:
+        scenario = random_moved(seed, kind)
+    else:
+        draw = random_draw(seed, kind)
+        scenario = draw.scenario
+        noise = None if draw.noise_share is None else 100 * draw.noise_share
+    record = simulate(scenario)
+    sp = record.sp if scenario.set_points else None
+    window = LoopWindow(scenario.loop, 0.0, scenario.ts, record.op, record.pv, sp)
+    rng = np.random.default_rng(seed)
+    stem = record.mv + STEM_NOISE * np.std(record.mv) * rng.standard_normal(len(record.mv))
+    return RandomLoop(kind, seed, window, stem, noise)
