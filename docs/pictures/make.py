@@ -29,9 +29,8 @@ from agent.analysis.quantify.free_run.coarse_grid import (
     processes,
     scan,
 )
-from agent.analysis.quantify.free_run.geometric_error import candidate_error
 from agent.analysis.quantify.free_run.objective import S, free_run_error
-from agent.analysis.quantify.free_run.problem import Problem, pose
+from agent.analysis.quantify.free_run.problem import Problem, first_periods, pose
 from agent.analysis.quantify.free_run.search import STEMS, best_stiction
 from agent.analysis.recording import FloatArray, LoopHints, LoopWindow
 from agent.analysis.stiction import DETECTORS, StictionDetector
@@ -94,9 +93,9 @@ def free_run_search() -> Figure:
     grid.set_title("coarse grid, best first slip of He's valve", fontsize=10)
     grid.legend(loc="lower right")
 
-    fine, squares, geometric = errors_over_s(problem)
-    basins.semilogy(fine, squares, color=MEASURED, linewidth=0.9, label="sum of squares")
-    basins.semilogy(fine, geometric, color=VALVE, linewidth=0.9, label="geometric over half periods")
+    fine, whole, begun = errors_over_s(problem)
+    basins.semilogy(fine, whole, color=MEASURED, linewidth=0.9, label="whole record")
+    basins.semilogy(fine, begun, color=VALVE, linewidth=0.9, label="first five periods")
     basins.axvline(s, color=MODEL, linewidth=0.9, linestyle="--", label="truth")
     basins.set_xlabel("S (OP units)")
     basins.set_ylabel("error over the variance of PV, %")
@@ -132,21 +131,21 @@ def recorded(scenario_name: str) -> tuple[LoopWindow, ValveParameters]:
 
 
 def errors_over_s(problem: Problem) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return S around the best (OP units), and sum of squares and geometric error with all else kept, %."""
+    """Return S around the best (OP units), and the errors over all and over five periods, % of variance."""
     found = best_stiction(problem, LoopHints())
     if found is None:
         raise TypeError("nothing was found")
     best = found.best
-    length = max(3, int(problem.period / problem.block / 2))
-    sums = np.empty((problem.pv.size // length, 6))
     s_values = best.candidate[S] + np.linspace(-0.1, 0.1, 1201) * problem.op_span
-    squares, geometric = [], []
-    for s in s_values:
-        candidate = best.candidate.copy()
-        candidate[S] = s
-        squares.append(100 * free_run_error(candidate, best.structure, problem) / np.sum(problem.pv**2))
-        geometric.append(100 * candidate_error(candidate, best.structure, problem, length, sums))
-    return s_values, np.array(squares), np.array(geometric)
+    errors = []
+    for part in (problem, first_periods(problem, 5)):
+        squares = []
+        for s in s_values:
+            candidate = best.candidate.copy()
+            candidate[S] = s
+            squares.append(100 * free_run_error(candidate, best.structure, part) / np.sum(part.pv**2))
+        errors.append(np.array(squares))
+    return s_values, errors[0], errors[1]
 
 
 def slow_triangle() -> tuple[FloatArray, FloatArray]:

@@ -92,23 +92,3 @@ def bank_share(response, pv, bank):
     left = squares(nuisance, response[at])[0]
     gain = weights[0] if left > 1e-3 * np.sum(response[at] ** 2) else np.nan
     return 1 - error / squares(nuisance, pv[at])[0], gain
-
-
-def geometric_error(response, problem, length, floor, reweightings):
-    """Iteratively reweighted line through each half period's points, then the mean of the logs."""
-    halves = np.arange(len(response)) // length
-    whole = halves < len(response) // length
-    known = (problem.weight > 0) & whole
-    r, y, half = response[known], problem.pv[known], halves[known]
-    variance = np.mean(y**2)
-    weight = np.ones(len(y))
-    for _ in range(reweightings):
-        root = np.sqrt(weight)
-        columns = np.column_stack([r, np.ones_like(r)]) * root[:, None]
-        gain, level = np.linalg.lstsq(columns, y * root)[0]
-        if gain * problem.gain_sign < 0:
-            gain, level = 0.0, np.average(y, weights=weight)
-        squared = (y - gain * r - level) ** 2
-        error = np.array([squared[half == h].mean() for h in half]) + floor * variance
-        weight = 1 / error
-    return np.exp(np.mean(np.log(error))) / variance

@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.quantify.free_run import bank as banks
-from agent.analysis.quantify.free_run import geometric_error as geometric
 from agent.analysis.quantify.free_run import local_search, objective
 from agent.analysis.quantify.free_run.objective import DELAY, FOPDT, INTEGRATOR, LOG_TAU, LOG_TAU2, SOPDT, S
 from agent.analysis.quantify.free_run.problem import high_pass, pose
@@ -126,18 +125,6 @@ def test_the_bank_scores_as_least_squares_on_its_regressors(seed, acting, slowne
         assert between == pytest.approx(slow.bank_share(mixed, problem.pv[:m], near)[0], abs=1e-6)
 
 
-@FEW
-@given(seed=SEEDS, acting=ACTING)
-def test_the_geometric_error_is_that_of_reweighted_lines(seed, acting):
-    problem = problem_of(seed, acting)
-    response = np.random.default_rng(seed).standard_normal(problem.pv.size) + problem.pv
-    length = 20
-    sums = np.empty((problem.pv.size // length, 6))
-    geometric.half_period_sums(response, problem, length, sums)
-    twin = slow.geometric_error(response, problem, length, geometric.FLOOR, geometric.REWEIGHTINGS)
-    assert geometric.geometric_error(sums, problem.gain_sign) == pytest.approx(twin, rel=1e-6)
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_searches_never_lose_and_repeat_themselves(seed):
     problem = problem_of(seed)
@@ -154,7 +141,3 @@ def test_searches_never_lose_and_repeat_themselves(seed):
         np.testing.assert_array_equal(found, again)
         assert error == pytest.approx(objective.free_run_error(found, structure, problem), rel=1e-9)
         assert error <= objective.free_run_error(start, structure, problem)
-    few, many = (
-        geometric.descend(start, FOPDT, problem, 0.5, k, np.random.default_rng(seed))[1] for k in (0, 150)
-    )
-    assert many <= few

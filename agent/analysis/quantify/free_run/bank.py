@@ -217,6 +217,18 @@ def covariances(
 
 
 @kernel
+def without_nuisance(
+    product: float, a: tuple[float, float], b: tuple[float, float], gram: FloatArray
+) -> float:
+    """Return the product of two responses less what level and end of the filter's memory take of it.
+
+    ``a`` and ``b`` are the products of each response with these two.
+    """
+    taken = gram[0, 0] * a[0] * b[0] + gram[0, 1] * (a[0] * b[1] + a[1] * b[0]) + gram[1, 1] * a[1] * b[1]
+    return float(product - taken)
+
+
+@kernel
 def best_process(
     response: FloatArray, covariance: FloatArray, delays: NDArray[np.int64], bank: Bank
 ) -> tuple[float, int, int]:
@@ -229,13 +241,8 @@ def best_process(
         for i in range(covariance.shape[1]):
             if covariance[q, i] * bank.gain_sign < 0.0:
                 continue
-            level = response[0, q, i]
-            end = fading * response[2, q, i]
-            left = response[1, q, i] - (
-                bank.gram[0, 0] * level * level
-                + 2.0 * bank.gram[0, 1] * level * end
-                + bank.gram[1, 1] * end * end
-            )
+            slow = (response[0, q, i], fading * response[2, q, i])
+            left = without_nuisance(response[1, q, i], slow, slow, bank.gram)
             if left > 1e-3 * response[1, q, i]:
                 share = covariance[q, i] ** 2 / left / bank.squares
                 if share > best:
@@ -259,13 +266,8 @@ def best_between(
     for i in range(covariance.shape[1]):
         for q in range(delays.size):
             fading = bank.keep ** delays[q]
-            level = response[0, q, i]
-            end = fading * response[2, q, i]
-            energy = response[1, q, i] - (
-                bank.gram[0, 0] * level * level
-                + 2.0 * bank.gram[0, 1] * level * end
-                + bank.gram[1, 1] * end * end
-            )
+            slow = (response[0, q, i], fading * response[2, q, i])
+            energy = without_nuisance(response[1, q, i], slow, slow, bank.gram)
             if energy <= 1e-3 * response[1, q, i]:
                 continue
             c = covariance[q, i]
@@ -275,18 +277,9 @@ def best_between(
                 best_i = i
             if q + 1 == delays.size:
                 continue
-            level2 = response[0, q + 1, i]
-            end2 = fading * bank.keep * response[2, q + 1, i]
-            energy2 = response[1, q + 1, i] - (
-                bank.gram[0, 0] * level2 * level2
-                + 2.0 * bank.gram[0, 1] * level2 * end2
-                + bank.gram[1, 1] * end2 * end2
-            )
-            both = response[3, q, i] - (
-                bank.gram[0, 0] * level * level2
-                + bank.gram[0, 1] * (level * end2 + end * level2)
-                + bank.gram[1, 1] * end * end2
-            )
+            slow2 = (response[0, q + 1, i], fading * bank.keep * response[2, q + 1, i])
+            energy2 = without_nuisance(response[1, q + 1, i], slow2, slow2, bank.gram)
+            both = without_nuisance(response[3, q, i], slow, slow2, bank.gram)
             determinant = energy * energy2 - both * both
             if energy2 <= 1e-3 * response[1, q + 1, i] or determinant <= 1e-6 * energy * energy2:
                 continue
@@ -301,15 +294,3 @@ def best_between(
                 best_delay = delays[q] + later / (here + later)
                 best_i = i
     return best, best_delay, best_i
-
-
-@kernel
-def to_blocks(delay: float, block: int) -> float:
-    """Return the lag in blocks of a delay in samples, from the block's end to its middle."""
-    return (delay - 1.0) / block + (block + 1.0) / (2.0 * block)
-
-
-@kernel
-def from_blocks(delay: float, block: int) -> float:
-    """Return the delay in samples of a lag in blocks, the inverse of ``to_blocks``."""
-    return (delay - (block + 1.0) / (2.0 * block)) * block + 1.0

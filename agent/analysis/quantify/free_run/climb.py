@@ -15,10 +15,8 @@ from agent.analysis.quantify.free_run.bank import (
     Bank,
     best_between,
     covariances,
-    from_blocks,
     moves_of,
     response_sums,
-    to_blocks,
 )
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
@@ -32,6 +30,7 @@ from agent.analysis.quantify.free_run.objective import (
     STEM_LOW,
     S,
 )
+from agent.analysis.quantify.free_run.problem import from_blocks, to_blocks
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import damped_stem
 

@@ -17,7 +17,6 @@ from agent.analysis.quantify.free_run.bank import (
     bank,
     best_process,
     covariances,
-    from_blocks,
     moves_of,
     response_sums,
 )
@@ -33,7 +32,7 @@ from agent.analysis.quantify.free_run.objective import (
     SIZE,
     S,
 )
-from agent.analysis.quantify.free_run.problem import Problem
+from agent.analysis.quantify.free_run.problem import Problem, from_blocks, to_blocks
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import damped_stem
 
@@ -42,7 +41,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.recording import FloatArray
 
-PERIODS = 10.0
+PERIODS = 8.0
 """Periods looked at: more add needles to the haystack, not information at this resolution."""
 S_STEPS = 60
 J_RATIOS = np.array([0.0, 0.04, 0.09, 0.15, 0.25, 0.4, 0.6, 0.8, 0.97])
@@ -52,7 +51,7 @@ LEVEL_STEP = 0.02
 TAUS = 7
 RATIOS = np.array([0.0, 0.6])
 S_BINS = 16
-PER_BIN = 3
+PER_BIN = 5
 
 
 def coarse_candidates(
@@ -122,8 +121,7 @@ def bank_delays(problem: Problem) -> NDArray[np.int64]:
     """Delays of the coarse bank, blocks, ascending."""
     first = 1 if problem.block == 1 else 0
     if problem.fixed_delay > 0:
-        exact = (problem.fixed_delay - 1) / problem.block + (problem.block + 1) / (2 * problem.block)
-        return np.array([round(exact)])
+        return np.array([round(to_blocks(problem.fixed_delay, problem.block))])
     longest = 0.75 * problem.max_delay / problem.block
     steps = np.concatenate([np.arange(4), np.geomspace(4, max(5.0, longest), 8)])
     return first + np.unique(np.round(steps).astype(np.int64))

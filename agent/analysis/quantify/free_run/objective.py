@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.problem import Problem
+from agent.analysis.quantify.free_run.problem import Problem, to_blocks
 from agent.jit import kernel, summing_kernel
 from agent.physics.valves.damped_stem import damped_stem
 
@@ -75,7 +75,7 @@ def process_response(
         pole2 = math.exp(-block / math.exp(min(candidate[LOG_TAU2], candidate[LOG_TAU])))
     in_gain *= 1.0 - pole2
     # A block of PV lies (block - 1) / 2 samples after its first, a block's response at its end.
-    lag = (candidate[DELAY] - 1.0) / block + (block + 1) / (2.0 * block)
+    lag = to_blocks(candidate[DELAY], block)
     whole = min(int(lag), m)
     part = lag - int(lag)
     response = np.empty(m)

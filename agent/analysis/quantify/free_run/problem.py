@@ -107,6 +107,20 @@ def pose(window: LoopWindow) -> Problem | str:
     )
 
 
+def first_periods(problem: Problem, periods: float) -> Problem:
+    """Return the problem of the first ``periods`` periods of the record, at least 80 blocks."""
+    m = min(len(problem.pv), max(80, math.ceil(periods * problem.period / problem.block)))
+    weight = problem.weight[:m]
+    basis = nuisance_basis(weight, problem.keep)
+    pv = problem.pv[:m]
+    return problem._replace(
+        op=problem.op[: m * problem.block],
+        pv=(pv - basis @ (basis.T @ pv)) * weight,
+        weight=weight,
+        basis=basis,
+    )
+
+
 def bridge(signal: FloatArray) -> FloatArray:
     """Draw a line through each gap, level before the first and after the last known value."""
     known = np.flatnonzero(np.isfinite(signal))
@@ -161,3 +175,15 @@ def smooth_speed(op: FloatArray, period: float) -> float:
     width = max(1, int(period / 12))
     smooth = np.convolve(op, np.full(width, 1 / width), mode="valid")
     return float(np.mean(np.abs(np.diff(smooth)))) or float(np.ptp(op)) / len(op)
+
+
+@kernel
+def to_blocks(delay: float, block: int) -> float:
+    """Return the lag in blocks of a delay in samples, from the block's end to its middle."""
+    return (delay - 1.0) / block + (block + 1.0) / (2.0 * block)
+
+
+@kernel
+def from_blocks(delay: float, block: int) -> float:
+    """Return the delay in samples of a lag in blocks, the inverse of ``to_blocks``."""
+    return (delay - (block + 1.0) / (2.0 * block)) * block + 1.0

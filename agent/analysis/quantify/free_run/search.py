@@ -1,21 +1,23 @@
-"""From the coarse candidates to the best model and those beside it: more care for fewer candidates.
+"""From the coarse candidates to the best model and those beside it: a longer record for fewer candidates.
 
-The best of each bin of S, of each half of J/S and of each kind of stem goes on to the end, because the cells
-of one broad wrong basin would crowd out the needles; so the search yields the error against S on its way.
+One slip missed displaces the stem until the next reversal or longer, so that the basin of the true valve
+narrows with every stroke: over the whole record it is a needle a quarter per cent wide, over four periods
+some per cent. Candidates are therefore fitted to the first periods and follow the basin as the record
+grows, and those that lose it are dropped. The best of each bin of S, of each half of J/S and of each kind of
+stem is fitted to the whole record as well, so that the search yields the error against S on its way.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from agent.analysis.quantify.free_run.bank import bank
 from agent.analysis.quantify.free_run.climb import climb
 from agent.analysis.quantify.free_run.coarse_grid import S_BINS, coarse_candidates, log_tau2, processes
-from agent.analysis.quantify.free_run.geometric_error import descend
 from agent.analysis.quantify.free_run.local_search import random_steps, simplex
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
@@ -34,6 +36,7 @@ from agent.analysis.quantify.free_run.objective import (
     S,
     free_run_error,
 )
+from agent.analysis.quantify.free_run.problem import first_periods
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,20 +46,45 @@ if TYPE_CHECKING:
 
 SEARCHED = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY, LOG_TAU2), INTEGRATOR: (DELAY,)}
 STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-STEMS = np.array([(0.01, 0.01, 1e-8), (0.08, 0.01, 1e-13), (0.15, 0.1, 0.003), (0.3, 0.15, 0.01)])
-"""Damping, supply and rest that a search starts from: He's valve, the two-state one, and two between them.
-
-The first two stay as they are.
-"""
+STEMS = np.array([(0.01, 0.01, 1e-8), (0.15, 0.1, 0.003), (0.3, 0.15, 0.01)])
+"""Damping, supply and rest that a search starts from: He's valve, which stays as it is, and two that take
+their time."""
 TAUS = 12
 RATIOS = np.array([0.0, 0.15, 0.3, 0.5, 0.75, 1.0])
 """Second time constants of the bank, over the first."""
 PERIODS = 15.0
 """Periods that the bank looks at."""
-CLIMB = 10
-DESCENTS = ((0.5, 60), (0.3, 120))
-"""Scale and evaluations of the rounds on the geometric error."""
-POLISHED = 8
+CLIMB = 6
+FAST = -1.0
+"""Log of a second time constant (samples) that changes little, for a search to start from."""
+TO_A_BIN = 5
+"""Candidates of a bin that the first horizon sees."""
+
+
+class Horizon(NamedTuple):
+    """One length of record, and what is spent on it."""
+
+    periods: float
+    """Infinite: the whole record."""
+    scale: float
+    """Of the random steps."""
+    evaluations: tuple[int, int]
+    """For the process, and for the valve with the process following."""
+    kept: int
+    """Candidates that see the next horizon, at most three of a bin."""
+
+
+HORIZONS = (
+    Horizon(5, 0.5, (20, 50), 300),
+    Horizon(8, 0.4, (30, 60), 100),
+    Horizon(12, 0.3, (30, 60), 40),
+    Horizon(20, 0.2, (30, 80), 20),
+    Horizon(40, 0.2, (30, 80), 12),
+    Horizon(math.inf, 0.15, (30, 80), 8),
+)
+OF_ONE_BIN = 3
+SPREAD_FROM = 8
+"""Horizon (periods) whose best of each bin go to the whole record, for the intervals."""
 FINALISTS = 3
 OFFSETS = (0.0025, 0.005, 0.01, 0.02, 0.04)
 """Distances from the best S, OP spans, at which all else is fitted again; three times that in J."""
@@ -100,29 +128,44 @@ def structures(hints: LoopHints) -> tuple[int, ...]:
 def best_stiction(problem: Problem, hints: LoopHints) -> Found | None:
     """Return the best sticking model and its neighbours, or None where no candidate moves the valve."""
     rng = np.random.default_rng(0)
-    starts = climbed(problem, hints, rng)
-    for scale, evaluations in DESCENTS:
-        lowered = [Fitted(*geometric(fitted, problem, scale, evaluations, rng)) for fitted in starts]
-        starts = best_by_bin(lowered, problem)
-    binned = [refine(restart(f, f.structure, problem), problem, 0.2, (30, 40), rng) for f in starts]
-    binned = by_error(binned)
-    if not binned:
+    followed, spread = follow(climbed(problem, hints, rng), problem, rng)
+    if not followed:
         return None
-    finalists = by_error([refine(f, problem, 0.1, (80, 250), rng) for f in binned[:POLISHED]])[:FINALISTS]
+    finalists = by_error([refine(f, problem, 0.1, (80, 250), rng) for f in followed])[:FINALISTS]
     final = list(finalists)
     for fitted in finalists:
         for structure in structures(hints):
-            lowered_again = Fitted(*geometric(restart(fitted, structure, problem), problem, 0.1, 200, rng))
-            final.append(refine(restart(lowered_again, structure, problem), problem, 0.1, (80, 250), rng))
+            again = refine(restart(fitted, structure, problem), problem, 0.2, (80, 200), rng)
+            final.append(refine(again, problem, 0.1, (80, 250), rng))
     allowed = [f for f in by_error(final) if f.structure in structures(hints)]
     if not allowed:
         return None
     best = refine(simplest(allowed), problem, 0.03, (100, 300), rng)
-    return Found(best, tuple(by_error([*binned, *final, *around(best, problem, rng)])))
+    return Found(best, tuple(by_error([*spread, *followed, *final, *around(best, problem, rng)])))
+
+
+def follow(
+    starts: Sequence[Fitted], problem: Problem, rng: np.random.Generator
+) -> tuple[list[Fitted], list[Fitted]]:
+    """Return the candidates that follow the growing record to its end, and the best of each bin there."""
+    spread: list[Fitted] = []
+    for horizon in HORIZONS:
+        part = problem if math.isinf(horizon.periods) else first_periods(problem, horizon.periods)
+        begun = [restart(fitted, fitted.structure, part) for fitted in starts]
+        lowered = [refine(fitted, part, horizon.scale, horizon.evaluations, rng) for fitted in begun]
+        if horizon.periods == SPREAD_FROM:
+            spread = [restart(f, f.structure, problem) for f in best_by_bin(lowered, problem)]
+        starts = best_by_bin(lowered, problem, OF_ONE_BIN)[: horizon.kept]
+        if len(part.pv) == len(problem.pv):
+            break
+    return list(starts), [refine(f, problem, 0.2, (30, 40), rng) for f in spread]
 
 
 def climbed(problem: Problem, hints: LoopHints, rng: np.random.Generator) -> list[Fitted]:
-    """Return the coarse candidates after a short climb in the bank: the best of each bin, with processes."""
+    """Return the best of each bin after a short climb in the bank, with processes.
+
+    A second pole is always in the search: without one where it is needed no candidate reaches the basin.
+    """
     candidates, shares = coarse_candidates(problem, STEMS, integrates=hints.integrating)
     taus, ratios = processes(problem, TAUS, RATIOS, integrates=hints.integrating)
     near = bank(problem, taus, ratios, PERIODS)
@@ -137,31 +180,22 @@ def climbed(problem: Problem, hints: LoopHints, rng: np.random.Generator) -> lis
             candidates[i], near, grid, int(np.argmin(apart)), problem.op_span, 1.0, CLIMB, rng
         )
         candidate[LOG_TAU] = log_taus[place]
-        candidate[LOG_TAU2] = max(min(log_taus2[place], log_taus[place]), LEAST_LOG_TAU)
+        candidate[LOG_TAU2] = max(min(max(log_taus2[place], FAST), log_taus[place]), LEAST_LOG_TAU)
         candidate[DELAY] = problem.fixed_delay or min(max(candidate[DELAY], 1.0), problem.max_delay)
         integrates = bool(np.isinf(taus[place])) and ratios[place] == 0
-        structure = INTEGRATOR if integrates else SOPDT if ratios[place] > 0 else FOPDT
-        climbs.append(Fitted(-float(share), structure, candidate))
-    return best_by_bin(climbs, problem, top=2)
+        climbs.append(Fitted(-float(share), INTEGRATOR if integrates else SOPDT, candidate))
+    return best_by_bin(climbs, problem, TO_A_BIN)
 
 
 def best_by_bin(fits: Sequence[Fitted], problem: Problem, top: int = 1) -> list[Fitted]:
-    """Keep the ``top`` best of each bin of S, of each half of J/S and of each stem that stays as it is."""
+    """Return the ``top`` best of each bin of S, each half of J/S and each kind of stem, best first."""
     bins: dict[tuple[int, bool, float], list[Fitted]] = {}
-    for fitted in sorted(fits, key=lambda fit: fit.error):
+    for fitted in by_error(fits):
         x = fitted.candidate
         key = (int(x[S] / problem.op_span * S_BINS), bool(x[J_RATIO] > SLIPS_DIFFER), min(x[LOG_REST], RIGID))
         if len(bins.setdefault(key, [])) < top:
             bins[key].append(fitted)
-    return [fitted for one_bin in bins.values() for fitted in one_bin]
-
-
-def geometric(
-    fitted: Fitted, problem: Problem, scale: float, evaluations: int, rng: np.random.Generator
-) -> tuple[float, int, FloatArray]:
-    """Return the geometric error, the structure and the candidate after a descent on that error."""
-    candidate, error = descend(fitted.candidate, fitted.structure, problem, scale, evaluations, rng)
-    return float(error), fitted.structure, candidate
+    return by_error([fitted for one_bin in bins.values() for fitted in one_bin])
 
 
 def restart(fitted: Fitted, structure: int, problem: Problem) -> Fitted:
