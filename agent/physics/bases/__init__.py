@@ -1,0 +1,10 @@
+"""What a model of the workbench begins with: a process, one kind a name."""
+
+from __future__ import annotations
+
+from agent.physics.bases.base import Base
+from agent.physics.bases.lag_bases import Fopdt, Integrator, Sopdt
+
+__all__ = ["BASES", "Base"]
+
+BASES: tuple[Base, ...] = (Fopdt(), Sopdt(), Integrator())

@@ -1,0 +1,125 @@
+"""What a physical effect is: named, bounded parameters and what they do at one stage between OP and PV."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, Protocol, TypeVar
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+
+P = TypeVar("P")
+"""A process that the effect knows: ``LinearProcess``, ``TwoTanks``."""
+Stage = Literal["valve", "process", "sensor", "disturbance"]
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What a record lends to the bounds of parameters."""
+
+    ts: float
+    """s."""
+    samples: int
+    op_low: float
+    """OP units, like ``op_high``."""
+    op_high: float
+    period: float
+    """Dominant period of OP, s."""
+    op_speed: float
+    """Mean speed of OP without its noise, OP units per second."""
+    gain_sign: int
+    """Of the process; 0 where it is not known."""
+
+    @property
+    def op_span(self) -> float:
+        """OP units."""
+        return self.op_high - self.op_low
+
+    @property
+    def duration(self) -> float:
+        """s."""
+        return self.ts * self.samples
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One number of an effect or of a process, searched between its bounds."""
+
+    name: str
+    unit: str
+    """``OP``, ``PV``, ``s``, ``1/s``, ``OP/s`` or ``1``."""
+    low: float
+    high: float
+    null: float | None = None
+    """Value at which the effect is not there; None where no value of this parameter alone removes it."""
+    log: bool = False
+    """Searched by its logarithm; ``low`` > 0 then."""
+
+
+class Effect(Protocol):
+    """One physical effect. Its stage says which of the four forms of ``apply`` it has."""
+
+    @property
+    def name(self) -> str:
+        """As the command line calls it."""
+        ...
+
+    @property
+    def family(self) -> str:
+        """Effects that one record may not tell apart."""
+        ...
+
+    @property
+    def stage(self) -> Stage:
+        """Where between OP and PV it acts."""
+        ...
+
+    @property
+    def bases(self) -> tuple[str, ...]:
+        """Names of the process bases it applies to; empty: all that are linear."""
+        ...
+
+    def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
+        """Return what is searched, with bounds that fit the record."""
+        ...
+
+
+class ValveEffect(Effect, Protocol):
+    """Moves the valve; effects of this stage act one after the other, the controller's side first."""
+
+    def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:
+        """Return the position (n,), OP units, that follows from what is commanded, (n,), OP units, no NaN."""
+        ...
+
+
+class SensorEffect(Effect, Protocol):
+    """Changes what the transmitter makes of PV; must be linear in it."""
+
+    def apply(self, pv: FloatArray, values: FloatArray, ts: float) -> FloatArray:
+        """Return what is measured of ``pv``, (n,), PV units."""
+        ...
+
+
+class DisturbanceEffect(Effect, Protocol):
+    """Adds to PV with coefficients that are solved for, not searched."""
+
+    def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:
+        """Return what is added but for its coefficients, (n, k).
+
+        Args:
+            time: From the start of the record, s, (n,).
+            response: Of the process to the valve, gain one, (n,).
+            values: In the order of ``parameters``.
+        """
+        ...
+
+
+class ProcessEffect(Effect, Protocol[P]):
+    """Makes another process of a process."""
+
+    def change(self, process: P, values: FloatArray) -> P:
+        """Return the process with the effect; times are in s."""
+        ...
