@@ -35,12 +35,12 @@ class Facts:
 
     @property
     def op_span(self) -> float:
-        """OP units."""
+        """Max - min of OP, OP units."""
         return self.op_high - self.op_low
 
     @property
     def duration(self) -> float:
-        """s."""
+        """Of the record, s."""
         return self.ts * self.samples
 
 

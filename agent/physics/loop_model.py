@@ -1,4 +1,4 @@
-"""A model of a loop from OP to PV: valve effects, a process with its effects, sensor effects, disturbances."""
+"""A model of a loop from OP to PV: valve effects, process and its effects, sensor effects, disturbances."""
 
 from __future__ import annotations
 
@@ -32,7 +32,10 @@ class LoopModel:
     effects: tuple[Effect, ...] = ()
 
     def parameters(self, facts: Facts) -> tuple[tuple[str, Parameter], ...]:
-        """Return all that is searched with its full name: ``delay`` of the base, ``stiction.s`` of an effect."""
+        """Return all that is searched with its full name: ``delay`` of the base, ``stiction.s`` of an effect.
+
+        In the order of the values that the other methods take.
+        """
         own = [(each.name, each) for each in self.base.parameters(facts)]
         for effect in self.effects:
             own += [(f"{effect.name}.{each.name}", each) for each in effect.parameters(facts)]
@@ -47,7 +50,7 @@ class LoopModel:
         return position
 
     def columns(self, op: FloatArray, values: FloatArray, facts: Facts) -> FloatArray:
-        """Return the response of gain one first, then what disturbances add but for coefficients, (n, 1 + k)."""
+        """Return the response of gain one, then what disturbances add but for coefficients, (n, 1 + k)."""
         process = self.base.process(values[: len(self.base.parameters(facts))])
         pairs = list(self._split(values, facts))
         for effect, own in pairs:
@@ -57,7 +60,7 @@ class LoopModel:
         for effect, own in pairs:
             if effect.stage == "sensor":
                 response = cast("SensorEffect", effect).apply(response, own, facts.ts)
-        time = facts.ts * np.arange(len(op))
+        time = np.asarray(facts.ts * np.arange(len(op)), dtype=np.float64)
         added = [
             cast("DisturbanceEffect", effect).columns(time, response, own)
             for effect, own in pairs

@@ -56,7 +56,7 @@ class LinearProcess:
 
 @kernel
 def lagged(signal: FloatArray, tau: float) -> FloatArray:
-    """Return ``signal`` (n,) behind a first-order lag of ``tau`` samples, from rest, straight between samples.
+    """Return ``signal`` (n,) behind a first-order lag of ``tau`` samples, from rest.
 
     Exact for a signal that goes in straight lines from sample to sample (first-order hold).
     """
