@@ -34,6 +34,8 @@ class Judged:
     verdict: str
     evidence: float | None
     linear_percent: float | None
+    methods: dict[str, str]
+    """Verdict of each method."""
 
     @property
     def right(self) -> bool:
@@ -56,6 +58,7 @@ def run(_options: Options) -> None:
     print(summary(judged))
     print(valves(judged))
     print(recordings(judged))
+    print(methods(judged[QUANTIFIERS[0]]))
 
 
 def diagnosed(folder: Path, index: Sequence[dict[str, str]], quantifier: str) -> list[Judged]:
@@ -78,6 +81,7 @@ def diagnosed(folder: Path, index: Sequence[dict[str, str]], quantifier: str) ->
             answer["verdict"],
             answer["methods"].get(quantifier, {}).get("index"),
             answer["fit"]["linear_percent"],
+            {name: said["verdict"] for name, said in answer["methods"].items()},
         )
         for row, answer in zip(index, answers, strict=True)
     ]
@@ -150,3 +154,22 @@ def recordings(judged: dict[str, list[Judged]]) -> str:
         )
     columns = ("recording", "label", "linear fit, %", *(f"`{name}`, evidence" for name in judged))
     return table("### By recording", columns, rows)
+
+
+def methods(judged: Sequence[Judged]) -> str:
+    """Return a row for each method and the diagnosis: whom it finds, whom it accuses."""
+    scored = [each for each in judged if each.valve not in NOT_SCORED]
+    names = dict.fromkeys(name for each in judged for name in each.methods)
+    rows = [(f"`{name}`", *found(scored, [each.methods.get(name, "") for each in scored])) for name in names]
+    rows.append(("diagnosis", *found(scored, [each.verdict for each in scored])))
+    columns = ("method", "sticking: found", "cleared", "sound: accused", "cleared")
+    return table("### Every method on the recordings, of those where it applies", columns, rows)
+
+
+def found(judged: Sequence[Judged], said: Sequence[str]) -> list[str]:
+    cells = []
+    for label in ("stiction", "no_stiction"):
+        words = [word for each, word in zip(judged, said, strict=True) if each.label == label]
+        spoke = sum(word in ("stiction", "no_stiction", "undecided") for word in words)
+        cells += [f"{words.count('stiction')} of {spoke}", str(words.count("no_stiction"))]
+    return cells

@@ -29,8 +29,8 @@ sinusoidal load (``simulators.random_plants``, 2000 samples).
 COHERENT_REST = 0.4
 """The same of what a sticking valve's model leaves, to blame a disturbance beside it.
 
-Of 25 simulated limit cycles none leaves a swing at all; of 25 whose load swings as well 9 leave one above this
-(``random_plants`` and ``random_moves``, seeds 3000 to 3024); most of the others have fallen in step.
+Of 25 simulated limit cycles none leaves a swing at all; of 25 whose load swings as well 9 leave one above
+this (``random_plants`` and ``random_moves``, seeds 3000 to 3024); most of the others have fallen in step.
 """
 
 

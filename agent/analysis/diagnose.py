@@ -161,7 +161,8 @@ def _causes(
         return causes_with_stiction(window, found)
     if verdict == "no_stiction":
         return cause_without_stiction(window, oscillation, found)
-    return (CauseShare("undecided", 1.0),)
+    # What the loop does is known, also where it is not known what the valve does.
+    return (CauseShare("undecided" if oscillation.detected else "no_oscillation", 1.0),)
 
 
 def _bands(stiction: StictionEstimate) -> FrictionBands:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from agent.analysis.recording import LoopWindow
-from agent.analysis.results import CauseShare, Diagnosis, Oscillation
+from agent.analysis.results import CauseShare, Diagnosis, MethodResult, Oscillation
 
 CONFIDENCE = 0.5
 """A valve that hardly moved cannot show much of itself."""
 
 
-def quiet(window: LoopWindow, oscillation: Oscillation) -> Diagnosis:
+def quiet(window: LoopWindow, oscillation: Oscillation, methods: dict[str, MethodResult]) -> Diagnosis:
     """Say so of a testable window that neither oscillates nor moves its valve to and fro."""
     return Diagnosis(
         loop=window.loop,
@@ -21,4 +21,5 @@ def quiet(window: LoopWindow, oscillation: Oscillation) -> Diagnosis:
         reasons=("the loop shows no regular oscillation, and OP does not travel to and fro",),
         oscillation=oscillation,
         quantification=None,
+        methods=methods,
     )

@@ -89,11 +89,7 @@ class LoopPipeline:
                     self._judging = False
 
     async def _judge(self, window: LoopWindow) -> None:
-        seen = trigger(window)
-        if seen.fires or self.settings.quantify == "always":
-            diagnosis = await self._executor.run(self._diagnose, window)
-        else:
-            diagnosis = quiet(window, seen.oscillation)
+        diagnosis = await self._diagnosis_of(window)
         self.diagnosis = diagnosis
         if diagnosis.oscillation is not None:
             self.window.period = diagnosis.oscillation.period if diagnosis.oscillation.detected else None
@@ -102,6 +98,13 @@ class LoopPipeline:
             self._announce(announcement)
         if self._on_diagnosis is not None:
             self._on_diagnosis(diagnosis)
+
+    async def _diagnosis_of(self, window: LoopWindow) -> Diagnosis:
+        if self.settings.quantify != "always":
+            seen = await self._executor.run(trigger, window)
+            if not seen.fires:
+                return quiet(window, seen.oscillation, seen.methods)
+        return await self._executor.run(self._diagnose, window)
 
     def _announce(self, announcement: Announcement) -> None:
         if announcement.kind == "event":

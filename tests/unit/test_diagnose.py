@@ -152,6 +152,11 @@ def test_disturbance_beside_stiction():
     assert any("43 s" in step or "upstream" in step for step in found.advice)
 
 
+def test_what_the_loop_does_is_said_where_the_valve_is_undecided():
+    found = judged(CALM, replace(STICKING, decision="undecided", turns=0))
+    assert (found.verdict, found.cause) == ("undecided", "no_oscillation")
+
+
 def test_gate_that_closes_some_methods_is_told():
     found = judged(CALM, STICKING)
     assert any("no oscillation: what needs a steady" in reason for reason in found.reasons)

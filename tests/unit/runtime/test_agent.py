@@ -232,7 +232,7 @@ class SlowExecutor:
     """Takes its time, as a pool does."""
 
     async def run(self, function, *args):
-        await asyncio.sleep(250.0)
+        await asyncio.sleep(125.0)  # twice a window: trigger, then diagnosis
         return function(*args)
 
 

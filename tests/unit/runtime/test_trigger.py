@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agent.analysis.recording import LoopWindow
+from agent.analysis.results import MethodResult
 from agent.analysis.reversals import significant_reversals
 from agent.runtime.trigger import trigger
 
@@ -33,6 +34,14 @@ def test_it_fires_where_op_travels_to_and_fro_without_a_rhythm():
 def test_it_does_not_fire_at_rest():
     seen = trigger(window(50 + T / 1000 + 0.002 * NOISE))
     assert not seen.fires
+    assert all(each.verdict != "stiction" and each.seen is None for each in seen.methods.values())
+
+
+def test_it_fires_where_a_detector_says_stiction(monkeypatch):
+    resting = window(50 + T / 1000 + 0.002 * NOISE)
+    accused = {"damarla": MethodResult("stiction", 0.4)}
+    monkeypatch.setattr("agent.runtime.trigger.detect_stiction", lambda *_: accused)
+    assert trigger(resting).fires
 
 
 def test_it_fires_where_nothing_can_be_said_so_that_the_diagnosis_says_why():
