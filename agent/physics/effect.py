@@ -26,6 +26,9 @@ class Facts:
     op_low: float
     """OP units, like ``op_high``."""
     op_high: float
+    pv_low: float
+    """PV units, like ``pv_high``."""
+    pv_high: float
     period: float
     """Dominant period of OP, s."""
     op_speed: float
