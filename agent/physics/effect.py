@@ -60,6 +60,8 @@ class Parameter:
     """Value at which the effect is not there; None where no value of this parameter alone removes it."""
     log: bool = False
     """Searched by its logarithm; ``low`` > 0 then."""
+    of_record: bool = False
+    """Belongs to one record and not to the loop, like where the valve stands at first: fitted again on another."""
 
 
 class Effect(Protocol):
@@ -82,7 +84,7 @@ class Effect(Protocol):
 
     @property
     def bases(self) -> tuple[str, ...]:
-        """Names of the process bases it applies to; empty: all that are linear."""
+        """Names of the process bases it applies to; empty: all, but a process effect only to linear ones."""
         ...
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:

@@ -43,7 +43,7 @@ class Deadband:
         """Return the width of the band and where the plug stands in it at first."""
         return (
             Parameter("s", "OP", 0.0, facts.op_span, null=0.0),
-            Parameter("start", "1", -1.0, 1.0),
+            Parameter("start", "1", -1.0, 1.0, of_record=True),
         )
 
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
