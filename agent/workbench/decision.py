@@ -1,0 +1,130 @@
+"""Which of the effects that were tried does the record confirm?
+
+Source: reference ``missing_effect.md`` section 4, steps 5 and 6: thresholds 5 % and p < 0.05 after Holm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from agent.workbench.holm import holm
+from agent.workbench.paired_blocks import reduction, sign_flip_p
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+
+LEVEL = 0.05
+"""Significant below it."""
+LEAST_PERCENT = 5.0
+"""Smaller reductions of the held-out error are no effect, however significant."""
+
+DecisionKind = Literal["confirmed", "family", "suggested", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """An effect that was added to the model and refitted."""
+
+    effect: str
+    family: str
+    error_reduction_percent: float
+    """Of the held-out mean squared error."""
+    low: float
+    """Lower end of its 90 % interval."""
+    high: float
+    p: float
+    """That it reduces nothing: adjusted for all candidates, and not below that of the simulated null."""
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What the record says of the candidates."""
+
+    kind: DecisionKind
+    """``family``: one of the family, it cannot be said which. ``suggested``: not significant, or no better
+    than an effect of another family."""
+    effect: str | None
+    """Of those that cannot be told apart the simplest of the best one's family; None where there is none."""
+    family: str | None
+    indistinguishable: tuple[str, ...]
+    """The others that cannot be told from the best."""
+    rivals: tuple[str, ...]
+    """Those of them that are of another family. Where the record holds both effects, adding one leaves the
+    other to be confirmed above it; where it does not, either explains what the other does."""
+    candidates: tuple[Candidate, ...]
+    """The largest reduction first."""
+
+
+def judge(
+    losses_base: FloatArray,
+    losses: Mapping[str, FloatArray],
+    families: Mapping[str, str],
+    null_p: Mapping[str, float] | None = None,
+    *,
+    rng: np.random.Generator | None = None,
+) -> Decision:
+    """Judge candidates by their held-out errors.
+
+    An effect is confirmed where it reduces the error by at least ``LEAST_PERCENT``, the interval of the
+    reduction is above zero, and p, adjusted by Holm, is below ``LEVEL``. Of those that are, one is told from
+    the best by the same rule: where the best reduces its error by as much, as significantly.
+
+    Args:
+        losses_base: Sum of squares of each held-out block without any of the candidates, (b,), b >= 2, one of
+            them > 0. A block that is NaN for one model counts for none.
+        losses: The same with each candidate, the simplest of a family first.
+        families: Of each candidate.
+        null_p: p of the simulated null, for candidates whose null lies on a boundary; it must be below
+            ``LEVEL`` as well. It is not multiplied by the number of candidates: Holm has paid for the choice.
+        rng: Of the bootstrap; None: always the same draws.
+    """
+    draws = np.random.default_rng(0) if rng is None else rng
+    known = np.all(np.isfinite([losses_base, *losses.values()]), axis=0)
+    base = losses_base[known]
+    own = {effect: np.asarray(each)[known] for effect, each in losses.items()}
+    raw = {effect: sign_flip_p(base, each) for effect, each in own.items()}
+    adjusted = holm(np.array(list(raw.values())))
+    ranked = []
+    for (effect, mine), p in zip(own.items(), adjusted, strict=True):
+        found = reduction(base, mine, draws)
+        p_all = max(float(p), (null_p or {}).get(effect, 0.0))
+        ranked.append(Candidate(effect, families[effect], found.percent, found.low, found.high, p_all))
+    ranked.sort(key=lambda each: -each.error_reduction_percent)
+    confirmed = [each for each in ranked if _is_effect(each.error_reduction_percent, each.low, each.p)]
+    if confirmed:
+        best = confirmed[0]
+        least = own[best.effect]
+        alike = {each.effect for each in confirmed if not _told_apart(least, own[each.effect], draws)}
+        return _of_set(best, [effect for effect in own if effect in alike], families, tuple(ranked))
+    for each in ranked:
+        if _is_effect(each.error_reduction_percent, each.low, raw[each.effect]):
+            return Decision("suggested", each.effect, each.family, (), (), tuple(ranked))
+    return Decision("none", None, None, (), (), tuple(ranked))
+
+
+def _is_effect(percent: float, low: float, p: float) -> bool:
+    return p < LEVEL and percent >= LEAST_PERCENT and low > 0
+
+
+def _told_apart(best: FloatArray, other: FloatArray, rng: np.random.Generator) -> bool:
+    """Whether ``best`` beats ``other`` as an effect must beat the base."""
+    found = reduction(other, best, rng)
+    return _is_effect(found.percent, found.low, sign_flip_p(other, best))
+
+
+def _of_set(
+    best: Candidate, alike: list[str], families: Mapping[str, str], ranked: tuple[Candidate, ...]
+) -> Decision:
+    """Decide for those that cannot be told apart, the simplest first."""
+    family = [effect for effect in alike if families[effect] == best.family]
+    rivals = tuple(effect for effect in alike if effect not in family)
+    others = (*family[1:], *rivals)
+    kind: DecisionKind = "suggested" if rivals else "family" if others else "confirmed"
+    return Decision(kind, family[0], best.family, others, rivals, ranked)

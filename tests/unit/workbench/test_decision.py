@@ -1,0 +1,153 @@
+"""Verdicts from held-out errors of blocks, where the truth is known."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from agent.workbench.decision import judge
+from agent.workbench.holm import holm
+from agent.workbench.paired_blocks import reduction, sign_flip_p, stretches
+
+BLOCKS = 24
+FAMILIES = {
+    "deadband": "valve_hysteresis",
+    "stiction": "valve_hysteresis",
+    "sinusoid": "disturbance",
+    "decoy": "decoy",
+}
+
+
+def base_losses(rng, blocks=BLOCKS):
+    return rng.gamma(4.0, 1.0, blocks)
+
+
+def less(rng, losses, percent, scatter=0.1):
+    """Losses of a model that makes ``percent`` less error, each block by its own luck."""
+    return losses * (1 - percent / 100) * np.exp(scatter * rng.normal(size=len(losses)))
+
+
+def judged(losses_base, losses, **options):
+    return judge(losses_base, losses, FAMILIES, **options)
+
+
+def test_holm_by_hand():
+    np.testing.assert_allclose(holm(np.array([0.01, 0.04, 0.03, 0.005])), [0.03, 0.06, 0.06, 0.02])
+    np.testing.assert_allclose(holm(np.array([0.6, 0.5])), [1.0, 1.0])
+    assert holm(np.empty(0)).size == 0
+
+
+def test_stretches_hold_every_block_once():
+    assert stretches(np.ones(10)).tolist() == [1.0] * 10
+    assert stretches(np.ones(40)).sum() == 40
+    assert len(stretches(np.ones(40))) == 14
+
+
+def test_sign_flips_are_those_of_scipy():
+    rng = np.random.default_rng(3)
+    base, other = rng.gamma(4.0, 1.0, (2, 10))
+    exact = stats.permutation_test(
+        (base - other,), np.mean, permutation_type="samples", alternative="greater", n_resamples=np.inf
+    )
+    assert sign_flip_p(base, other) == pytest.approx(exact.pvalue)
+
+
+def test_models_that_are_alike_have_p_one_and_no_reduction():
+    base = base_losses(np.random.default_rng(0))
+    assert sign_flip_p(base, base) == 1.0
+    found = reduction(base, base, np.random.default_rng(0))
+    assert (found.percent, found.low, found.high) == (0.0, 0.0, 0.0)
+
+
+def test_a_clear_effect_is_confirmed_and_named():
+    rng = np.random.default_rng(1)
+    base = base_losses(rng)
+    losses = {"deadband": less(rng, base, 40), "stiction": less(rng, base, 60), "decoy": less(rng, base, 0)}
+    found = judged(base, losses)
+    assert (found.kind, found.effect, found.family) == ("confirmed", "stiction", "valve_hysteresis")
+    assert found.indistinguishable == found.rivals == ()
+    assert [each.effect for each in found.candidates] == ["stiction", "deadband", "decoy"]
+    best = found.candidates[0]
+    assert best.low < best.error_reduction_percent < best.high
+    assert best.error_reduction_percent == pytest.approx(60, abs=4)
+
+
+def test_members_of_one_family_that_do_as_well_leave_the_simplest_and_the_subtype_open():
+    rng = np.random.default_rng(2)
+    base = base_losses(rng)
+    best = less(rng, base, 60)
+    losses = {"deadband": less(rng, best, 0, 0.02), "stiction": best, "sinusoid": less(rng, base, 10)}
+    found = judged(base, losses)
+    assert (found.kind, found.effect) == ("family", "deadband")
+    assert found.indistinguishable == ("stiction",)
+
+
+def test_a_rival_of_another_family_keeps_it_a_suggestion():
+    rng = np.random.default_rng(2)
+    base = base_losses(rng)
+    best = less(rng, base, 60)
+    found = judged(base, {"stiction": best, "sinusoid": less(rng, best, -1, 0.02)})
+    assert (found.kind, found.effect, found.family) == ("suggested", "stiction", "valve_hysteresis")
+    assert found.rivals == found.indistinguishable == ("sinusoid",)
+
+
+def test_an_effect_too_small_to_matter_is_none():
+    rng = np.random.default_rng(4)
+    base = base_losses(rng)
+    found = judged(base, {"stiction": 0.97 * base})
+    assert found.candidates[0].p < 0.001
+    assert (found.kind, found.effect, found.family) == ("none", None, None)
+
+
+def test_what_holm_fails_alone_is_suggested():
+    base = np.ones(5)
+    losses = {"stiction": 0.8 * base, "sinusoid": base, "decoy": base}
+    found = judged(base, losses)  # p of five blocks is 1/32 at least, times three candidates
+    assert found.candidates[0].p == pytest.approx(3 / 32)
+    assert (found.kind, found.effect) == ("suggested", "stiction")
+
+
+def test_the_simulated_null_must_agree():
+    rng = np.random.default_rng(5)
+    base = base_losses(rng)
+    losses = {"stiction": less(rng, base, 60)}
+    assert judged(base, losses, null_p={"stiction": 0.005}).kind == "confirmed"
+    found = judged(base, losses, null_p={"stiction": 0.3})
+    assert found.candidates[0].p == 0.3
+    assert found.kind == "suggested"
+
+
+def test_a_block_without_an_error_counts_for_no_model():
+    rng = np.random.default_rng(6)
+    base = base_losses(rng)
+    losses = {"stiction": less(rng, base, 50), "decoy": base.copy()}
+    losses["decoy"][3] = np.nan
+    kept = np.delete(np.arange(BLOCKS), 3)
+    assert judged(base, losses) == judged(base[kept], {name: each[kept] for name, each in losses.items()})
+
+
+def test_no_candidates_is_none():
+    assert judged(np.ones(12), {}).kind == "none"
+
+
+def test_decoys_are_hardly_ever_confirmed():
+    """Ten that gain nothing in blocks whose luck is shared with their neighbours'."""
+    confirmed = 0
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        base = base_losses(rng, 30)
+        luck = 0.3 * (rng.normal(size=(10, 31))[:, 1:] + rng.normal(size=(10, 31))[:, :-1])
+        losses = {f"decoy {k}": base * np.exp(each) for k, each in enumerate(luck)}
+        found = judge(base, losses, dict.fromkeys(losses, "decoy"))
+        confirmed += found.kind in ("confirmed", "family")
+    assert confirmed <= 1
+
+
+def test_the_interval_of_a_reduction_holds_the_truth():
+    held, runs, scatter = 0, 200, 0.3
+    true = 100 * (1 - 0.6 * np.exp(scatter**2 / 2))
+    for seed in range(runs):
+        rng = np.random.default_rng(seed)
+        base = base_losses(rng)
+        found = reduction(base, less(rng, base, 40, scatter), rng)
+        held += found.low <= true <= found.high
+    assert 0.82 * runs <= held <= 0.97 * runs
