@@ -47,6 +47,7 @@ from connectors.recording import read_recording
 from simulators.parameters import ProcessParameters, ValveParameters
 from simulators.plant import simulate
 from simulators.process import Process as SimulatedProcess
+from simulators.random_moves import random_moved
 from simulators.random_plants import Kind, random_plant
 from simulators.scenario import load_scenario
 from simulators.valve import STEP, Valve
@@ -265,6 +266,25 @@ def oscillation_peak() -> Figure:
     return figure
 
 
+def load_like_a_dead_band() -> Figure:
+    """Draw a simulated sound valve whose load wanders, and the dead band that explains it by mistake."""
+    record = simulate(random_moved(3014, "set_point"))
+    window = LoopWindow("load", 0.0, 1.0, record.op, record.pv, record.sp)
+    found = quantifier("free_run").quantify(window)
+    figure = Figure(figsize=(10.0, 3.6), layout="constrained")
+    pv, op = figure.subplots(1, 2)
+    pv.plot(record.sp, color=SET_POINT, linewidth=0.8, label="SP")
+    pv.plot(record.pv, color=MEASURED, linewidth=0.8, label="PV")
+    pv.plot(found.model_pv, color=MODEL, linewidth=0.9, label=f"model, evidence {found.evidence:.1f}")
+    op.plot(record.op, color=MEASURED, linewidth=0.8, label="OP and true valve")
+    op.plot(found.model_mv, color=VALVE, linewidth=0.9, label=f"valve of the model, turns {found.turns}")
+    for axes in (pv, op):
+        axes.set_xlabel("sample")
+        tidy(axes)
+        legend_above(axes)
+    return figure
+
+
 def stiction_detector(detector: StictionDetector) -> Figure:
     """Draw what a detector sees where a valve sticks, and where the load swings and no valve does."""
     figure = Figure(figsize=(10.0, 3.6), layout="constrained")
@@ -289,6 +309,7 @@ if __name__ == "__main__":
         process_steps,
         stiction_laws,
         chem10,
+        load_like_a_dead_band,
     ):
         draw().savefig(HERE / f"{draw.__name__}.png", dpi=DPI)
     for each in LAWS:
