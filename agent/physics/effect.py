@@ -61,7 +61,7 @@ class Parameter:
     log: bool = False
     """Searched by its logarithm; ``low`` > 0 then."""
     of_record: bool = False
-    """Belongs to one record and not to the loop, like where the valve stands at first: fitted again on another."""
+    """Belongs to one record, not to the loop, like where the valve stands at first: another fits it anew."""
 
 
 class Effect(Protocol):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -40,4 +40,13 @@ class Base(Protocol):
 
     def process(self, values: FloatArray) -> RespondingProcess:
         """Return the process with these values."""
+        ...
+
+
+@runtime_checkable
+class StartingBase(Protocol):
+    """A base that knows better than chance where a fit should begin."""
+
+    def starts(self, op: FloatArray, pv: FloatArray, facts: Facts) -> FloatArray:
+        """Return values (m, k) in the order of ``parameters``; OP and PV (n,) without gaps."""
         ...

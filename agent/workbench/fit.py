@@ -1,0 +1,138 @@
+"""A model fitted to a record: free run from OP alone, everything at once, from many starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.physics.bases.base import StartingBase
+from agent.workbench.projection import nuisance_part, target_of
+from agent.workbench.search import STEP, hypercube, objective_of, searched
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
+    from agent.physics.loop_model import LoopModel
+    from agent.workbench.projection import Target
+    from agent.workbench.record import Record
+    from agent.workbench.space import Space
+
+SCAN = 400
+"""Points of the first scan."""
+ROUNDS = ((8, STEP, 20), (3, STEP / 2, 40), (1, STEP / 5, 60))
+WARM_ROUNDS = ((2, STEP / 4, 20), (1, STEP / 10, 20))
+"""For a model whose values are known from almost the same samples."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """A model with its numbers. Arrays over the record have shape (n,)."""
+
+    model: LoopModel
+    values: FloatArray
+    """Of the parameters, own units, in the order of ``model.parameters``."""
+    coefficients: FloatArray
+    """Of the response (the gain, PV units per OP unit), then of the disturbances."""
+    error: float
+    """Sum of squares of the samples that count, PV units squared."""
+    pv: FloatArray
+    """Free run, PV units; level and drift are those of all the record, whatever samples the rest was fitted to."""
+    at_bound: tuple[str, ...]
+    """Parameters that ran into a bound."""
+
+
+def fit(model: LoopModel, record: Record, weight: FloatArray, starts: FloatArray | None = None) -> Fit:
+    """Fit a model to the samples that ``weight`` (n,) counts.
+
+    Args:
+        model: Base and effects.
+        record: OP and PV.
+        weight: 1 or 0.
+        starts: Values (m, k), own units, to begin from besides the scan; None: only the scan.
+    """
+    objective = objective_of(model, record, target_of(record, weight, linear=model.base.linear))
+    points = hypercube(SCAN, len(objective.space))
+    if isinstance(model.base, StartingBase) and not model.effects:
+        own = model.base.starts(record.op, record.pv, record.facts)
+        points = np.vstack((objective.space.at(own), points))
+    if starts is not None:
+        points = np.vstack((objective.space.at(starts), points))
+    found = searched(objective, points, ROUNDS)
+    return fit_at(model, record, objective.target, objective.space.values(found))
+
+
+def nested_fit(smaller: Fit, model: LoopModel, record: Record, starts: FloatArray | None = None) -> Fit:
+    """Fit a model that has one effect more than ``smaller``, its last, to the whole record.
+
+    The values of ``smaller`` are kept, some of them moved, while those of the new effect are scanned; then all
+    move together.
+    """
+    objective = objective_of(model, record, target_of(record, record.weight, linear=model.base.linear))
+    points = nested_starts(smaller, objective.space)
+    if starts is not None:
+        points = np.vstack((objective.space.at(starts), points))
+    found = searched(objective, points, ROUNDS)
+    return fit_at(model, record, objective.target, objective.space.values(found))
+
+
+def nested_starts(smaller: Fit, space: Space) -> FloatArray:
+    """Return points of the unit cube, (m, k): the new parameters spread, the old as they are or a little off.
+
+    Part of the delay that a smaller model needed may be the new effect's, so the old ones go down more than up.
+    """
+    known = len(smaller.values)
+    new = hypercube(SCAN, len(space) - known)
+    filled = np.hstack(
+        (np.tile(smaller.values, (SCAN, 1)), space.values(np.zeros(len(space)))[known:] + 0 * new)
+    )
+    points = space.at(filled)
+    points[:, known:] = new
+    moved = points[SCAN // 2 :, :known]
+    moved += np.random.default_rng(0).uniform(-0.2, 0.1, moved.shape) * (hypercube(len(moved), known) < 0.5)
+    return np.clip(points, 0.0, 1.0)
+
+
+def refit(fitted: Fit, record: Record, weight: FloatArray) -> Fit:
+    """Fit the same model to other samples, from the values that it has."""
+    objective = objective_of(fitted.model, record, target_of(record, weight, linear=fitted.model.base.linear))
+    found = searched(objective, objective.space.at(fitted.values)[None, :], WARM_ROUNDS)
+    return fit_at(fitted.model, record, objective.target, objective.space.values(found))
+
+
+def fit_at(model: LoopModel, record: Record, target: Target, values: FloatArray) -> Fit:
+    """Return the model with these values and the best coefficients for them."""
+    objective = objective_of(model, record, target)
+    columns = model.columns(record.op, values, record.facts)
+    solved = objective.solved(objective.space.at(values))
+    explained = columns @ solved.coefficients
+    drift = nuisance_part(record, explained, record.weight) if model.base.linear else 0.0
+    return Fit(
+        model=model,
+        values=values,
+        coefficients=solved.coefficients,
+        error=solved.error,
+        pv=explained + drift,
+        at_bound=objective.space.at_bound(values),
+    )
+
+
+def contributions(fitted: Fit, record: Record) -> dict[str, FloatArray]:
+    """Return what each effect adds to the model's PV, PV units, (n,): the model less the one without it."""
+    model = fitted.model
+    space = [name.partition(".")[0] for name, _ in model.parameters(record.facts)]
+    count = len(model.base.parameters(record.facts))
+    columns = model.columns(record.op, fitted.values, record.facts) @ fitted.coefficients
+    added = {}
+    at = 1
+    for effect in model.effects:
+        kept = np.array([i < count or name != effect.name for i, name in enumerate(space)])
+        rest = type(model)(model.base, tuple(each for each in model.effects if each.name != effect.name))
+        without = rest.columns(record.op, fitted.values[kept], record.facts)
+        coefficients = fitted.coefficients
+        if effect.stage == "disturbance":
+            width = len(coefficients) - without.shape[1]
+            coefficients = np.delete(coefficients, slice(at, at + width))
+            at += width
+        added[effect.name] = columns - without @ coefficients
+    return added

@@ -1,0 +1,128 @@
+"""Held-out error: blocks of the record that a fit did not see, predicted in free run from OP.
+
+The model runs through the whole record from OP alone, so a held-out block leaks nothing by what came before it
+but for the noise that both share at its edges; hence the guard (``missing_effect.md`` section 4, step 5). Level
+and slow drift are no claim of any model and are taken out with the whole record in view: drawn on into a block
+from outside they would bury every difference.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.physics.bases.linear_process import LinearProcess
+from agent.workbench.fit import Fit, refit
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from agent.analysis.recording import FloatArray
+    from agent.workbench.record import Record
+
+FOLDS = 5
+FEWEST_BLOCKS = 10
+BLOCKS = 25
+"""Wanted: with fewer the intervals are wide."""
+LEAST_BLOCK = 100
+"""Samples, where the record is long enough for ``BLOCKS`` of them."""
+RUN = 4
+"""Least length of a run of blocks held out together, in guards: else the guards would take what is left."""
+
+
+@dataclass(frozen=True, slots=True)
+class Folds:
+    """Which samples are held out together."""
+
+    block: NDArray[np.int64]
+    """Number of each sample's block, -1 where it belongs to none, (n,)."""
+    fold: NDArray[np.int64]
+    """Of each block, (b,)."""
+    guard: int
+    """Samples on both sides of what is held out that no fit sees."""
+
+    @property
+    def count(self) -> int:
+        """How many blocks there are."""
+        return len(self.fold)
+
+    def held_out(self, fold: int) -> NDArray[np.bool_]:
+        """Return which samples the fit of a fold does not see but must predict, (n,)."""
+        return (self.block >= 0) & (self.fold[self.block] == fold)
+
+    def seen(self, fold: int, weight: FloatArray) -> FloatArray:
+        """Return ``weight`` (n,) of the samples that the fit of a fold sees."""
+        hidden = np.convolve(self.held_out(fold), np.ones(2 * self.guard + 1), mode="same") > 0.5
+        return weight * ~hidden
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOut:
+    """What the folds say of a model."""
+
+    losses: FloatArray
+    """Mean squared error of each block, PV units squared, (b,)."""
+    values: FloatArray
+    """Of the parameters in each fold, own units, (K, k)."""
+    pv: FloatArray
+    """Each sample as predicted by the fold that did not see it, NaN outside the blocks, PV units, (n,)."""
+
+    @property
+    def rmse(self) -> float:
+        """Over all blocks, PV units."""
+        return float(np.sqrt(self.losses.mean()))
+
+
+def folds_of(record: Record, base: Fit) -> Folds | str:
+    """Return the folds of a record, or in plain words why there are too few blocks.
+
+    Blocks of one to three periods, at least 100 samples, shorter where the record is; blocks with less than
+    half of their samples are left out.
+
+    Args:
+        record: OP and PV.
+        base: The base alone, fitted: its delay and time constants tell how long PV remembers.
+    """
+    n, period = len(record), record.period
+    length = min(max(2 * period, LEAST_BLOCK), n / BLOCKS)
+    length = int(min(max(length, period), n / FEWEST_BLOCKS))
+    block = np.minimum(np.arange(n) // length, n // length - 1)  # the last one takes the rest
+    known = np.bincount(block, weights=record.weight)
+    enough = known >= 0.5 * np.bincount(block)
+    if enough.sum() < FEWEST_BLOCKS:
+        return f"only {enough.sum()} stretches of the record have enough samples, {FEWEST_BLOCKS} are needed"
+    number = np.where(enough, np.cumsum(enough) - 1, -1)
+    guard = int(min(memory(base, record), length))
+    run = min(max(1, -(-RUN * guard // length)), int(enough.sum()) // FOLDS)
+    fold = np.arange(enough.sum()) // run % FOLDS
+    return Folds(number[block], fold, guard)
+
+
+def memory(base: Fit, record: Record) -> float:
+    """Return how long PV remembers OP, samples: delay and three time constants, one period where unknown."""
+    process = base.model.base.process(base.values)
+    if not isinstance(process, LinearProcess) or process.integrates:
+        return record.period
+    return (process.delay + 3 * sum(process.lags)) / record.facts.ts
+
+
+def held_out(fitted: Fit, record: Record, folds: Folds) -> HeldOut:
+    """Refit a model without each fold in turn, from the values of the whole record, and predict that fold."""
+    pv = np.full(len(record), np.nan)
+    values = []
+    for fold in range(FOLDS):
+        one = refit(fitted, record, folds.seen(fold, record.weight))
+        hidden = folds.held_out(fold)
+        pv[hidden] = one.pv[hidden]
+        values.append(one.values)
+    return HeldOut(block_losses(record, folds, pv), np.array(values), pv)
+
+
+def block_losses(record: Record, folds: Folds, pv: FloatArray) -> FloatArray:
+    """Return the mean squared error of each block, PV units squared, (b,), of a prediction (n,)."""
+    counts = (folds.block >= 0) & (record.weight > 0)
+    squares = (record.pv[counts] - pv[counts]) ** 2
+    of = folds.block[counts]
+    return np.bincount(of, squares, folds.count) / np.bincount(of, minlength=folds.count)

@@ -1,0 +1,34 @@
+"""What no effect is blamed for: level, slow drift, and what PV still did when the record began.
+
+Without them in every model a slow effect passes for the drift it happens to follow: reference
+``missing_effect.md`` 2.2, where an offset absorbed half of an asymmetric friction.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+
+SLOWEST = 5.0
+"""Drift is slower than so many dominant periods."""
+MOST_WAVES = 6
+"""More would follow every load step."""
+
+
+def nuisance(samples: int, period: float) -> FloatArray:
+    """Return level, slope, a decay of one period and slow cosines as columns, (samples, k).
+
+    Args:
+        samples: Of the record.
+        period: Dominant period, samples.
+    """
+    at = np.arange(samples) + 0.5
+    waves = np.arange(1, 1 + min(MOST_WAVES, int(2 * samples / (SLOWEST * period))))
+    cosines = np.cos(np.pi * np.outer(at / samples, waves))
+    return np.column_stack((np.ones(samples), at / samples - 0.5, np.exp(-at / period), cosines))

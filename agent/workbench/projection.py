@@ -1,0 +1,102 @@
+"""Least squares for what enters linearly: gain, nuisance and the amplitudes of disturbances.
+
+Variable projection (Golub and Pereyra 1973): the search moves the rest only (design, fact 4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.workbench.nuisance import nuisance
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
+    from agent.workbench.record import Record
+
+VANISHES = 1e-9
+"""Share of a column's squares outside the nuisance below which nothing is left of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """PV of the samples that count, the nuisance projected out."""
+
+    weight: FloatArray
+    """1 or 0, (n,)."""
+    pv: FloatArray
+    """Zero where the weight is, PV units, (n,)."""
+    basis: FloatArray
+    """Orthonormal columns of the nuisance on the samples that count, (n, q)."""
+    gain_sign: int
+    """+1 or -1; 0 where both are possible."""
+    fixed_gain: bool
+    """The response is PV itself: it has no gain and there is no nuisance."""
+
+    @property
+    def count(self) -> int:
+        """Samples that count."""
+        return int(self.weight.sum())
+
+
+@dataclass(frozen=True, slots=True)
+class Solved:
+    """The best coefficients of given columns."""
+
+    error: float
+    """Sum of squares, PV units squared; infinite where a column is."""
+    coefficients: FloatArray
+    """Of the response, then of the disturbances, (1 + k,)."""
+    residual: FloatArray
+    """Zero where the weight is, PV units, (n,)."""
+
+
+def target_of(record: Record, weight: FloatArray, *, linear: bool) -> Target:
+    """Return what models of ``record`` are fitted to; ``weight`` (n,) says which samples count."""
+    pv = record.pv * weight
+    if not linear:
+        return Target(weight, pv, np.empty((len(pv), 0)), record.facts.gain_sign, fixed_gain=True)
+    columns = nuisance(len(record), record.period) * weight[:, None]
+    basis, scale, _ = np.linalg.svd(columns, full_matrices=False)
+    basis = np.ascontiguousarray(basis[:, scale > VANISHES * scale[0]])
+    return Target(weight, pv - basis @ (basis.T @ pv), basis, record.facts.gain_sign, fixed_gain=False)
+
+
+def solve(columns: FloatArray, target: Target) -> Solved:
+    """Return the coefficients of ``columns`` (n, 1 + k), the response first, that leave the least squares."""
+    free = columns * target.weight[:, None]
+    if not np.isfinite(free).all():
+        return Solved(np.inf, np.zeros(columns.shape[1]), target.pv)
+    squares = np.einsum("ij,ij->j", free, free)
+    free = free - target.basis @ (target.basis.T @ free)
+    if target.fixed_gain:
+        rest = target.pv - free[:, 0]
+        coefficients = np.concatenate(([1.0], _least_squares(free[:, 1:], rest, squares[1:])))
+    else:
+        coefficients = _least_squares(free, target.pv, squares)
+        if coefficients[0] * target.gain_sign < 0:
+            coefficients = np.concatenate(([0.0], _least_squares(free[:, 1:], target.pv, squares[1:])))
+    residual = target.pv - free @ coefficients
+    return Solved(float(residual @ residual), coefficients, residual)
+
+
+def _least_squares(columns: FloatArray, values: FloatArray, squares: FloatArray) -> FloatArray:
+    """Solve by normal equations of columns of length one; what vanished in the nuisance gets zero."""
+    coefficients = np.zeros(columns.shape[1])
+    lengths = np.sqrt(np.einsum("ij,ij->j", columns, columns))
+    there = lengths > np.sqrt(VANISHES * squares)
+    if there.any():
+        unit = columns[:, there] / lengths[there]
+        solution, *_ = np.linalg.lstsq(unit.T @ unit, unit.T @ values, rcond=VANISHES)
+        coefficients[there] = solution / lengths[there]
+    return coefficients
+
+
+def nuisance_part(record: Record, explained: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return level and drift, PV units, (n,), that are left of PV beside what is ``explained``, (n,)."""
+    columns = nuisance(len(record), record.period)
+    counts = weight > 0
+    coefficients, *_ = np.linalg.lstsq(columns[counts], (record.pv - explained)[counts], rcond=VANISHES)
+    return np.asarray(columns @ coefficients, dtype=np.float64)

@@ -1,0 +1,80 @@
+"""A recording as the fits see it: OP without gaps, what of PV counts, and the facts that bound parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.controller_action import process_gain_sign
+from agent.analysis.gates import gates
+from agent.analysis.oscillation import detect_oscillation
+from agent.analysis.quantify.free_run.problem import (
+    BURN,
+    after_gaps,
+    bridge,
+    dominant_period,
+    smooth_speed,
+)
+from agent.analysis.reversals import significant_reversals
+from agent.physics.effect import Facts
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray, LoopWindow
+
+FEWEST_REVERSALS = 8
+"""Of OP, beyond its noise: what a valve does shows where it turns (``missing_effect.md`` section 4, step 0)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """OP and PV of one loop, ready to be fitted. Arrays have shape (n,)."""
+
+    loop: str
+    op: FloatArray
+    """OP units, a straight line through each gap."""
+    pv: FloatArray
+    """PV units, a straight line through each gap; those samples have no weight."""
+    weight: FloatArray
+    """1 where PV counts; 0 in gaps, after gaps of OP and at the very start, where PV answers to what is unknown."""
+    facts: Facts
+
+    def __len__(self) -> int:
+        return len(self.op)
+
+    @property
+    def period(self) -> float:
+        """Dominant period of OP, samples."""
+        return self.facts.period / self.facts.ts
+
+
+def record_of(window: LoopWindow) -> Record | str:
+    """Return the record, or in plain words why the workbench can say nothing about it."""
+    closing = [each.reason for each in gates(window, detect_oscillation(window)) if "model" in each.closes]
+    if closing:
+        return "; ".join(closing)
+    reversals = significant_reversals(window.op)
+    if reversals < FEWEST_REVERSALS:
+        return f"OP turns only {reversals} times, at least {FEWEST_REVERSALS} are needed"
+    return bare_record(window)
+
+
+def bare_record(window: LoopWindow) -> Record:
+    """Return the record of a window whether or not it can tell anything; OP and PV must have known samples."""
+    op, pv = bridge(window.op), bridge(window.pv)
+    period = dominant_period(op)
+    counts = window.valid & ~after_gaps(window.op, period) & ~after_gaps(window.pv, period)
+    counts[: int(min(BURN * period, len(op) / 12))] = False
+    facts = Facts(
+        ts=window.ts,
+        samples=len(op),
+        op_low=float(op.min()),
+        op_high=float(op.max()),
+        pv_low=float(pv.min()),
+        pv_high=float(pv.max()),
+        period=period * window.ts,
+        op_speed=smooth_speed(op, period) / window.ts,
+        gain_sign=process_gain_sign(window),
+    )
+    return Record(window.loop, op, pv, counts.astype(np.float64), facts)

@@ -1,0 +1,119 @@
+"""From many rough points to the least free-run error: a scan, then local searches from the best.
+
+The error has several basins, so that one start is not enough. Simplex where the response is linear in the
+process (what a valve does moves the error in steps, which has no derivative), least squares by trust region
+where a base of its own makes PV and all is smooth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import least_squares, minimize
+from scipy.stats.qmc import LatinHypercube
+
+from agent.workbench.projection import Solved, Target, solve
+from agent.workbench.space import Space, space_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from agent.analysis.recording import FloatArray
+    from agent.physics.loop_model import LoopModel
+    from agent.workbench.record import Record
+
+STEP = 0.05
+"""First step of a simplex, part of a parameter's range."""
+
+
+@dataclass(frozen=True, slots=True)
+class Objective:
+    """The free-run error of a model on some samples of a record."""
+
+    model: LoopModel
+    record: Record
+    target: Target
+    space: Space
+
+    def solved(self, at: FloatArray) -> Solved:
+        """Return the best coefficients at a point of the unit cube, (k,)."""
+        columns = self.model.columns(self.record.op, self.space.values(at), self.record.facts)
+        return solve(columns, self.target)
+
+    def error(self, at: FloatArray) -> float:
+        """Return the sum of squares, PV units squared."""
+        return self.solved(at).error
+
+
+def objective_of(model: LoopModel, record: Record, target: Target) -> Objective:
+    """Return what the search lowers."""
+    return Objective(model, record, target, space_of(model, record.facts))
+
+
+def hypercube(points: int, size: int) -> FloatArray:
+    """Return ``points`` points spread over the unit cube, (points, size); always the same."""
+    if size == 0:
+        return np.empty((points, 0))
+    return np.asarray(LatinHypercube(size, rng=np.random.default_rng(0)).random(points), dtype=np.float64)
+
+
+def best_of(objective: Objective, starts: FloatArray, count: int) -> list[FloatArray]:
+    """Return the ``count`` best of ``starts`` (m, k), best first."""
+    errors = np.array([objective.error(each) for each in starts])
+    return [starts[i] for i in np.argsort(errors, kind="stable")[:count]]
+
+
+def lowered(objective: Objective, start: FloatArray, step: float, evaluations: int) -> FloatArray:
+    """Return the best point of a local search from ``start`` (k,); ``evaluations`` for each parameter."""
+    if not len(start):
+        return start
+    if not objective.model.base.linear:
+        return _by_least_squares(objective, start, evaluations)
+    steps = np.where(start + step > 1.0, -step, step)
+    found = minimize(
+        objective.error,
+        start,
+        method="Nelder-Mead",
+        bounds=[(0.0, 1.0)] * len(start),
+        options={
+            "initial_simplex": np.vstack((start, start + np.diag(steps))),
+            "maxfev": evaluations * len(start),
+            "xatol": 1e-5,
+            "fatol": 1e-7 * max(objective.error(start), 1e-300),
+        },
+    )
+    return np.asarray(found.x, dtype=np.float64)
+
+
+def _by_least_squares(objective: Objective, start: FloatArray, evaluations: int) -> FloatArray:
+    inside = np.clip(start, 1e-6, 1 - 1e-6)
+    found = least_squares(
+        lambda at: objective.solved(at).residual,
+        inside,
+        bounds=(0.0, 1.0),
+        max_nfev=evaluations,  # without those of the derivatives, about one for each parameter
+        x_scale="jac",
+        diff_step=1e-5,
+    )
+    point = np.asarray(found.x, dtype=np.float64)
+    return point if objective.error(point) < objective.error(start) else start
+
+
+def searched(
+    objective: Objective, starts: FloatArray, rounds: Sequence[tuple[int, float, int]]
+) -> FloatArray:
+    """Return the best point of local searches from the best of ``starts`` (m, k).
+
+    Args:
+        objective: What is lowered.
+        starts: Points of the unit cube.
+        rounds: How many points each round keeps, its first step, its evaluations for each parameter.
+    """
+    points = list(starts)
+    for kept, step, evaluations in rounds:
+        points = [
+            lowered(objective, each, step, evaluations) for each in best_of(objective, np.array(points), kept)
+        ]
+    return best_of(objective, np.array(points), 1)[0]

@@ -1,0 +1,63 @@
+"""The parameters of a model on the unit cube, where the search goes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from agent.analysis.recording import FloatArray
+    from agent.physics.effect import Facts, Parameter
+    from agent.physics.loop_model import LoopModel
+
+AT_BOUND = 1e-3
+"""Part of a range from its end within which a parameter stands at its bound."""
+
+
+@dataclass(frozen=True, slots=True)
+class Space:
+    """Bounds of all parameters of a model; arrays in their order, (k,)."""
+
+    names: tuple[str, ...]
+    parameters: tuple[Parameter, ...]
+    low: FloatArray
+    """Own units; logarithms where the parameter is searched by its logarithm. ``high`` likewise."""
+    high: FloatArray
+    log: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def values(self, at: FloatArray) -> FloatArray:
+        """Return the values, own units, of points of the unit cube, (..., k)."""
+        inner = self.low + np.clip(at, 0.0, 1.0) * (self.high - self.low)
+        return np.where(self.log, np.exp(np.where(self.log, inner, 0.0)), inner)
+
+    def at(self, values: FloatArray) -> FloatArray:
+        """Return where values, own units, (..., k), lie in the unit cube; the nearest point of it."""
+        inner = np.where(self.log, np.log(np.where(self.log, np.maximum(values, 1e-300), 1.0)), values)
+        return np.clip((inner - self.low) / (self.high - self.low), 0.0, 1.0)
+
+    def at_bound(self, values: FloatArray) -> tuple[str, ...]:
+        """Return the names of parameters that ran into a bound; where a record begins may lie anywhere."""
+        at = self.at(values)
+        ends = (at < AT_BOUND) | (at > 1 - AT_BOUND)
+        return tuple(
+            name
+            for name, parameter, end in zip(self.names, self.parameters, ends, strict=True)
+            if end and not parameter.of_record
+        )
+
+
+def space_of(model: LoopModel, facts: Facts) -> Space:
+    """Return the space of a model's parameters on a record."""
+    pairs = model.parameters(facts)
+    parameters = tuple(parameter for _, parameter in pairs)
+    log = np.array([each.log for each in parameters], dtype=np.bool_)
+    ends = np.array([(each.low, each.high) for each in parameters], dtype=np.float64).reshape(-1, 2)
+    ends[log] = np.log(ends[log])
+    return Space(tuple(name for name, _ in pairs), parameters, ends[:, 0], ends[:, 1], log)
