@@ -53,7 +53,7 @@ class Parameter:
 
     name: str
     unit: str
-    """``OP``, ``PV``, ``s``, ``1/s``, ``OP/s`` or ``1``."""
+    """``OP``, ``PV``, ``s``, ``1/s``, ``OP/s``, ``1/OP`` or ``1``."""
     low: float
     high: float
     null: float | None = None
@@ -93,7 +93,7 @@ class Effect(Protocol):
 
 
 class ValveEffect(Effect, Protocol):
-    """Moves the valve; effects of this stage act one after the other, the controller's side first."""
+    """Moves the valve; effects of this stage act one after the other (``loop_model.CHAIN``)."""
 
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:
         """Return the position (n,), OP units, that follows from what is commanded, (n,), OP units, no NaN."""

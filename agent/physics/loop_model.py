@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
+CHAIN = ("valve_speed", "extra_lag", "valve_hysteresis", "valve_limits", "valve_characteristic")
+"""Families of valve effects from the controller's side to the flow's; one that is not here acts last."""
+
 
 @dataclass(frozen=True, slots=True)
 class LoopModel:
@@ -42,11 +45,14 @@ class LoopModel:
         return tuple(own)
 
     def position(self, op: FloatArray, values: FloatArray, facts: Facts) -> FloatArray:
-        """Return the valve position, OP units, (n,), from OP without gaps, (n,)."""
+        """Return the valve position, OP units, (n,), from OP without gaps, (n,).
+
+        Valve effects act in the order of ``CHAIN``, in whichever order they were added.
+        """
         position = op
-        for effect, own in self._split(values, facts):
-            if effect.stage == "valve":
-                position = cast("ValveEffect", effect).apply(position, own, facts.ts)
+        pairs = [pair for pair in self._split(values, facts) if pair[0].stage == "valve"]
+        for effect, own in sorted(pairs, key=lambda pair: _place(pair[0])):
+            position = cast("ValveEffect", effect).apply(position, own, facts.ts)
         return position
 
     def columns(self, op: FloatArray, values: FloatArray, facts: Facts) -> FloatArray:
@@ -76,3 +82,7 @@ class LoopModel:
             pairs.append((effect, values[at : at + count]))
             at += count
         return pairs
+
+
+def _place(effect: Effect) -> int:
+    return CHAIN.index(effect.family) if effect.family in CHAIN else len(CHAIN)

@@ -7,15 +7,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
+from scipy.signal import lfilter
 
-from agent.jit import kernel
 from agent.physics.processes.fopdt import fopdt
 from agent.physics.processes.integrator import integrator
+from agent.physics.processes.sopdt import sopdt
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
+
+NO_LAG = 0.01
+"""Time constant, samples, below which a lag leaves no trace: it is over within the sample."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,50 +30,71 @@ class LinearProcess:
     delay: float
     """Dead time plus the sample for which a position is held, s, at least one sample."""
     lags: tuple[float, ...] = ()
-    """Time constants, s, > 0."""
+    """Time constants, s, >= 0."""
     integrates: bool = False
     lead: float = 0.0
-    """Time constant of a first move the wrong way: the response loses this times its own speed, s."""
+    """Time constant of a first move the wrong way: the response loses this times its own speed, s. A dead
+    time alone has no speed to lose."""
+    creep: float = 0.0
+    """Speed at which the response goes on, over the response, 1/s: it adds this times the integral
+    of its deviation from its mean."""
 
     def respond(self, position: FloatArray, ts: float) -> FloatArray:
         """Return the deviation of PV for gain one, (n,), in OP units (integrating: OP units times s).
 
-        From rest at the first position; an integrator stands still at the mean position.
+        From rest at the first position; an integrator stands still at the mean position. Exact for a position
+        that is held between samples, but that third and further lags and those behind an integrator take
+        straight lines from sample to sample, as does the integral of ``creep``.
 
         Args:
             position: OP units, (n,), no NaN.
             ts: s.
         """
-        response = np.empty_like(position)
-        delay = max(self.delay / ts, 1.0)
-        lags = list(self.lags)
-        if self.integrates or not lags:
-            integrator(position, float(np.mean(position)), delay, response)
-            response *= ts
-        else:
-            fopdt(position, float(position[0]), lags.pop(0) / ts, delay, response)
-        for lag in lags:
-            response = lagged(response, lag / ts)
+        taus = sorted(lag / ts for lag in self.lags if lag > NO_LAG * ts)
+        response = self._behind(taus, position, ts)
         if self.lead > 0.0:
-            response = response - self.lead * np.gradient(response, ts)
+            response = response - self.lead * self._speed(taus, response, position, ts)
+        if self.creep > 0.0:
+            beyond = cumulative_trapezoid(response - response.mean(), dx=ts, initial=0)
+            response = response + self.creep * beyond
         return response
 
+    def _behind(self, taus: list[float], position: FloatArray, ts: float) -> FloatArray:
+        """Return the response behind these lags, samples, the shorter first, and the integrator."""
+        response = np.empty_like(position)
+        delay = max(self.delay / ts, 1.0)
+        first = float(position[0])
+        if self.integrates:
+            integrator(position, float(np.mean(position)), delay, response)
+            response *= ts
+            rest = taus
+        elif len(taus) < 2:
+            fopdt(position, first, taus[0] if taus else NO_LAG, delay, response)
+            rest = []
+        else:
+            sopdt(position, first, taus[0], taus[1], delay, response)
+            rest = taus[2:]
+        for tau in rest:
+            response = lagged(response, tau)
+        return response
 
-@kernel
+    def _speed(self, taus: list[float], response: FloatArray, position: FloatArray, ts: float) -> FloatArray:
+        """Return the speed of the response, its unit per s: of a lag, how far it is behind what drives it."""
+        if taus:
+            return (self._behind(taus[:-1], position, ts) - response) / (taus[-1] * ts)
+        passed = np.empty_like(position)
+        fopdt(position, float(np.mean(position)), NO_LAG, max(self.delay / ts, 1.0), passed)
+        return passed if self.integrates else np.zeros_like(passed)
+
+
 def lagged(signal: FloatArray, tau: float) -> FloatArray:
     """Return ``signal`` (n,) behind a first-order lag of ``tau`` samples, from rest.
 
     Exact for a signal that goes in straight lines from sample to sample (first-order hold).
     """
-    out = np.empty(signal.size)
     if tau <= 0.0:
-        out[:] = signal
-        return out
+        return signal
     keep = math.exp(-1.0 / tau)
     mean = tau * (1.0 - keep)  # weight of the older end of a line, before it fades
-    y = signal[0] if signal.size else 0.0
-    for t in range(signal.size):
-        if t > 0:
-            y = keep * y + (mean - keep) * signal[t - 1] + (1.0 - mean) * signal[t]
-        out[t] = y
-    return out
+    deviation = signal - signal[0]
+    return np.asarray(signal[0] + lfilter([1.0 - mean, mean - keep], [1.0, -keep], deviation))

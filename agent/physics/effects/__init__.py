@@ -2,10 +2,59 @@
 
 from __future__ import annotations
 
+from functools import cache
+from importlib.metadata import entry_points
+
 from agent.physics.effect import Effect
+from agent.physics.effects.actuator_lag import ActuatorLag
+from agent.physics.effects.asymmetric_stiction import AsymmetricStiction
+from agent.physics.effects.characteristic import Characteristic
 from agent.physics.effects.deadband import Deadband
+from agent.physics.effects.gain_change import GainChange
+from agent.physics.effects.integrating import Integrating
+from agent.physics.effects.inverse_response import InverseResponse
+from agent.physics.effects.load_step import LoadStep
+from agent.physics.effects.rate_limit import RateLimit
+from agent.physics.effects.saturation import Saturation
+from agent.physics.effects.second_order import SecondOrder
+from agent.physics.effects.sensor_lag import SensorLag
 from agent.physics.effects.sinusoid import Sinusoid
+from agent.physics.effects.stiction import Stiction
 
-__all__ = ["EFFECTS", "Effect"]
+__all__ = ["EFFECTS", "ENTRY_POINTS", "Effect", "effects"]
 
-EFFECTS: tuple[Effect, ...] = (Deadband(), Sinusoid())
+EFFECTS: tuple[Effect, ...] = (
+    Deadband(),
+    Stiction(),
+    AsymmetricStiction(),
+    Saturation(),
+    Characteristic(),
+    RateLimit(),
+    ActuatorLag(),
+    SecondOrder(),
+    SensorLag(),
+    Integrating(),
+    InverseResponse(),
+    Sinusoid(),
+    LoadStep(),
+    GainChange(),
+)
+"""Built in; the simplest member of a family comes first."""
+ENTRY_POINTS = "slipjump.effects"
+"""Group under which an installed package offers its own: docs/howto/own_effect.md."""
+
+
+@cache
+def effects() -> tuple[Effect, ...]:
+    """Return the effects built in and those of installed packages.
+
+    Raises:
+        ValueError: Two have the same name; the message says whose.
+    """
+    known = {each.name: each for each in EFFECTS}
+    for entry in entry_points(group=ENTRY_POINTS):
+        own: Effect = entry.load()()
+        if own.name in known:
+            raise ValueError(f"{entry.value} offers an effect {own.name!r}, which there is already")
+        known[own.name] = own
+    return tuple(known.values())

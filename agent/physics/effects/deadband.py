@@ -9,21 +9,24 @@ import numpy as np
 
 from agent.jit import kernel
 from agent.physics.effect import Facts, Parameter, Stage
+from agent.physics.effects.hysteresis import rest_before, start_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from agent.units import FrictionBands
 
     FloatArray = NDArray[np.float64]
 
 
 @kernel
-def backlash(command: FloatArray, width: float, start: float) -> FloatArray:
+def backlash(command: FloatArray, width: float, x0: float) -> FloatArray:
     """Return the position (n,) of a plug that is pushed by the edges of a band ``width`` wide, OP units.
 
-    ``start`` is where it stands before the first sample within the band, -1 to 1.
+    ``x0`` is where it stands before the first sample.
     """
     position = np.empty(command.size)
-    x = command[0] + 0.5 * width * start
+    x = x0
     for t in range(command.size):
         x = min(max(x, command[t] - 0.5 * width), command[t] + 0.5 * width)
         position[t] = x
@@ -40,12 +43,14 @@ class Deadband:
     bases: tuple[str, ...] = ()
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return the width of the band and where the plug stands in it at first."""
-        return (
-            Parameter("s", "OP", 0.0, facts.op_span, null=0.0),
-            Parameter("start", "1", -1.0, 1.0, of_record=True),
-        )
+        """Return the width of the band and where the plug first moves."""
+        return Parameter("s", "OP", 0.0, facts.op_span, null=0.0), start_of(facts)
 
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
         """Return where the plug is."""
-        return backlash(position, float(values[0]), float(values[1]))
+        width, start = (float(value) for value in values)
+        return backlash(position, width, rest_before(float(position[0]), width / 2, width / 2, start))
+
+    def values_of(self, bands: FrictionBands, start: float) -> FloatArray:
+        """Return the values of a band as wide as S."""
+        return np.array([bands.s, start])

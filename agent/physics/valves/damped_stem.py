@@ -55,10 +55,29 @@ def damped_stem(
     With ``damping`` and ``supply`` of a hundredth of a sample it is He's model; with ``rest`` 0 and a
     ``damping`` of some hundredths the two-state one. While OP is NaN the position holds.
     """
+    return damped_stem_by_direction(op, f_s, f_s, f_d, x0, damping, supply, rest)
+
+
+@kernel
+def damped_stem_by_direction(
+    op: NDArray[np.float64],
+    f_s_up: float,
+    f_s_down: float,
+    f_d: float,
+    x0: float,
+    damping: float,
+    supply: float,
+    rest: float,
+) -> NDArray[np.float64]:
+    """Return the positions of a stem that breaks away upward at ``f_s_up`` and downward at ``f_s_down``.
+
+    All else is as in ``damped_stem``. That ``f_d`` is one number is no loss: kinetic friction that differs by
+    direction is a shift of the position (docs/effects/asymmetric_stiction.md).
+    """
     n = op.size
     position = np.empty(n)
-    jump = f_s - f_d
-    stop = rest * jump
+    jump = 0.0  # of the direction in which the stem last broke away, like ``stop``
+    stop = 0.0
     if abs(supply - damping) < 1e-6 * damping:
         supply *= 1.0 + 1e-5
     damping_keeps = math.exp(-1.0 / damping)
@@ -72,7 +91,7 @@ def damped_stem(
     while t < n:
         if direction == 0.0:
             # The force lies between what it was and OP: while OP is within f_S nothing can happen.
-            while t < n and abs(op[t] - x) <= f_s:
+            while t < n and -f_s_down <= op[t] - x <= f_s_up:
                 position[t] = x
                 t += 1
             if t == n:
@@ -95,8 +114,11 @@ def damped_stem(
         way = 0.0  # to go at the start of motion in this sample
         moves_from = 0.0  # moment when it starts, samples
         if direction == 0.0:
-            if abs(force - x) > f_s:
+            if force - x > f_s_up or x - force > f_s_down:
                 direction = 1.0 if force > x else -1.0
+                f_s = f_s_up if force > x else f_s_down
+                jump = f_s - f_d
+                stop = rest * jump
                 step = direction * (op[t] - before)
                 over = direction * (op[t] - x) - f_s
                 if at_once or step <= over:

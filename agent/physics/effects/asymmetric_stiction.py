@@ -1,0 +1,61 @@
+"""Friction that differs between a rising and a falling stem."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.physics.effect import Facts, Parameter, Stage
+from agent.physics.effects.hysteresis import rest_before, start_of
+from agent.physics.valves.damped_stem import DampedStem, damped_stem_by_direction
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from agent.units import FrictionBands
+
+    FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class AsymmetricStiction:
+    """Dead band 2 f_D and a slip jump of its own in either direction: S of a direction is their sum.
+
+    Friction by direction has four bands, but f_S and f_D raised in one direction and lowered as much in the
+    other only shift the position, which no record of PV tells from its level. Kinetic friction alike in both
+    directions is one of these valves that are the same (docs/effects/asymmetric_stiction.md).
+    """
+
+    name: str = "asymmetric_stiction"
+    family: str = "valve_hysteresis"
+    stage: Stage = "valve"
+    bases: tuple[str, ...] = ()
+    stem: DampedStem = field(default_factory=DampedStem)
+    """Damping, supply and rest; those of ``stiction``, which is this one with both jumps alike."""
+
+    def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
+        """Return dead band, both slip jumps and where the stem first slips; all three at 0 remove it."""
+        return (
+            Parameter("dead_band", "OP", 0.0, facts.op_span, null=0.0),
+            Parameter("j_up", "OP", 0.0, facts.op_span, null=0.0),
+            Parameter("j_down", "OP", 0.0, facts.op_span, null=0.0),
+            start_of(facts),
+        )
+
+    def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
+        """Return where the stem is."""
+        dead_band, j_up, j_down, start = (float(value) for value in values)
+        if dead_band == j_up == j_down == 0.0:
+            return position
+        f_d = dead_band / 2
+        x0 = rest_before(float(position[0]), f_d + j_up, f_d + j_down, start)
+        stem = self.stem
+        return damped_stem_by_direction(
+            position, f_d + j_up, f_d + j_down, f_d, x0, stem.damping, stem.supply, stem.rest
+        )
+
+    def values_of(self, bands: FrictionBands, start: float) -> FloatArray:
+        """Return the values of a valve with these bands in both directions."""
+        return np.array([bands.dead_band, bands.j, bands.j, start])

@@ -1,0 +1,33 @@
+"""Transmitter or its filter that shows PV late."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from agent.physics.bases.linear_process import lagged
+from agent.physics.effect import Facts, Parameter, Stage
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class SensorLag:
+    """A first-order lag between PV and what is measured of it."""
+
+    name: str = "sensor_lag"
+    family: str = "extra_lag"
+    stage: Stage = "sensor"
+    bases: tuple[str, ...] = ()
+
+    def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
+        """Return the time constant."""
+        return (Parameter("tau", "s", 0.0, facts.period, null=0.0),)
+
+    def apply(self, pv: FloatArray, values: FloatArray, ts: float) -> FloatArray:
+        """Return what the transmitter shows."""
+        return lagged(pv, float(values[0]) / ts)
