@@ -217,10 +217,15 @@ def _witness_words(found: Quantification, weighed: Weighed) -> list[str]:
         ("against it", [each for each in weighed.witnesses if each.log_odds < 0]),
     )
     return [
-        f"{side}: " + ", ".join(f"{each.name} (odds x {math.exp(abs(each.log_odds)):.2g})" for each in ones)
+        f"{side}: " + ", ".join(f"{each.name} (odds x {_factor(each.log_odds)})" for each in ones)
         for side, ones in sides
         if ones
     ]
+
+
+def _factor(log_odds: float) -> str:
+    factor = math.exp(abs(log_odds))
+    return f"{factor:,.0f}" if factor >= 10 else f"{factor:.1f}"
 
 
 def _gate_words(faults: Iterable[GateFault]) -> list[str]:

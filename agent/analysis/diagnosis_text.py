@@ -34,7 +34,7 @@ def method_lines(methods: Mapping[str, MethodResult]) -> Iterator[str]:
             yield f"{verdict.replace('_', ' ')} say: {', '.join(said)}"
     silent = sum(each.verdict == "not_applicable" for each in methods.values())
     if silent:
-        yield f"{silent} methods do not apply (--json tells why)"
+        yield f"not applicable: {silent} (--json tells why)"
 
 
 def _indexed(name: str, index: float | None) -> str:

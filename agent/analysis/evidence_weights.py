@@ -1,8 +1,9 @@
 """Weights of the evidence: log odds that a method adds when it says stiction, and takes when no stiction.
 
 Fitted by ``python -m benchmarks evidence_weights`` on 400 simulated loops, seeds 3000 to 3049 of each of
-eight kinds (``simulators.random_plants``, ``random_moves``), never on recordings. 0.00: worthless there
-beside the others. Kano B and Yamashita earn their weight only where the stem is measured.
+eight kinds (``simulators.random_plants``, ``random_moves``), never on recordings. The search of ``free_run``
+was that of commit 047c414. 0.00: worthless there beside the others. Kano B and
+Yamashita earn their weight only where the stem is measured.
 """
 
 from __future__ import annotations
