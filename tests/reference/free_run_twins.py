@@ -4,6 +4,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from agent.analysis.quantify.free_run.objective import DELAY, INTEGRATOR, LOG_TAU, LOG_TAU2, SOPDT
+from agent.physics.valves.damped_stem import damped_stem
 
 
 def high_pass(signal, keep):
@@ -92,3 +93,51 @@ def bank_share(response, pv, bank):
     left = squares(nuisance, response[at])[0]
     gain = weights[0] if left > 1e-3 * np.sum(response[at] ** 2) else np.nan
     return 1 - error / squares(nuisance, pv[at])[0], gain
+
+
+def moves(position, block):
+    """Return the block means of the position less its first value, and how often they change."""
+    means = position[: len(position) // block * block].reshape(-1, block).mean(axis=1) - position[0]
+    return means, np.count_nonzero(np.diff(means, prepend=0.0))
+
+
+def first_slip(op, s, up):
+    """Whichever end of a band as wide as S is passed first."""
+    above, below = np.append(op, np.inf) > up, np.append(op, -np.inf) < up - s
+    return (up, 1.0) if np.argmax(above) <= np.argmax(below) else (up - s, -1.0)
+
+
+def levels(op, s, step):
+    """Upper levels of the first slip to try, at equal distances within what ``op`` reaches."""
+    low, high = op.min(), op.max()
+    if s > high - low:
+        return [high - 0.5 * step]
+    edges = np.linspace(low + s, high, max(1, int((high - low - s) / step)) + 1)
+    return (edges[1:] + edges[:-1]) / 2
+
+
+def best_of_cell(bank, pv, valve, stem, step, period, delays):
+    """Return the best share of one (S, J), the place of its process and the level of its first slip.
+
+    ``valve``: f_S and f_D. A valve that is within a thousandth of f_S of a former one after a period and a
+    half is passed over.
+    """
+    early = int(1.5 * period)
+    ends = []
+    best = (0.0, 0, 0.0)
+    for up in levels(bank.op[:early], sum(valve), step):
+        level, direction = first_slip(bank.op, sum(valve), up)
+        position = damped_stem(bank.op, *valve, level - direction * valve[0], *stem)
+        end = position[early - 1]
+        if any(abs(end - other) <= 1e-3 * valve[0] for other in ends):
+            continue
+        ends.append(end)
+        means, moved = moves(position, bank.block)
+        if moved < 3:
+            continue
+        for place in range(len(bank.poles)):
+            for q, delay in enumerate(delays):
+                share, gain = bank_share(bank_response(means, delay, place, bank), pv, bank)
+                if gain * bank.gain_sign >= 0 and share > best[0]:
+                    best = (share, place * len(delays) + q, up)
+    return best

@@ -6,13 +6,28 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.quantify.free_run import bank as banks
-from agent.analysis.quantify.free_run import local_search, objective
-from agent.analysis.quantify.free_run.objective import DELAY, FOPDT, INTEGRATOR, LOG_TAU, LOG_TAU2, SOPDT, S
-from agent.analysis.quantify.free_run.problem import high_pass, pose
+from agent.analysis.quantify.free_run import coarse_grid, local_search, objective
+from agent.analysis.quantify.free_run.climb import climb
+from agent.analysis.quantify.free_run.objective import (
+    DELAY,
+    FIRST,
+    FOPDT,
+    INTEGRATOR,
+    J_RATIO,
+    LEVEL,
+    LOG_REST,
+    LOG_TAU,
+    LOG_TAU2,
+    RIGID,
+    SOPDT,
+    S,
+)
+from agent.analysis.quantify.free_run.problem import from_blocks, high_pass, pose, to_blocks
 from agent.analysis.quantify.free_run.search import STEMS, STEP
 from agent.analysis.recording import LoopHints, LoopWindow
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow
+from tests.reference.damped_stem_branches import damped_stem_in_small_steps
 
 SEEDS = st.integers(0, 2**32 - 1)
 STRUCTURES = st.sampled_from([FOPDT, SOPDT, INTEGRATOR])
@@ -50,6 +65,39 @@ def test_the_response_is_the_averaged_filtered_and_shifted_valve(seed, structure
         slow.process_response(position, candidate, structure, block, keep),
         atol=1e-8,
     )
+
+
+@pytest.mark.parametrize("direction", [-1.0, 1.0])
+def test_the_stem_first_slips_where_op_passes_the_level(direction):
+    upward = problem_of(1)
+    problem = upward._replace(op=direction * upward.op)
+    stem = (0.3, 0.15, 0.01)
+    candidate = candidate_of(1, problem)
+    candidate[[S, J_RATIO, LEVEL, FIRST]] = 3.0, 0.5, problem.op[0] + 2.0 * direction, direction
+    candidate[-4:-1] = np.log(stem)
+    position = objective.valve_position(candidate, problem)
+    x0 = candidate[LEVEL] - direction * 2.25
+    by_hand = damped_stem_in_small_steps(problem.op, 2.25, 0.75, x0, *stem, steps=200)
+    assert np.median(np.abs(position - by_hand)) < 0.02
+    slipped = np.flatnonzero(position != position[0])[0]
+    passed = np.flatnonzero(direction * (problem.op - candidate[LEVEL]) > 0)[0]
+    assert slipped - passed in {0, 1}  # air comes late
+    assert np.sign(position[slipped] - position[0]) == direction
+
+
+def test_without_stiction_the_stem_is_op():
+    problem = problem_of(1)
+    candidate = candidate_of(1, problem)
+    candidate[S] = 0.0
+    np.testing.assert_array_equal(objective.valve_position(candidate, problem), problem.op)
+
+
+@FEW
+@given(seed=SEEDS, s=st.floats(0.5, 12.0), share=st.floats(0.0, 1.0))
+def test_the_first_slip_is_at_the_end_of_the_band_that_is_passed_first(seed, s, share):
+    op = problem_of(seed).op
+    up = op.min() + s + share * (np.ptp(op) - s)
+    assert coarse_grid.first_slip(op, s, up) == slow.first_slip(op, s, up)
 
 
 @FEW
@@ -123,6 +171,58 @@ def test_the_bank_scores_as_least_squares_on_its_regressors(seed, acting, slowne
     assert between >= best - 1e-9
     if between > 0:
         assert between == pytest.approx(slow.bank_share(mixed, problem.pv[:m], near)[0], abs=1e-6)
+
+
+@pytest.mark.parametrize("acting", ["reverse", None])
+@pytest.mark.parametrize("seed", [3, 4])
+def test_the_scan_keeps_the_best_first_slip_of_each_cell(seed, acting):
+    problem = problem_of(seed, acting)
+    near = banks.bank(problem, np.array([4.0, np.inf]), np.array([0.0, 0.5]), 4.0)
+    s_values, j_ratios = np.array([0.1, 0.3, 1.0]) * problem.op_span, np.array([0.0, 0.6])
+    delays, step = np.array([1, 3, 6]), 0.06 * problem.op_span
+    scores, places, levels = coarse_grid.scan(
+        near, STEMS[:1], s_values, j_ratios, step, problem.period, delays
+    )
+    pv = problem.pv[: len(near.op) // near.block]
+    for i, s in enumerate(s_values):
+        for j, ratio in enumerate(j_ratios):
+            valve = s * (1 + ratio) / 2, s * (1 - ratio) / 2
+            share, place, level = slow.best_of_cell(near, pv, valve, STEMS[0], step, problem.period, delays)
+            assert scores[0, i, j] == pytest.approx(share, abs=1e-6)
+            if share > 0:
+                assert (places[0, i, j], levels[0, i, j]) == (place, pytest.approx(level))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_climb_returns_the_process_and_delay_that_its_share_belongs_to(seed):
+    problem = problem_of(seed)
+    taus, ratios = (
+        np.tile([2.0, 4.0, 8.0, 16.0], 3),
+        np.repeat([0.0, 0.3, 0.6], 4),
+    )
+    near = banks.bank(problem, taus, ratios, 8.0)
+    pv = problem.pv[: len(near.op)]
+    assert near.block == 1
+    start = candidate_of(seed, problem)
+
+    def climbed(evaluations):
+        rng = np.random.default_rng(seed)
+        return climb(start, near, (4, 3), 5, problem.op_span, 1.0, evaluations, rng)
+
+    first, first_share, _ = climbed(1)
+    np.testing.assert_array_equal(np.delete(first, DELAY), np.delete(start, DELAY))
+    found, share, place = climbed(40)
+    np.testing.assert_array_equal(found, climbed(40)[0])
+    assert share > first_share
+    means, _ = slow.moves(objective.valve_position(found, problem._replace(op=near.op)), near.block)
+    late = to_blocks(found[DELAY], near.block)
+    assert from_blocks(late, near.block) == pytest.approx(found[DELAY])
+    whole, part = int(late + 1e-9), (late + 1e-9) % 1
+    responses = [slow.bank_response(means, whole + more, place, near) for more in (0, 1)]
+    explained, _ = slow.bank_share((1 - part) * responses[0] + part * responses[1], pv, near)
+    assert share == pytest.approx(explained, abs=1e-6)
+    if start[LOG_REST] < RIGID:
+        np.testing.assert_array_equal(found[-4:-1], start[-4:-1])
 
 
 @pytest.mark.parametrize("seed", range(6))

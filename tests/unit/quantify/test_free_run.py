@@ -7,8 +7,16 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify.free_run import FreeRun
-from agent.analysis.quantify.free_run.problem import SHORT_GAP, after_gaps, bridge, pose
+from agent.analysis.quantify.free_run.problem import (
+    SHORT_GAP,
+    after_gaps,
+    bridge,
+    first_periods,
+    high_pass,
+    pose,
+)
 from agent.analysis.recording import LoopHints, LoopWindow
+from agent.physics.processes.decimation import block_means
 from agent.physics.valves.damped_stem import damped_stem
 from simulators.plant import simulate
 from simulators.scenario import load_scenario
@@ -16,6 +24,14 @@ from tests.conftest import ROOT
 from tests.reference.free_run_twins import first_order
 
 SCENARIOS = sorted((ROOT / "config" / "scenarios").glob("*.yaml"))
+STICKING = (
+    "fic101_stick_slip",
+    "fic102_moderate_stiction",
+    "lic201_dead_band",
+    "pic401_direct_stick_slip",
+    "tic301_weak_stiction",
+    "tic302_second_order",
+)
 SAMPLES = 1200
 FREE_RUN = FreeRun()
 
@@ -31,6 +47,15 @@ def plant(name):
 @cache
 def measured(name):
     return FREE_RUN.quantify(plant(name)[1])
+
+
+def true_s(name):
+    truth = plant(name)[0].truth
+    return truth.f_s + truth.f_d
+
+
+def op_span(name):
+    return plant(name)[1].op_span
 
 
 def with_gaps(window, length, which="both"):
@@ -61,24 +86,27 @@ def test_the_verdict_is_the_truth(name):
         assert found.evidence < 1.5
 
 
-@pytest.mark.parametrize(
-    ("name", "share"),
-    [
-        ("fic101_stick_slip", 0.05),
-        ("fic102_moderate_stiction", 0.03),
-        ("lic201_dead_band", 0.03),
-        ("pic401_direct_stick_slip", 0.04),
-        ("tic301_weak_stiction", 0.02),
-        ("tic302_second_order", 0.02),
-    ],
-)
-def test_s_is_right_where_the_record_determines_it_and_its_interval_holds_it_elsewhere(name, share):
-    scenario, window = plant(name)
+def test_s_is_right_where_the_record_determines_it():
+    known = [name for name in STICKING if measured(name).stiction.identifiable_s]
+    assert known
+    for name in known:
+        assert measured(name).stiction.s.value == pytest.approx(true_s(name), abs=0.02 * op_span(name))
+
+
+def test_intervals_hold_the_true_s_nine_times_in_ten():
+    missed = [
+        name
+        for name in STICKING
+        if not measured(name).stiction.s.low <= true_s(name) <= measured(name).stiction.s.high
+    ]
+    assert len(missed) <= 1  # of six
+    for name in missed:
+        assert not measured(name).stiction.identifiable_s
+
+
+@pytest.mark.parametrize("name", STICKING)
+def test_bands_add_up(name):
     bands = measured(name).stiction
-    truth = scenario.truth.f_s + scenario.truth.f_d
-    assert bands.s.low <= truth <= bands.s.high
-    if bands.identifiable_s:
-        assert bands.s.value == pytest.approx(truth, abs=share * window.op_span)
     assert bands.s.value == pytest.approx(bands.f_s.value + bands.f_d.value)
     assert bands.j.value == pytest.approx(bands.f_s.value - bands.f_d.value)
 
@@ -140,6 +168,19 @@ def test_nor_do_long_gaps_in_one_of_the_two(name, which):
         scenario.truth.verdict,
         "undecided",
     }
+
+
+@pytest.mark.parametrize("which", ["both", "pv"])
+@pytest.mark.parametrize("start", [300, 900])
+def test_one_gap_leaves_s_as_it_is(start, which):
+    _, window = plant("fic101_stick_slip")
+    op, pv = window.op.copy(), window.pv.copy()
+    pv[start : start + 20] = np.nan
+    if which == "both":
+        op[start : start + 20] = np.nan
+    found = FREE_RUN.quantify(replace(window, op=op, pv=pv))
+    assert found.decision == "stiction"
+    assert found.stiction.s.value == pytest.approx(true_s("fic101_stick_slip"), abs=0.02 * window.op_span)
 
 
 def test_the_model_is_given_in_the_units_of_the_record():
@@ -212,3 +253,36 @@ def test_the_nuisance_is_gone_from_what_is_fitted():
     plain, other = pose(window), pose(tilted)
     np.testing.assert_allclose(plain.pv, other.pv, atol=1e-8)
     np.testing.assert_allclose(plain.basis.T @ plain.basis, np.eye(plain.basis.shape[1]), atol=1e-12)
+
+
+@pytest.mark.parametrize("periods", [3.0, 4.0])
+@pytest.mark.parametrize("gap", [0, 90])
+def test_the_first_periods_are_the_problem_of_a_shorter_record(periods, gap):
+    _, window = plant("tic302_second_order")
+    pv = window.pv + 0.01 * np.arange(SAMPLES)
+    pv[160 : 160 + gap] = np.nan
+    window = replace(window, pv=pv)
+    whole = pose(window)
+    part = first_periods(whole, periods)
+    blocks = len(part.pv)
+    assert whole.block == 2  # else blocks would be samples
+    assert (blocks - 1) * whole.block < periods * whole.period <= blocks * whole.block
+    assert len(part.op) == blocks * whole.block
+    np.testing.assert_array_equal(part.weight, whole.weight[:blocks])
+    np.testing.assert_allclose(part.basis.T @ part.basis, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(part.basis.T @ part.pv, 0.0, atol=1e-9)
+    np.testing.assert_allclose(part.basis[part.weight == 0], 0.0, atol=1e-12)
+
+    # level, slope and memory fitted to what the filter passes of the shorter record alone
+    passed = high_pass(block_means(bridge(window.pv[: len(part.op)]), part.block), part.keep)
+    counts = part.weight > 0
+    at = np.flatnonzero(counts)
+    columns = np.column_stack([np.ones(len(at)), at, part.keep**at])
+    coefficients, *_ = np.linalg.lstsq(columns, passed[counts])
+    np.testing.assert_allclose(part.pv[counts], passed[counts] - columns @ coefficients, atol=1e-8)
+
+
+def test_short_horizons_keep_eighty_blocks_and_long_ones_the_record():
+    problem = pose(plant("fic101_stick_slip")[1])
+    assert len(first_periods(problem, 1.0).pv) == 80
+    assert len(first_periods(problem, 1e6).pv) == len(problem.pv)
