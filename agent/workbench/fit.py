@@ -37,7 +37,7 @@ class Fit:
     error: float
     """Sum of squares of the samples that count, PV units squared."""
     pv: FloatArray
-    """Free run, PV units; level and drift are those of all the record, whatever samples the rest was fitted to."""
+    """Free run, PV units; level and drift are those of all the record, whatever the rest was fitted to."""
     at_bound: tuple[str, ...]
     """Parameters that ran into a bound."""
 
@@ -65,8 +65,8 @@ def fit(model: LoopModel, record: Record, weight: FloatArray, starts: FloatArray
 def nested_fit(smaller: Fit, model: LoopModel, record: Record, starts: FloatArray | None = None) -> Fit:
     """Fit a model that has one effect more than ``smaller``, its last, to the whole record.
 
-    The values of ``smaller`` are kept, some of them moved, while those of the new effect are scanned; then all
-    move together.
+    The values of ``smaller`` are kept, some of them moved, while those of the new effect are scanned; then
+    all move together.
     """
     objective = objective_of(model, record, target_of(record, record.weight, linear=model.base.linear))
     points = nested_starts(smaller, objective.space)
@@ -79,7 +79,7 @@ def nested_fit(smaller: Fit, model: LoopModel, record: Record, starts: FloatArra
 def nested_starts(smaller: Fit, space: Space) -> FloatArray:
     """Return points of the unit cube, (m, k): the new parameters spread, the old as they are or a little off.
 
-    Part of the delay that a smaller model needed may be the new effect's, so the old ones go down more than up.
+    Part of the delay that a smaller model needed may be the new effect's: the old go down more than up.
     """
     known = len(smaller.values)
     new = hypercube(SCAN, len(space) - known)

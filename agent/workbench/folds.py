@@ -1,9 +1,9 @@
 """Held-out error: blocks of the record that a fit did not see, predicted in free run from OP.
 
-The model runs through the whole record from OP alone, so a held-out block leaks nothing by what came before it
-but for the noise that both share at its edges; hence the guard (``missing_effect.md`` section 4, step 5). Level
-and slow drift are no claim of any model and are taken out with the whole record in view: drawn on into a block
-from outside they would bury every difference.
+The model runs through the whole record from OP alone, so a held-out block leaks nothing by what came before
+it but for the noise that both share at its edges; hence the guard (``missing_effect.md`` section 4, step 5).
+Level and slow drift are no claim of any model and are taken out with the whole record in view: drawn on into
+a block from outside they would bury every difference.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray, LoopWindow
 
 FEWEST_REVERSALS = 8
-"""Of OP, beyond its noise: what a valve does shows where it turns (``missing_effect.md`` section 4, step 0)."""
+"""Of OP, beyond its noise: a valve shows itself where it turns (``missing_effect.md`` section 4, step 0)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class Record:
     pv: FloatArray
     """PV units, a straight line through each gap; those samples have no weight."""
     weight: FloatArray
-    """1 where PV counts; 0 in gaps, after gaps of OP and at the very start, where PV answers to what is unknown."""
+    """1 where PV counts; 0 in gaps, after them and at the start, where PV answers to what is unknown."""
     facts: Facts
 
     def __len__(self) -> int:
@@ -61,7 +61,7 @@ def record_of(window: LoopWindow) -> Record | str:
 
 
 def bare_record(window: LoopWindow) -> Record:
-    """Return the record of a window whether or not it can tell anything; OP and PV must have known samples."""
+    """Return the record of a window whatever it can tell; OP and PV must have known samples."""
     op, pv = bridge(window.op), bridge(window.pv)
     period = dominant_period(op)
     counts = window.valid & ~after_gaps(window.op, period) & ~after_gaps(window.pv, period)

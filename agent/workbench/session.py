@@ -1,0 +1,308 @@
+"""The workbench: compare, see where it fails, learn what is missing, add it, watch the error fall."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from agent.physics.effects import effects as known_effects
+from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.physics.loop_model import LoopModel
+from agent.workbench.axes import physical_axes
+from agent.workbench.decision import Decision, judge
+from agent.workbench.fit import Fit, contributions, fit, fit_at
+from agent.workbench.folds import Folds, folds_of, held_out
+from agent.workbench.intervals import fitted_parameters
+from agent.workbench.library import applies, base_named, effect_named, library, missing
+from agent.workbench.projection import target_of
+from agent.workbench.record import Record, bare_record, record_of
+from agent.workbench.step import Step, Verdict
+from agent.workbench.trial import Trial, Tried, tried
+from agent.workbench.validation import rmse_on
+from agent.workbench.valve_starts import ValveStart, valve_starts
+from agent.workbench.where import Failure, where_it_fails
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.physics.effect import Effect
+
+MOST_EFFECTS = 4
+REJECTED = 0.05
+"""p of a panel below which the model fails visibly."""
+
+
+class Map(Protocol):
+    """``map``, or that of a pool of processes."""
+
+    def __call__(self, function: Callable[[Trial], Tried], trials: Sequence[Trial], /) -> Iterable[Tried]:
+        """Yield the results in the order of ``trials``."""
+        ...
+
+
+class Progress(Protocol):
+    """Told what is tried next."""
+
+    def __call__(self, what: str, done: int, of: int, /) -> None:
+        """Say that ``what`` is being tried and that ``done`` ``of`` all are done."""
+        ...
+
+
+def silent(what: str, done: int, of: int, /) -> None:
+    """Tell nobody."""
+
+
+class Workbench:
+    """A recording, the models that were tried on it, and the way back."""
+
+    def __init__(
+        self,
+        window: LoopWindow,
+        base: str = "fopdt",
+        validate: LoopWindow | None = None,
+        without: Iterable[str] = (),
+        *,
+        extra: Sequence[Effect] = (),
+        run: Map = map,
+        tell: Progress = silent,
+    ) -> None:
+        """Fit the base.
+
+        Args:
+            window: The recording.
+            base: Name of the process that the model begins with.
+            validate: Another recording of the same loop; every step is scored on it, nothing fitted.
+            without: Effects or families that are not to be tried.
+            extra: Effects beside those that are installed.
+            run: Tries effects, perhaps in parallel.
+            tell: Is told what is tried.
+
+        Raises:
+            ValueError: No such base, effect or family.
+        """
+        self.window = window
+        self.base = base_named(base)
+        self.installed = (*known_effects(), *extra)
+        self.library = library(self.installed, self.base, without)
+        self.reason: str | None = None
+        """In plain words why nothing can be said about the recording; None where something can."""
+        self._run, self._tell = run, tell
+        self._steps: list[Step] = []
+        self._decisions: dict[tuple[str, ...], tuple[Decision, dict[str, Tried]]] = {}
+        self._valves: tuple[ValveStart, ...] | None = None
+        self._validation = None if validate is None else bare_record(validate)
+        record = record_of(window)
+        if isinstance(record, str):
+            self.reason = record
+            return
+        tell(self.base.name, 0, 1)
+        fitted = fit(LoopModel(self.base), record, record.weight)
+        folds = folds_of(record, fitted)
+        if isinstance(folds, str):
+            self.reason = folds
+            return
+        self._record, self._folds = record, folds
+        self._push(Tried(fitted, held_out(fitted, record, folds)), None)
+
+    @property
+    def step(self) -> Step:
+        """The newest step.
+
+        Raises:
+            ValueError: The recording is not testable; the text says why.
+        """
+        if not self._steps:
+            raise ValueError(f"{self.window.loop} cannot be tested: {self.reason}")
+        return self._steps[-1]
+
+    @property
+    def record(self) -> Record:
+        """What the fits see."""
+        return self._record
+
+    @property
+    def folds(self) -> Folds:
+        """Which samples were held out together."""
+        return self._folds
+
+    def staircase(self) -> tuple[Step, ...]:
+        """Return all steps, the base first; empty where the recording is not testable."""
+        return tuple(self._steps)
+
+    def compare(self) -> dict[str, FloatArray]:
+        """Return PV of the newest model, of the base, and what each effect adds, PV units, each (n,)."""
+        added = contributions(self.step.fit, self._record)
+        return {"model": self.step.fit.pv, "base": self._steps[0].fit.pv, **added}
+
+    def residual(self) -> FloatArray:
+        """Return PV less the newest model, PV units, (n,), NaN where PV counts for nothing."""
+        return np.where(self._record.weight > 0, self._record.pv - self.step.fit.pv, np.nan)
+
+    def where_it_fails(self) -> tuple[Failure, ...]:
+        """Return the residual of the newest model against each physical axis, the largest share first."""
+        fitted, record = self.step.fit, self._record
+        moved = any(each.stage == "valve" for each in fitted.model.effects)
+        axes = physical_axes(
+            record.op,
+            record.facts.ts,
+            record.period,
+            position=fitted.model.position(record.op, fitted.values, record.facts) if moved else None,
+            set_point=self.window.sp,
+            start=self.window.start,
+        )
+        block = int(np.bincount(self._folds.block[self._folds.block >= 0]).max())
+        return where_it_fails(self.residual(), axes, block, np.random.default_rng(0))
+
+    def candidates(self) -> Decision:
+        """Try each effect that the newest model does not have, refitted with all else, and judge them."""
+        return self._decided(missing(self.step.fit.model, self.library))[0]
+
+    def add(self, name: str) -> Step:
+        """Add an effect, refit everything, and return the new step.
+
+        Its verdict is that on the effect and its family, or on all candidates where they were tried.
+
+        Raises:
+            ValueError: No such effect; it is in the model, or does not apply to the base.
+        """
+        effect = effect_named(name, self.installed)
+        model = self.step.fit.model
+        if not applies(effect, self.base):
+            raise ValueError(f"{name} does not apply to the base {self.base.name}")
+        if effect not in missing(model, [effect]):
+            raise ValueError(f"{name} cannot be added to a model with {', '.join(self.step.effects)}")
+        key = self.step.effects
+        if key not in self._decisions or name not in self._decisions[key][1]:
+            family = [each for each in missing(model, self.library) if each.family == effect.family]
+            decision, all_tried = self._decided([*family, effect] if effect not in family else family)
+            self._decisions.pop(key)
+        else:
+            decision, all_tried = self._decisions[key]
+        self._push(all_tried[name], verdict_on(name, effect.family, decision), added=name)
+        return self.step
+
+    def drop(self, name: str) -> Step:
+        """Take an effect out, refit everything, and return the new step.
+
+        Raises:
+            ValueError: The model does not have it.
+        """
+        if name not in self.step.effects:
+            raise ValueError(
+                f"the model has no {name}; it has {', '.join(self.step.effects) or 'no effects'}"
+            )
+        self._push(self._without(name), None, dropped=name)
+        return self.step
+
+    def undo(self) -> Step:
+        """Take back the last step, and return the one before.
+
+        Raises:
+            ValueError: There is only the base.
+        """
+        if len(self.staircase()) < 2:
+            raise ValueError("there is nothing to take back")
+        self._steps.pop()
+        return self.step
+
+    def auto(self) -> tuple[Step, ...]:
+        """Add what is confirmed until nothing more is; after each, test the earlier effects again."""
+        while self._steps and len(self.step.effects) < MOST_EFFECTS:
+            decision = self.candidates()
+            if decision.effect is None or decision.kind not in {"confirmed", "family"}:
+                break
+            self.add(decision.effect)
+            dropped = self._drop_idle()
+            if decision.effect in dropped:
+                break
+        return self.staircase()
+
+    def verdict(self) -> Verdict:
+        """Return what the newest model still lacks, as far as the record tells."""
+        if not self._steps:
+            return Verdict("not_testable")
+        decision = self.candidates()
+        if decision.kind != "none":
+            return Verdict(decision.kind, decision.effect, decision.family, decision.indistinguishable)
+        fails = any(each.p < REJECTED for each in self.where_it_fails())
+        return Verdict("none_of_the_known" if fails else "no_failure_visible")
+
+    def _decided(self, candidates: Sequence[Effect]) -> tuple[Decision, dict[str, Tried]]:
+        key = self.step.effects
+        if key not in self._decisions:
+            found = dict(zip([each.name for each in candidates], self._tried(candidates), strict=True))
+            families = {each.name: each.family for each in candidates}
+            losses = {name: each.held_out.losses for name, each in found.items()}
+            self._decisions[key] = judge(self.step.held_out.losses, losses, families), found
+        return self._decisions[key]
+
+    def _tried(self, candidates: Sequence[Effect]) -> Iterator[Tried]:
+        if self._valves is None and any(isinstance(each, HysteresisEffect) for each in candidates):
+            self._tell("sticking valves", 0, len(candidates))
+            self._valves = valve_starts(self.window)
+        valves = self._valves or ()
+        trials = [Trial(self.step.fit, each, self._record, self._folds, valves) for each in candidates]
+        if trials:
+            self._tell(trials[0].effect.name, 0, len(trials))
+        for done, found in enumerate(self._run(tried, trials), 1):
+            if done < len(trials):
+                self._tell(trials[done].effect.name, done, len(trials))
+            yield found
+
+    def _drop_idle(self) -> set[str]:
+        """Take out earlier effects that reduce the held-out error no more; return their names."""
+        dropped: set[str] = set()
+        for name in self.step.effects[:-1]:
+            self._tell(f"without {name}", 0, 1)
+            rest = self._without(name)
+            family = effect_named(name, self.installed).family
+            again = judge(rest.held_out.losses, {name: self.step.held_out.losses}, {name: family})
+            if again.kind == "none":
+                self._push(rest, None, dropped=name)
+                dropped.add(name)
+        return dropped
+
+    def _without(self, name: str) -> Tried:
+        fitted = self.step.fit
+        pairs = fitted.model.parameters(self._record.facts)
+        kept = np.array([full.partition(".")[0] != name or "." not in full for full, _ in pairs])
+        effects = tuple(each for each in fitted.model.effects if each.name != name)
+        smaller = fit(
+            replace(fitted.model, effects=effects),
+            self._record,
+            self._record.weight,
+            fitted.values[None, kept],
+        )
+        return Tried(smaller, held_out(smaller, self._record, self._folds))
+
+    def _push(
+        self, found: Tried, verdict: Verdict | None, *, added: str | None = None, dropped: str | None = None
+    ) -> None:
+        record, fitted = self._record, found.fit
+        counts = record.weight > 0
+        missed = (record.pv - fitted.pv)[counts]
+        spread = float(np.linalg.norm(record.pv[counts] - record.pv[counts].mean()))
+        self._steps.append(
+            Step(
+                added=added,
+                dropped=dropped,
+                fit=fitted,
+                held_out=found.held_out,
+                rmse_fit=float(np.sqrt(np.mean(missed**2))),
+                fit_percent=100 * (1 - float(np.linalg.norm(missed)) / spread),
+                parameters=fitted_parameters(fitted, found.held_out, record),
+                verdict=verdict,
+                rmse_validation=None if self._validation is None else rmse_on(fitted, self._validation),
+            )
+        )
+
+
+def verdict_on(name: str, family: str, decision: Decision) -> Verdict:
+    """Return what a decision says of one effect, that it may not have chosen."""
+    named = (decision.effect, *decision.indistinguishable)
+    if decision.kind in {"confirmed", "family", "suggested"} and name in named:
+        others = tuple(each for each in named if each is not None and each != name)
+        return Verdict(decision.kind, name, family, others)  # type: ignore[arg-type]
+    return Verdict("no_failure_visible" if decision.kind == "none" else "suggested")

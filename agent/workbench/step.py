@@ -1,0 +1,51 @@
+"""One step of the staircase: which effects the model has, how far the error fell, and why it was taken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from agent.workbench.folds import HeldOut
+    from agent.workbench.fit import Fit
+    from agent.workbench.intervals import FittedParameter
+
+VerdictKind = Literal[
+    "confirmed", "family", "suggested", "none_of_the_known", "no_failure_visible", "not_testable"
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Which effect is missing, as far as the record tells."""
+
+    kind: VerdictKind
+    effect: str | None = None
+    family: str | None = None
+    indistinguishable: tuple[str, ...] = ()
+    """The others that this record cannot tell from ``effect``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A model and what became of the error."""
+
+    added: str | None
+    """None for the base, and where an effect was taken out."""
+    dropped: str | None
+    fit: Fit
+    held_out: HeldOut
+    rmse_fit: float
+    """Of the samples that count, PV units."""
+    fit_percent: float
+    """100 (1 - ||PV - model|| / ||PV - mean PV||) of the same."""
+    parameters: tuple[FittedParameter, ...]
+    verdict: Verdict | None
+    """That led to it; None for the base, and where an effect was taken out by hand."""
+    rmse_validation: float | None
+    """On the other recording, PV units; None without one."""
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of the model's effects."""
+        return tuple(each.name for each in self.fit.model.effects)

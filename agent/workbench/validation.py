@@ -1,0 +1,78 @@
+"""A fitted model on another recording of the same loop, that no fit ever saw."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import minimize
+
+from agent.workbench.nuisance import nuisance
+from agent.workbench.search import hypercube
+from agent.workbench.space import space_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from agent.analysis.recording import FloatArray
+    from agent.workbench.fit import Fit
+    from agent.workbench.record import Record
+
+OPENING = 0.1
+"""Part of the other recording from which is read where it starts, at least two periods."""
+SCAN = 100
+"""Starts that are tried."""
+
+
+def rmse_on(fitted: Fit, other: Record) -> float:
+    """Return the error of ``free_run_on``, PV units."""
+    counts = other.weight > 0
+    return float(np.sqrt(np.mean((other.pv - free_run_on(fitted, other))[counts] ** 2)))
+
+
+def free_run_on(fitted: Fit, other: Record) -> FloatArray:
+    """Return PV of another recording in free run from its OP, PV units, (n,).
+
+    All that belongs to the loop is kept. Where the recording starts is read from its opening; level and drift,
+    and how much of a disturbance there was, belong to a recording and are taken from all of it.
+    """
+    drift = nuisance(len(other), other.period) if fitted.model.base.linear else None
+    return _run(fitted, other, _started(fitted, other), drift, other.weight > 0)
+
+
+def _started(fitted: Fit, other: Record) -> FloatArray:
+    """Return the values with those of ``other`` where they belong to a record."""
+    space = space_of(fitted.model, other.facts)
+    of_record = np.array([each.of_record for each in space.parameters], dtype=bool)
+    values = fitted.values.copy()
+    if not of_record.any():
+        return values
+    opening = (other.weight > 0) & (np.arange(len(other)) < max(OPENING * len(other), 2 * other.period))
+    level = np.ones((len(other), 1)) if fitted.model.base.linear else None
+
+    def placed(at: FloatArray) -> FloatArray:
+        within = np.zeros(len(space))
+        within[of_record] = at
+        return np.where(of_record, space.values(within), values)
+
+    def error(at: FloatArray) -> float:
+        missed = (other.pv - _run(fitted, other, placed(at), level, opening))[opening]
+        return float(missed @ missed)
+
+    starts = hypercube(SCAN, int(of_record.sum()))
+    best = starts[np.argmin([error(at) for at in starts])]
+    found = minimize(error, best, method="Nelder-Mead", bounds=[(0.0, 1.0)] * len(best))
+    return placed(found.x)
+
+
+def _run(
+    fitted: Fit, other: Record, values: FloatArray, drift: FloatArray | None, counts: NDArray[np.bool_]
+) -> FloatArray:
+    """Return the free run; drift and disturbances as they fit the samples that count."""
+    columns = fitted.model.columns(other.op, values, other.facts)
+    ran = columns[:, 0] * fitted.coefficients[0]
+    own = columns[:, 1:] if drift is None else np.column_stack((columns[:, 1:], drift))
+    if not own.shape[1]:
+        return ran
+    amounts, *_ = np.linalg.lstsq(own[counts], (other.pv - ran)[counts], rcond=None)
+    return np.asarray(ran + own @ amounts, dtype=np.float64)
