@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,14 +16,21 @@ PART_OF_SPAN = 0.1
 """Part of OP's span that a swing must exceed to count."""
 
 
+def op_noise(op: FloatArray) -> float:
+    """Return the standard deviation of the noise of ``op`` (n,), n >= 2, no NaN.
+
+    It comes out too large where OP never rests. The median of the steps sees the noise and not the jumps;
+    1.4826 makes it a standard deviation.
+    """
+    return 1.4826 * float(np.median(np.abs(np.diff(op)))) / math.sqrt(2)
+
+
 def significant_reversals(op: FloatArray) -> int:
     """Count the turning points of ``op`` (n,) that its noise cannot explain; NaN is left out."""
     finite = op[np.isfinite(op)]
     if finite.size < 3:
         return 0
-    # The median of the steps sees the noise and not the jumps; 1.4826 makes it a standard deviation.
-    noise = 1.4826 * float(np.median(np.abs(np.diff(finite)))) / np.sqrt(2)
-    least = max(NOISES * noise, PART_OF_SPAN * float(np.ptp(finite)))
+    least = max(NOISES * op_noise(finite), PART_OF_SPAN * float(np.ptp(finite)))
     if least == 0:
         return 0
     reversals, rising, extreme = 0, None, float(finite[0])

@@ -77,7 +77,7 @@ def judge(
     the best by the same rule: where the best reduces its error by as much, as significantly.
 
     Args:
-        losses_base: Sum of squares of each held-out block without any of the candidates, (b,), b >= 2, one of
+        losses_base: Squared error of each held-out block without any of the candidates, (b,), b >= 2, one of
             them > 0. A block that is NaN for one model counts for none.
         losses: The same with each candidate, the simplest of a family first.
         families: Of each candidate.

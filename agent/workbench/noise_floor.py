@@ -1,0 +1,67 @@
+"""How far can the error fall? An interval: OP and PV alone do not tell slow noise from a missing effect.
+
+No flexible regression from OP to PV may serve: in closed loop OP holds the disturbance, and such a model fits
+below the true noise. Source: reference ``missing_effect.md`` 2.5 and section 4, step 9.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import stats
+
+from agent.analysis.oscillation.signals import noise_level
+from agent.workbench.innovations import innovations
+from agent.workbench.paired_blocks import CONFIDENCE, RESAMPLES, STRETCHES
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+
+
+LOST_TO_DIFFERENCES = 35 / 18
+"""Samples for one degree of freedom of a variance from second differences (Gasser, Sroka and
+Jennen-Steinmetz, Biometrika 73 (1986) 625)."""
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseFloor:
+    """Between these lies the least error that a model of the loop can reach, RMSE, PV units."""
+
+    low: float
+    """What no model can follow: the part of the residual that is white; lower end of its own interval."""
+    high: float
+    """What a model has reached on blocks that it did not see; upper end of its own interval."""
+
+
+def noise_floor(residual: FloatArray, losses: FloatArray, rng: np.random.Generator) -> NoiseFloor:
+    """Return the interval of the noise floor.
+
+    Args:
+        residual: Of the richest model that the record confirms or suggests, PV units, (n,), NaN where there
+            is none. The smaller of two estimates counts: its innovations, and white noise that would
+            explain its second differences (Rice 1984), which slow noise passes by.
+        losses: Mean squared error of each held-out block of that model, (b,), NaN where there is none.
+        rng: Of the bootstrap over blocks behind the upper end.
+    """
+    found = innovations(residual)
+    rice = noise_level(residual)
+    white = rice if found is None else min(rice, float(np.sqrt(found.variance)))
+    freedom = np.count_nonzero(np.isfinite(residual)) / LOST_TO_DIFFERENCES
+    low = (
+        white * float(np.sqrt(freedom / stats.chi2.ppf(0.5 + CONFIDENCE / 2, freedom))) if white > 0 else 0.0
+    )
+    known = losses[np.isfinite(losses)]
+    means = np.array([part.mean() for part in np.array_split(known, min(STRETCHES, len(known)))])
+    ends = stats.bootstrap(
+        (means,),
+        np.mean,
+        n_resamples=RESAMPLES,
+        confidence_level=CONFIDENCE,
+        method="percentile",
+        rng=rng,
+    ).confidence_interval
+    return NoiseFloor(low, max(low, float(np.sqrt(ends.high))))

@@ -1,0 +1,52 @@
+"""The smallest effect that a record would have shown.
+
+A verdict of none means little where the blocks scatter so much that nothing could have been confirmed.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from math import ceil
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.workbench.decision import LEAST_PERCENT, LEVEL
+from agent.workbench.paired_blocks import reduction, sign_flip_p
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+
+STEPS = range(ceil(LEAST_PERCENT), 101)
+"""Reductions that are tried, %."""
+
+
+def smallest_reduction(
+    losses_base: FloatArray, losses: FloatArray, candidates: int, rng: np.random.Generator
+) -> float | None:
+    """Return the smallest reduction of the held-out error, %, that would have been confirmed.
+
+    Injection and recovery on the blocks: the scatter of what the effect changed from block to block is kept,
+    its mean is replaced by a reduction of the same part in every block.
+
+    Args:
+        losses_base: Squared error of each block without the effect, (b,), > 0.
+        losses: With it, (b,).
+        candidates: How many were tried: the first step of Holm multiplies p by it.
+        rng: Of the bootstrap.
+
+    Returns:
+        None where not even an effect that explains all would have been.
+    """
+    known = np.isfinite(losses_base) & np.isfinite(losses)
+    base, changed = losses_base[known], (losses - losses_base)[known]
+    scatter = changed - changed.mean()
+
+    def confirmed(percent: int) -> bool:
+        other = base * (1 - percent / 100) + scatter
+        return candidates * sign_flip_p(base, other) < LEVEL and reduction(base, other, rng).low > 0
+
+    at = bisect_left(STEPS, True, key=confirmed)
+    return float(STEPS[at]) if at < len(STEPS) else None

@@ -1,0 +1,149 @@
+"""Whiteness, independence, noise floor, simulated null and power against known truth."""
+
+import functools
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from agent.workbench.independence import independence
+from agent.workbench.noise_floor import noise_floor
+from agent.workbench.power import smallest_reduction
+from agent.workbench.simulated_null import simulated_null_p
+from agent.workbench.whiteness import LAGS, whiteness
+
+N = 1500
+SEEDS = 200
+
+
+def coloured(rng, pole=0.9):
+    return signal.lfilter([1.0], [1.0, -pole], rng.normal(size=N))
+
+
+def test_white_noise_is_within_the_band():
+    inside, rejected = [], 0
+    for seed in range(SEEDS):
+        found = whiteness(np.random.default_rng(seed).normal(size=N))
+        inside.append(np.abs(found.correlation) <= found.band)
+        rejected += found.p < 0.05
+    assert 0.985 <= np.mean(inside) <= 0.995
+    assert 0.02 * SEEDS <= rejected <= 0.09 * SEEDS
+
+
+def test_coloured_noise_is_not_white():
+    found = whiteness(coloured(np.random.default_rng(0)))
+    assert found.p < 1e-6
+    np.testing.assert_allclose(found.correlation[:3], [0.9, 0.81, 0.73], atol=0.08)
+
+
+def test_gaps_leave_the_whiteness_of_what_is_there():
+    residual = np.random.default_rng(1).normal(size=N)
+    residual[300:700] = np.nan
+    assert whiteness(residual).p > 0.05
+    assert whiteness(np.zeros(N)) is None
+    assert whiteness(np.arange(40.0)) is None
+
+
+def test_a_coloured_residual_independent_of_a_coloured_op_is_within_the_band():
+    inside, rejected = [], 0
+    for seed in range(SEEDS):
+        rng = np.random.default_rng(seed)
+        found = independence(coloured(rng), coloured(rng, 0.98))
+        inside.append(np.abs(found.correlation) <= found.band)
+        rejected += found.p < 0.05
+    assert 0.98 <= np.mean(inside) <= 0.998
+    assert rejected <= 0.09 * SEEDS
+
+
+def test_op_that_answers_to_the_residual_does_not_deceive_at_positive_lags():
+    rejected = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        residual = coloured(rng)
+        op = -signal.lfilter([0.2], [1.0, -0.95], residual)  # a controller that sees the residual at once
+        rejected += independence(residual, op).p < 0.05
+    assert rejected <= 5
+
+
+def test_a_lag_that_the_model_lacks_is_seen_where_it_is():
+    rng = np.random.default_rng(2)
+    op = np.repeat(rng.normal(size=N // 10), 10)
+    missed = np.zeros(N)
+    missed[7:] = op[:-7]
+    found = independence(coloured(rng) + missed, op)
+    assert found.p < 0.001
+    assert 1 + int(np.argmax(np.abs(found.correlation))) == 7
+
+
+def test_independence_of_what_cannot_tell():
+    rng = np.random.default_rng(0)
+    assert independence(np.zeros(N), rng.normal(size=N)) is None
+    assert independence(rng.normal(size=N), np.ones(N)) is None
+    assert len(independence(rng.normal(size=N), rng.normal(size=N)).band) == LAGS
+
+
+def test_the_floor_of_a_model_that_leaves_white_noise_is_that_noise():
+    held = 0
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        residual = 0.3 * rng.normal(size=N)
+        losses = np.mean((0.3 * rng.normal(size=(15, 100))) ** 2, axis=1)
+        found = noise_floor(residual, losses, rng)
+        held += found.low <= 0.3 <= found.high
+        assert found.low == pytest.approx(0.3, rel=0.1)
+        assert found.high == pytest.approx(0.3, rel=0.15)
+    assert held >= 85
+
+
+def test_a_missing_effect_and_slow_noise_leave_the_floor_open():
+    rng = np.random.default_rng(0)
+    residual = 0.1 * rng.normal(size=N) + np.sin(np.arange(N) / 20)
+    found = noise_floor(residual, np.mean(residual.reshape(15, 100) ** 2, axis=1), rng)
+    assert 0.08 <= found.low <= 0.12
+    assert found.high >= 0.7
+
+
+def test_a_residual_of_gaps_has_no_lower_end():
+    losses = np.array([1.0, np.nan, 1.2, 0.8])
+    found = noise_floor(np.full(N, np.nan), losses, np.random.default_rng(0))
+    assert found.low == 0.0
+    assert 0.9 < found.high < 1.1
+
+
+def null_ratio(seed, scale=1.0):
+    return float(np.random.default_rng(seed).exponential(scale))
+
+
+def test_the_simulated_null_counts_what_is_as_large():
+    assert simulated_null_p(1e9, null_ratio) == 1 / 200
+    assert simulated_null_p(-1.0, null_ratio) == 1.0
+    assert simulated_null_p(np.log(20), null_ratio, 999) == pytest.approx(0.05, abs=0.02)
+
+
+def test_the_simulated_null_takes_any_map():
+    asked = []
+
+    def mapper(function, seeds):
+        asked.extend(seeds)
+        return [function(seed) for seed in asked]
+
+    found = simulated_null_p(2.0, functools.partial(null_ratio, scale=2.0), 10, mapper)
+    assert asked == list(range(10))
+    assert 1 / 11 <= found <= 1.0
+
+
+def test_the_smallest_effect_grows_with_the_scatter_of_the_blocks():
+    found = []
+    for scatter in (0.01, 0.3, 0.8):
+        rng = np.random.default_rng(0)
+        base = rng.gamma(4.0, 1.0, 24)
+        other = base * (1 + scatter * rng.normal(size=24))
+        found.append(smallest_reduction(base, other, 12, rng))
+    assert found[0] == 5.0
+    assert found[0] < found[1] < found[2]
+
+
+def test_too_few_blocks_show_no_effect_at_all():
+    base = np.ones(4)
+    other = base + np.array([0.1, -0.1, 0.2, 0.0])
+    assert smallest_reduction(base, other, 12, np.random.default_rng(0)) is None
