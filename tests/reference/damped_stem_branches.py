@@ -4,10 +4,16 @@ import math
 
 
 def damped_stem_in_small_steps(op, f_s, f_d, x0, damping, supply, rest, steps=400):
-    """Return the positions at the end of each sample.
+    """Return the positions at the end of each sample."""
+    return by_direction_in_small_steps(op, f_s, f_s, f_d, x0, damping, supply, rest, steps)
+
+
+def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, rest, steps=400):
+    """Return the positions of a stem with static friction of its own in either direction.
 
     A missing OP stops the stem; the next one finds the actuator settled at it.
     """
+    f_s = {1: f_s_up, -1: f_s_down}
     dt = 1 / steps
     keeps = math.exp(-dt / supply)
     position = []
@@ -19,10 +25,12 @@ def damped_stem_in_small_steps(op, f_s, f_d, x0, damping, supply, rest, steps=40
             force = u
         for _ in range(0 if math.isnan(u) else steps):
             force = u + (force - u) * keeps
-            if direction == 0 and abs(force - x) > f_s:
-                direction = 1 if force > x else -1
+            if direction == 0 and force - x > f_s_up:
+                direction = 1
+            if direction == 0 and x - force > f_s_down:
+                direction = -1
             way = direction * (force - x) - f_d
-            if direction != 0 and way > rest * (f_s - f_d):
+            if direction != 0 and way > rest * (f_s[direction] - f_d):
                 x += direction * way * (1 - math.exp(-dt / damping))
             else:
                 direction = 0

@@ -22,13 +22,18 @@ STEP_RESPONSES = {"fopdt": first_order, "sopdt": second_order, "integrator": ram
 
 def superposition(name, position, *lags, delay):
     """Return PV at the samples; a move at sample k is felt ``delay`` less the sample of the hold later."""
+    return summed_steps(lambda t: STEP_RESPONSES[name](t, *lags), position, delay)
+
+
+def summed_steps(step_response, position, delay):
+    """Return the sum of a step response for each move."""
     response = []
     for t in range(len(position)):
         y = 0.0
         for k in range(1, t + 1):
             elapsed = t - (k + delay - 1)
             if elapsed > 0:
-                y += (position[k] - position[k - 1]) * STEP_RESPONSES[name](elapsed, *lags)
+                y += (position[k] - position[k - 1]) * step_response(elapsed)
         response.append(y)
     return response
 

@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.physics.valves.damped_stem import AT_ONCE, damped_stem
+from agent.physics.valves.damped_stem import AT_ONCE, damped_stem, damped_stem_by_direction
 from agent.physics.valves.he2007 import he2007
 from agent.physics.valves.two_state import two_state
-from tests.reference.damped_stem_branches import damped_stem_in_small_steps
+from tests.reference.damped_stem_branches import by_direction_in_small_steps, damped_stem_in_small_steps
 
 SEEDS = st.integers(0, 2**32 - 1)
 T = np.arange(120)
@@ -65,6 +65,26 @@ def test_a_slip_takes_the_course_of_small_steps(over, kinetic, damping, supply, 
         rtol=0,
         atol=0.2,
     )
+
+
+@settings(deadline=None)
+@given(
+    over=st.floats(1.05, 1.3),
+    other=st.floats(2, 3),
+    kinetic=st.floats(0, 0.5),
+    damping=st.floats(0.1, 2),
+    rest=st.floats(0, 0.3),
+    upward=st.booleans(),
+)
+def test_each_direction_slips_by_its_own_static_friction(over, other, kinetic, damping, rest, upward):
+    f_s, f_d = 5.0, 5.0 * kinetic
+    bands = (f_s, other * f_s, f_d) if upward else (other * f_s, f_s, f_d)
+    sign = 1 if upward else -1
+    op = sign * np.r_[0.0, np.full(5, over * f_s), np.full(5, (1.35 - other) * f_s)]
+    position = damped_stem_by_direction(op, *bands, 0.0, damping, 0.2, rest)
+    small = by_direction_in_small_steps(op, *bands, 0.0, damping, 0.2, rest)
+    np.testing.assert_allclose(position[:6], small[:6], rtol=0, atol=0.2)
+    assert sign * position[-1] >= sign * position[5], "the other direction has twice the friction"
 
 
 @settings(deadline=None)

@@ -1,0 +1,48 @@
+"""Kernels of the effects with their branches written out, and step responses by partial fractions."""
+
+import math
+
+
+def backlash_branches(command, width, x0):
+    """Return the plug's positions; the stem has slack of half the width on either side."""
+    positions, x = [], x0
+    for u in command:
+        if u - x > width / 2:
+            x = u - width / 2
+        elif x - u > width / 2:
+            x = u + width / 2
+        positions.append(x)
+    return positions
+
+
+def slewed_branches(command, step):
+    """Return what follows a command by at most ``step`` a sample."""
+    positions = []
+    for u in command:
+        x = positions[-1] if positions else u
+        if abs(u - x) <= step:
+            positions.append(u)
+        else:
+            positions.append(x + step if u > x else x - step)
+    return positions
+
+
+def process_step_response(lags, lead, integrates):
+    """Return the step response of (1 - lead s) / ((1 + lag s) ...) or / (s (1 + lag s)), distinct lags, t > 0."""
+
+    def response(t):
+        terms = []
+        for i, own in enumerate(lags):
+            weight = own ** (len(lags) - 1)
+            for j, other in enumerate(lags):
+                if j != i:
+                    weight /= own - other
+            terms.append((own, weight))
+        y = 1 - sum(weight * math.exp(-t / own) for own, weight in terms)
+        speed = sum(weight / own * math.exp(-t / own) for own, weight in terms)
+        if integrates:
+            ramp = t - sum(weight * own * (1 - math.exp(-t / own)) for own, weight in terms)
+            return ramp - lead * y
+        return y - lead * speed
+
+    return response
