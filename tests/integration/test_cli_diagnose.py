@@ -24,6 +24,7 @@ KEYS = [
     "causes",
     "class",
     "reasons",
+    "advice",
     "oscillation",
     "stiction",
     "process",
@@ -72,7 +73,9 @@ def one_line(err):
 def test_constant_op_is_not_testable_and_done(slipjump, still):
     code, out, err = slipjump("diagnose", still)
     assert (code, err) == (0, "")
-    assert out.splitlines() == ["STILL: not testable", "  - OP does not move: it stands at 42"]
+    verdict, reason, advice = out.splitlines()
+    assert (verdict, reason) == ("STILL: not testable", "  - OP does not move: it stands at 42")
+    assert advice.startswith("  > take another record")
 
 
 def test_json_is_one_object_a_line(slipjump, still, moving):
