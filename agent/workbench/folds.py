@@ -50,7 +50,7 @@ class Folds:
 
     def held_out(self, fold: int) -> NDArray[np.bool_]:
         """Return which samples the fit of a fold does not see but must predict, (n,)."""
-        return (self.block >= 0) & (self.fold[self.block] == fold)
+        return np.asarray((self.block >= 0) & (self.fold[self.block] == fold), dtype=np.bool_)
 
     def seen(self, fold: int, weight: FloatArray) -> FloatArray:
         """Return ``weight`` (n,) of the samples that the fit of a fold sees."""

@@ -1,9 +1,9 @@
 """How sure the parameters of a fitted model are: the delete-a-group jackknife over the folds.
 
-Each fold leaves a fifth of the record out; from the scatter of the K estimates follows the variance of the one
-from all, (K - 1) / K times their sum of squares about the mean, with K - 1 degrees of freedom. It asks nothing
-of the noise but that fifths of the record are alike (Shao and Tu, The Jackknife and Bootstrap, 1995, chapter 9,
-from memory).
+Each fold leaves a fifth of the record out; from the scatter of the K estimates follows the variance of the
+one from all, (K - 1) / K times their sum of squares about the mean, with K - 1 degrees of freedom. It asks
+nothing of the noise but that fifths of the record are alike (reconstructed from Shao and Tu, The Jackknife
+and Bootstrap, 1995).
 """
 
 from __future__ import annotations

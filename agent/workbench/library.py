@@ -37,7 +37,7 @@ def effect_named(name: str, effects: Sequence[Effect]) -> Effect:
 
 
 def library(effects: Sequence[Effect], base: Base, without: Iterable[str] = ()) -> tuple[Effect, ...]:
-    """Return the effects that apply to a base, but for those that ``without`` names, or whose family it names.
+    """Return the effects that apply to a base, but for those of which ``without`` has the name or the family.
 
     Raises:
         ValueError: ``without`` has a word that is neither an effect nor a family.

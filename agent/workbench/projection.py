@@ -59,8 +59,9 @@ def target_of(record: Record, weight: FloatArray, *, linear: bool) -> Target:
     if not linear:
         return Target(weight, pv, np.empty((len(pv), 0)), record.facts.gain_sign, fixed_gain=True)
     columns = nuisance(len(record), record.period) * weight[:, None]
-    basis, scale, _ = np.linalg.svd(columns, full_matrices=False)
-    basis = np.ascontiguousarray(basis[:, scale > VANISHES * scale[0]])
+    scale, rotation = np.linalg.eigh(columns.T @ columns)
+    there = scale > VANISHES * scale[-1]
+    basis = columns @ (rotation[:, there] / np.sqrt(scale[there]))
     return Target(weight, pv - basis @ (basis.T @ pv), basis, record.facts.gain_sign, fixed_gain=False)
 
 
@@ -83,14 +84,16 @@ def solve(columns: FloatArray, target: Target) -> Solved:
 
 
 def _least_squares(columns: FloatArray, values: FloatArray, squares: FloatArray) -> FloatArray:
-    """Solve by normal equations of columns of length one; what vanished in the nuisance gets zero."""
+    """Solve by normal equations of columns of length one; what vanished in the nuisance gets zero.
+
+    A ridge of ``VANISHES`` shares between columns that are the same.
+    """
     coefficients = np.zeros(columns.shape[1])
     lengths = np.sqrt(np.einsum("ij,ij->j", columns, columns))
     there = lengths > np.sqrt(VANISHES * squares)
-    if there.any():
-        unit = columns[:, there] / lengths[there]
-        solution, *_ = np.linalg.lstsq(unit.T @ unit, unit.T @ values, rcond=VANISHES)
-        coefficients[there] = solution / lengths[there]
+    unit = columns[:, there] / lengths[there]
+    gram = unit.T @ unit + VANISHES * np.eye(unit.shape[1])
+    coefficients[there] = np.linalg.solve(gram, unit.T @ values) / lengths[there]
     return coefficients
 
 

@@ -89,13 +89,17 @@ def lowered(objective: Objective, start: FloatArray, step: float, evaluations: i
 
 def _by_least_squares(objective: Objective, start: FloatArray, evaluations: int) -> FloatArray:
     inside = np.clip(start, 1e-6, 1 - 1e-6)
+
+    def residual(at: FloatArray) -> FloatArray:
+        return objective.solved(at).residual
+
     found = least_squares(
-        lambda at: objective.solved(at).residual,
+        residual,
         inside,
         bounds=(0.0, 1.0),
-        max_nfev=evaluations,  # without those of the derivatives, about one for each parameter
+        max_nfev=evaluations,  # without those of the derivatives, one for each parameter
         x_scale="jac",
-        diff_step=1e-5,
+        diff_step=np.full(len(start), 1e-5),
     )
     point = np.asarray(found.x, dtype=np.float64)
     return point if objective.error(point) < objective.error(start) else start

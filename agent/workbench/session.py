@@ -13,11 +13,10 @@ from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.loop_model import LoopModel
 from agent.workbench.axes import physical_axes
 from agent.workbench.decision import Decision, judge
-from agent.workbench.fit import Fit, contributions, fit, fit_at
+from agent.workbench.fit import contributions, fit
 from agent.workbench.folds import Folds, folds_of, held_out
 from agent.workbench.intervals import fitted_parameters
 from agent.workbench.library import applies, base_named, effect_named, library, missing
-from agent.workbench.projection import target_of
 from agent.workbench.record import Record, bare_record, record_of
 from agent.workbench.step import Step, Verdict
 from agent.workbench.trial import Trial, Tried, tried
@@ -304,5 +303,5 @@ def verdict_on(name: str, family: str, decision: Decision) -> Verdict:
     named = (decision.effect, *decision.indistinguishable)
     if decision.kind in {"confirmed", "family", "suggested"} and name in named:
         others = tuple(each for each in named if each is not None and each != name)
-        return Verdict(decision.kind, name, family, others)  # type: ignore[arg-type]
+        return Verdict(decision.kind, name, family, others)
     return Verdict("no_failure_visible" if decision.kind == "none" else "suggested")

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from agent.workbench.folds import HeldOut
     from agent.workbench.fit import Fit
+    from agent.workbench.folds import HeldOut
     from agent.workbench.intervals import FittedParameter
 
 VerdictKind = Literal[

@@ -33,8 +33,8 @@ def rmse_on(fitted: Fit, other: Record) -> float:
 def free_run_on(fitted: Fit, other: Record) -> FloatArray:
     """Return PV of another recording in free run from its OP, PV units, (n,).
 
-    All that belongs to the loop is kept. Where the recording starts is read from its opening; level and drift,
-    and how much of a disturbance there was, belong to a recording and are taken from all of it.
+    All that belongs to the loop is kept. Where the recording starts is read from its opening; level and
+    drift, and how much of a disturbance there was, belong to a recording and are taken from all of it.
     """
     drift = nuisance(len(other), other.period) if fitted.model.base.linear else None
     return _run(fitted, other, _started(fitted, other), drift, other.weight > 0)
@@ -73,6 +73,6 @@ def _run(
     ran = columns[:, 0] * fitted.coefficients[0]
     own = columns[:, 1:] if drift is None else np.column_stack((columns[:, 1:], drift))
     if not own.shape[1]:
-        return ran
+        return np.asarray(ran, dtype=np.float64)
     amounts, *_ = np.linalg.lstsq(own[counts], (other.pv - ran)[counts], rcond=None)
     return np.asarray(ran + own @ amounts, dtype=np.float64)
