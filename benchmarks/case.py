@@ -10,7 +10,6 @@ from typing import Literal
 
 import numpy as np
 
-from agent.analysis.diagnose import diagnose
 from agent.analysis.quantify import quantifier
 from agent.analysis.recording import LoopWindow
 from simulators.plant import simulate
@@ -47,7 +46,7 @@ class Case:
     evidence: float | None
     failure: str | None
     cpu_seconds: float
-    """Of the whole diagnosis."""
+    """Of the quantifier alone."""
     identifiable_s: bool | None
     identifiable_j: bool | None
     f_s: float | None
@@ -94,11 +93,11 @@ def warm(methods: Sequence[str]) -> None:
     t = np.arange(300.0)
     window = LoopWindow("warm", 0.0, 1.0, np.sin(t / 6), np.sin(t / 6 - 1))
     for method in methods:
-        diagnose(window, quantifier=quantifier(method))
+        quantifier(method).quantify(window)
 
 
 def judge(kind: Kind, seed: int, methods: Sequence[str]) -> list[Case]:
-    """Simulate one loop and diagnose it by each method, which is told nothing but OP and PV."""
+    """Simulate one loop and ask each method, which is told nothing but OP and PV, without any detector."""
     draw = random_draw(seed, kind)
     scenario = draw.scenario
     record = simulate(scenario)
@@ -106,10 +105,9 @@ def judge(kind: Kind, seed: int, methods: Sequence[str]) -> list[Case]:
     cases = []
     for method in methods:
         started = time.process_time()
-        diagnosis = diagnose(window, quantifier=quantifier(method))
+        found = quantifier(method).quantify(window)
         spent = time.process_time() - started
-        found = diagnosis.quantification
-        stiction = found.stiction if found is not None else None
+        stiction = found.stiction
         amounts: dict[str, float | None] = {}
         for amount in ("f_s", "f_d", "s", "j"):
             estimate = getattr(stiction, amount, None)
@@ -129,9 +127,9 @@ def judge(kind: Kind, seed: int, methods: Sequence[str]) -> list[Case]:
                 op_span=window.op_span,
                 true_f_s=record.truth.f_s,
                 true_f_d=record.truth.f_d,
-                verdict=diagnosis.verdict,
-                evidence=found.evidence if found is not None else None,
-                failure=found.failure if found is not None else None,
+                verdict=found.decision,
+                evidence=found.evidence,
+                failure=found.failure,
                 cpu_seconds=spent,
                 identifiable_s=stiction.identifiable_s if stiction is not None else None,
                 identifiable_j=stiction.identifiable_j if stiction is not None else None,

@@ -63,4 +63,4 @@ def _words(profile: Profile, basins: list[slice]) -> str:
         return "no S within the interval"
     low, high = profile.s[basins[0]][0], profile.s[basins[-1]][-1]
     count = "one basin" if len(basins) == 1 else f"{len(basins)} basins"
-    return f"S between {low:.3g} and {high:.3g} OP units (90 %), {count}"
+    return f"models that fit alike have S from {low:.3g} to {high:.3g} OP units, {count}"

@@ -31,7 +31,7 @@ SIZE = 10
 IMPOSSIBLE = np.inf
 LEAST_LOG_TAU = math.log(0.2)
 RIGID = -9.0
-"""Log of rest below which a stem stays as it is: He's valve and the two-state one."""
+"""Log of rest below which a stem stays as it is: He's valve."""
 STEM_LOW = (math.log(0.03), math.log(0.02), math.log(3e-4))
 STEM_HIGH = (math.log(0.9), math.log(0.5), math.log(0.3))
 """Bounds of damping, supply and rest of every other stem."""
