@@ -7,7 +7,9 @@ from collections.abc import Callable, Sequence
 
 import typer
 
+from agent.cli.certificates import certificates
 from agent.cli.check import check
+from agent.cli.compare import compare
 from agent.cli.demo import demo
 from agent.cli.diagnose import diagnose
 from agent.cli.errors import BAD_INPUT, complain
@@ -25,6 +27,8 @@ slipjump diagnose FIC101.csv --plot pictures  (does it stick, how much)
 
 slipjump diagnose *.csv --op CO --ts 5 --json  (one JSON object a line)
 
+slipjump compare FIC101.csv --auto  (which physical effect is missing)
+
 slipjump replay FIC101.csv --bus mqtt  (a recording through the agent)
 
 slipjump check plant.yaml --connect, then slipjump run plant.yaml
@@ -40,7 +44,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-COMMANDS: tuple[Callable[..., None], ...] = (demo, diagnose, replay, run, check, simulate)
+COMMANDS: tuple[Callable[..., None], ...] = (demo, diagnose, replay, run, check, simulate, certificates)
 """Each is named as its function; its docstring is its help."""
 HIDDEN: tuple[Callable[..., None], ...] = (warm,)
 

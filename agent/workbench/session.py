@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -12,12 +12,17 @@ from agent.physics.effects import effects as known_effects
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.loop_model import LoopModel
 from agent.workbench.axes import physical_axes
+from agent.workbench.comparison import Comparison
+from agent.workbench.comparison_json import comparison_json
 from agent.workbench.decision import Decision, judge
-from agent.workbench.fit import contributions, fit
+from agent.workbench.fit import Fit, contributions, fit
 from agent.workbench.folds import Folds, folds_of, held_out
 from agent.workbench.intervals import fitted_parameters
 from agent.workbench.library import applies, base_named, effect_named, library, missing
+from agent.workbench.noise_floor import noise_floor
+from agent.workbench.power import smallest_reduction
 from agent.workbench.record import Record, bare_record, record_of
+from agent.workbench.saved_model import read_saved, saved
 from agent.workbench.step import Step, Verdict
 from agent.workbench.trial import Trial, Tried, tried
 from agent.workbench.validation import rmse_on
@@ -51,6 +56,15 @@ class Progress(Protocol):
 
 def silent(what: str, done: int, of: int, /) -> None:
     """Tell nobody."""
+
+
+@dataclass(frozen=True, slots=True)
+class AllTried:
+    """The candidates on top of one model."""
+
+    decision: Decision
+    models: Mapping[str, Tried]
+    """By the effect that was added."""
 
 
 class Workbench:
@@ -89,7 +103,7 @@ class Workbench:
         """In plain words why nothing can be said about the recording; None where something can."""
         self._run, self._tell = run, tell
         self._steps: list[Step] = []
-        self._decisions: dict[tuple[str, ...], tuple[Decision, dict[str, Tried]]] = {}
+        self._tried_on: dict[tuple[str, ...], AllTried] = {}
         self._valves: tuple[ValveStart, ...] | None = None
         self._validation = None if validate is None else bare_record(validate)
         record = record_of(window)
@@ -103,7 +117,7 @@ class Workbench:
             self.reason = folds
             return
         self._record, self._folds = record, folds
-        self._push(Tried(fitted, held_out(fitted, record, folds)), None)
+        self._push(self._predicted(fitted), None)
 
     @property
     def step(self) -> Step:
@@ -156,7 +170,7 @@ class Workbench:
 
     def candidates(self) -> Decision:
         """Try each effect that the newest model does not have, refitted with all else, and judge them."""
-        return self._decided(missing(self.step.fit.model, self.library))[0]
+        return self._all_tried().decision
 
     def add(self, name: str) -> Step:
         """Add an effect, refit everything, and return the new step.
@@ -172,14 +186,11 @@ class Workbench:
             raise ValueError(f"{name} does not apply to the base {self.base.name}")
         if effect not in missing(model, [effect]):
             raise ValueError(f"{name} cannot be added to a model with {', '.join(self.step.effects)}")
-        key = self.step.effects
-        if key not in self._decisions or name not in self._decisions[key][1]:
+        found = self._tried_on.get(self.step.effects)
+        if found is None or name not in found.models:
             family = [each for each in missing(model, self.library) if each.family == effect.family]
-            decision, all_tried = self._decided([*family, effect] if effect not in family else family)
-            self._decisions.pop(key)
-        else:
-            decision, all_tried = self._decisions[key]
-        self._push(all_tried[name], verdict_on(name, effect.family, decision), added=name)
+            found = self._judged(family if effect in family else [*family, effect])
+        self._push(found.models[name], verdict_on(name, effect.family, found.decision), added=name)
         return self.step
 
     def drop(self, name: str) -> Step:
@@ -218,24 +229,67 @@ class Workbench:
                 break
         return self.staircase()
 
-    def verdict(self) -> Verdict:
-        """Return what the newest model still lacks, as far as the record tells."""
-        if not self._steps:
-            return Verdict("not_testable")
-        decision = self.candidates()
-        if decision.kind != "none":
-            return Verdict(decision.kind, decision.effect, decision.family, decision.indistinguishable)
-        fails = any(each.p < REJECTED for each in self.where_it_fails())
-        return Verdict("none_of_the_known" if fails else "no_failure_visible")
+    def save(self) -> dict[str, object]:
+        """Return the newest model as a mapping of plain values, for YAML or JSON."""
+        return saved(self.window.loop, self.step.fit, self._record.facts)
 
-    def _decided(self, candidates: Sequence[Effect]) -> tuple[Decision, dict[str, Tried]]:
+    def load(self, mapping: object) -> tuple[Step, ...]:
+        """Add the effects of a saved model one after the other, fitted from its values; return all steps.
+
+        Raises:
+            ValueError: It is no saved model, of another loop or on another base, or has unknown effects.
+        """
+        model = read_saved(mapping)
+        if model.loop != self.window.loop:
+            raise ValueError(f"the saved model is of the loop {model.loop}, not of {self.window.loop}")
+        if model.base != self.base.name:
+            raise ValueError(f"the saved model has the base {model.base}, not {self.base.name}")
+        effects = [effect_named(name, self.installed) for name in model.effects]
+        for effect in effects:
+            larger = replace(self.step.fit.model, effects=(*self.step.fit.model.effects, effect))
+            starts = model.values_of(larger, self._record.facts)[np.newaxis]
+            self._tell(effect.name, len(self.step.effects), len(effects))
+            fitted = fit(larger, self._record, self._record.weight, starts)
+            self._push(self._predicted(fitted), None, added=effect.name)
+        return self.staircase()
+
+    def comparison(self) -> Comparison:
+        """Return all that is known: the staircase, and what is said of the newest model."""
+        if not self._steps:
+            return Comparison(self.window.loop, (), (), (), Verdict("not_testable"), None, None, self.reason)
+        all_tried, failures = self._all_tried(), self.where_it_fails()
+        decision, losses = all_tried.decision, self.step.held_out.losses
+        rng = np.random.default_rng(0)
+        best = decision.candidates[0].effect if decision.candidates else None
+        count = len(decision.candidates)
+        return Comparison(
+            loop=self.window.loop,
+            steps=self.staircase(),
+            where_it_fails=failures,
+            candidates=decision.candidates,
+            verdict=verdict_of(decision, failures),
+            noise_floor=noise_floor(self.residual(), losses, rng),
+            smallest_percent=None
+            if best is None
+            else smallest_reduction(losses, all_tried.models[best].held_out.losses, count, rng),
+            reason=None,
+        )
+
+    def result(self, recording: str | None = None) -> dict[str, object]:
+        """Return the comparison as plain values: what ``slipjump compare --json`` prints."""
+        return comparison_json(self.comparison(), recording or self.window.loop)
+
+    def _all_tried(self) -> AllTried:
         key = self.step.effects
-        if key not in self._decisions:
-            found = dict(zip([each.name for each in candidates], self._tried(candidates), strict=True))
-            families = {each.name: each.family for each in candidates}
-            losses = {name: each.held_out.losses for name, each in found.items()}
-            self._decisions[key] = judge(self.step.held_out.losses, losses, families), found
-        return self._decisions[key]
+        if key not in self._tried_on:
+            self._tried_on[key] = self._judged(missing(self.step.fit.model, self.library))
+        return self._tried_on[key]
+
+    def _judged(self, candidates: Sequence[Effect]) -> AllTried:
+        models = dict(zip([each.name for each in candidates], self._tried(candidates), strict=True))
+        families = {each.name: each.family for each in candidates}
+        losses = {name: each.held_out.losses for name, each in models.items()}
+        return AllTried(judge(self.step.held_out.losses, losses, families), models)
 
     def _tried(self, candidates: Sequence[Effect]) -> Iterator[Tried]:
         if self._valves is None and any(isinstance(each, HysteresisEffect) for each in candidates):
@@ -268,13 +322,12 @@ class Workbench:
         pairs = fitted.model.parameters(self._record.facts)
         kept = np.array([full.partition(".")[0] != name or "." not in full for full, _ in pairs])
         effects = tuple(each for each in fitted.model.effects if each.name != name)
-        smaller = fit(
-            replace(fitted.model, effects=effects),
-            self._record,
-            self._record.weight,
-            fitted.values[None, kept],
-        )
-        return Tried(smaller, held_out(smaller, self._record, self._folds))
+        starts = fitted.values[np.newaxis, kept]
+        model = replace(fitted.model, effects=effects)
+        return self._predicted(fit(model, self._record, self._record.weight, starts))
+
+    def _predicted(self, fitted: Fit) -> Tried:
+        return Tried(fitted, held_out(fitted, self._record, self._folds))
 
     def _push(
         self, found: Tried, verdict: Verdict | None, *, added: str | None = None, dropped: str | None = None
@@ -296,6 +349,14 @@ class Workbench:
                 rmse_validation=None if self._validation is None else rmse_on(fitted, self._validation),
             )
         )
+
+
+def verdict_of(decision: Decision, failures: Sequence[Failure]) -> Verdict:
+    """Return what a model lacks, as far as its record tells."""
+    if decision.kind != "none":
+        return Verdict(decision.kind, decision.effect, decision.family, decision.indistinguishable)
+    fails = any(each.p < REJECTED for each in failures)
+    return Verdict("none_of_the_known" if fails else "no_failure_visible")
 
 
 def verdict_on(name: str, family: str, decision: Decision) -> Verdict:

@@ -1,0 +1,210 @@
+"""``slipjump compare``: which physical effect is missing in a recording, added until nothing more is."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import sys
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeVar
+
+import typer
+
+from agent.cli import recordings as option
+from agent.cli.compilation import announce_compilation
+from agent.cli.errors import BAD_INPUT, complain
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import LoopWindow
+    from agent.workbench.session import Progress, Workbench
+    from connectors.recording import Columns
+
+In = TypeVar("In")
+Out = TypeVar("Out")
+Names = list[str]
+
+
+def compare(
+    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="CSV or Parquet file.")],
+    *,
+    validate: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="OTHER", help="Another recording of the loop: every step is scored on it, none fitted."
+        ),
+    ] = None,
+    base: Annotated[
+        str, typer.Option(metavar="NAME", help="Process to begin with: fopdt, sopdt, integrator, two_tanks.")
+    ] = "fopdt",
+    load: Annotated[
+        Path | None, typer.Option(metavar="MODEL.yaml", help="Begin with the effects of a saved model.")
+    ] = None,
+    add: Annotated[
+        Names | None, typer.Option(metavar="EFFECT", help="Add this effect; may be repeated.")
+    ] = None,
+    drop: Annotated[
+        Names | None, typer.Option(metavar="EFFECT", help="Then take this one out; may be repeated.")
+    ] = None,
+    without: Annotated[
+        Names | None,
+        typer.Option(metavar="EFFECT", help="Do not try this effect or family; may be repeated."),
+    ] = None,
+    auto: Annotated[
+        bool, typer.Option("--auto", help="Add what is confirmed until nothing more is.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
+    save: Annotated[
+        Path | None, typer.Option(metavar="MODEL.yaml", help="Write the last model to this file.")
+    ] = None,
+    time: option.Time = "time",
+    op: option.Op = "OP",
+    pv: option.Pv = "PV",
+    sp: option.Sp = "SP",
+    mv: option.Mv = "MV",
+    mode: option.Mode = "mode",
+    ts: option.Ts = None,
+) -> None:
+    """Compare a recording with a model, and learn which physical effect the model lacks."""
+    from connectors.recording import Columns
+
+    columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
+    _check_names(base, [*(add or ()), *(drop or ())])
+    window = _window(recording, columns)
+    other = None if validate is None else _window(validate, columns)
+    with ExitStack() as stack:
+        tell = stack.enter_context(_progress())
+        run = stack.enter_context(_pool())
+        from agent.workbench.session import Workbench
+
+        try:
+            bench = Workbench(window, base, other, without or (), run=run, tell=tell)
+            if bench.reason is None:
+                _steps(bench, load, add or (), drop or ())
+                if auto:
+                    bench.auto()
+            found = bench.comparison()
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from error
+    failed = save is not None and not _write(bench, save)
+    if as_json:
+        from agent.workbench.comparison_json import comparison_json
+
+        text = json.dumps(comparison_json(found, recording.name), allow_nan=False)
+    else:
+        from agent.workbench.comparison_text import comparison_lines
+
+        text = "\n".join(comparison_lines(found))
+    print(text, flush=True)  # noqa: T201 - this is the command's output
+    if failed:
+        raise typer.Exit(BAD_INPUT)
+
+
+def _check_names(base: str, names: Iterable[str]) -> None:
+    """Refuse what does not exist before anything is read."""
+    from agent.physics.effects import effects
+    from agent.workbench.library import base_named, effect_named
+
+    try:
+        base_named(base)
+        for name in names:
+            effect_named(name, effects())
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error
+
+
+def _window(path: Path, columns: Columns) -> LoopWindow:
+    from agent.analysis.diagnose import without_impossible
+    from agent.analysis.recording import LoopHints
+    from connectors.recording import read_recording
+
+    return without_impossible(option.loop_window(read_recording(path, columns), LoopHints()))
+
+
+def _steps(bench: Workbench, load: Path | None, add: Iterable[str], drop: Iterable[str]) -> None:
+    if load is not None:
+        try:
+            bench.load(_mapping(load))
+        except ValueError as error:
+            raise ValueError(f"{load}: {error}") from error
+    for name in add:
+        bench.add(name)
+    for name in drop:
+        bench.drop(name)
+
+
+def _mapping(path: Path) -> object:
+    """Return what a YAML file holds.
+
+    Raises:
+        ValueError: it cannot be read.
+    """
+    import yaml
+
+    try:
+        return yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ValueError(" ".join(str(error).split())) from error
+
+
+def _write(bench: Workbench, path: Path) -> bool:
+    """Write the last model; return whether it could be written."""
+    import yaml
+
+    if bench.reason is not None:
+        complain(f"{path}: not written: the recording is not testable")
+        return True
+    try:
+        path.write_text(yaml.safe_dump(bench.save(), sort_keys=False), encoding="utf-8")
+    except OSError as error:
+        complain(f"{path}: cannot be written: {error.strerror}")
+        return False
+    return True
+
+
+@contextmanager
+def _pool() -> Iterator[Callable[[Callable[[In], Out], Sequence[In]], Iterable[Out]]]:
+    """Yield a map that works on all cores."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # of the workers: one a core is enough
+    workers = len(os.sched_getaffinity(0))
+    if workers == 1:
+        announce_compilation(threading.Event())
+        yield map
+        return
+    context = multiprocessing.get_context("forkserver")  # imports once; no thread of ours is forked
+    context.set_forkserver_preload(["agent.workbench.session"])
+    told = context.Event()
+    announce_compilation(told)
+    with ProcessPoolExecutor(workers, context, announce_compilation, (told,)) as pool:
+        yield pool.map
+
+
+@contextmanager
+def _progress() -> Iterator[Progress]:
+    """Name on a terminal's stderr what is being tried."""
+    from agent.workbench.session import silent
+
+    if not sys.stderr.isatty():
+        yield silent
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (
+        TextColumn("trying {task.description:24}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, redirect_stdout=False, transient=True) as progress:
+        work = progress.add_task("", total=1)
+
+        def tell(what: str, done: int, of: int, /) -> None:
+            progress.update(work, description=what.replace("_", " "), completed=done, total=of)
+
+        yield tell

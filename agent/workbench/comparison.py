@@ -1,0 +1,32 @@
+"""What a session found, in one value: for the JSON of ``compare``, its text and the report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from agent.workbench.decision import Candidate
+    from agent.workbench.noise_floor import NoiseFloor
+    from agent.workbench.step import Step, Verdict
+    from agent.workbench.where import Failure
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """The staircase, and what is said of its newest model."""
+
+    loop: str
+    steps: tuple[Step, ...]
+    """Empty where the recording is not testable."""
+    where_it_fails: tuple[Failure, ...]
+    """The largest share first."""
+    candidates: tuple[Candidate, ...]
+    """The largest reduction first."""
+    verdict: Verdict
+    noise_floor: NoiseFloor | None
+    """None where the recording is not testable."""
+    smallest_percent: float | None
+    """Smallest reduction of the held-out error that would have been confirmed; None: none would."""
+    reason: str | None
+    """In plain words why the recording is not testable."""

@@ -1,0 +1,71 @@
+"""A model as a plain mapping, for a file and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
+    from agent.physics.effect import Facts
+    from agent.physics.loop_model import LoopModel
+    from agent.workbench.fit import Fit
+
+KIND = "slipjump model"
+
+
+@dataclass(frozen=True, slots=True)
+class SavedModel:
+    """Base, effects and numbers of a model of one loop."""
+
+    loop: str
+    base: str
+    effects: tuple[str, ...]
+    values: Mapping[str, float]
+    """By the full name of the parameter, own units."""
+
+    def values_of(self, model: LoopModel, facts: Facts) -> FloatArray:
+        """Return the values of the parameters that ``model`` has, (k,).
+
+        Raises:
+            ValueError: one is not there.
+        """
+        names = [name for name, _ in model.parameters(facts)]
+        for name in names:
+            if name not in self.values:
+                raise ValueError(f"the saved model has no value of {name}")
+        return np.array([self.values[name] for name in names])
+
+
+def saved(loop: str, fitted: Fit, facts: Facts) -> dict[str, object]:
+    """Return a fitted model as a mapping of plain values."""
+    names = [name for name, _ in fitted.model.parameters(facts)]
+    return {
+        "kind": KIND,
+        "loop": loop,
+        "base": fitted.model.base.name,
+        "effects": [each.name for each in fitted.model.effects],
+        "parameters": dict(zip(names, map(float, fitted.values), strict=True)),
+    }
+
+
+def read_saved(mapping: object) -> SavedModel:
+    """Return the model of a mapping that ``saved`` made.
+
+    Raises:
+        ValueError: it is something else.
+    """
+    if not isinstance(mapping, Mapping) or mapping.get("kind") != KIND:
+        raise ValueError(f"no saved model: 'kind: {KIND}' is not there")
+    loop, base, effects = mapping.get("loop"), mapping.get("base"), mapping.get("effects")
+    values = mapping.get("parameters")
+    if not isinstance(loop, str) or not isinstance(base, str):
+        raise ValueError("no saved model: loop and base must be names")  # noqa: TRY004 - text of a file
+    if not isinstance(effects, list) or not all(isinstance(each, str) for each in effects):
+        raise ValueError("no saved model: effects must be a list of names")
+    if not isinstance(values, Mapping) or not all(isinstance(each, (int, float)) for each in values.values()):
+        raise ValueError("no saved model: parameters must be numbers")
+    return SavedModel(loop, base, tuple(effects), {str(name): float(each) for name, each in values.items()})
