@@ -44,7 +44,16 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-COMMANDS: tuple[Callable[..., None], ...] = (demo, diagnose, replay, run, check, simulate, certificates)
+COMMANDS: tuple[Callable[..., None], ...] = (
+    demo,
+    diagnose,
+    compare,
+    replay,
+    run,
+    check,
+    simulate,
+    certificates,
+)
 """Each is named as its function; its docstring is its help."""
 HIDDEN: tuple[Callable[..., None], ...] = (warm,)
 

@@ -52,11 +52,9 @@ def compare(
     ] = None,
     without: Annotated[
         Names | None,
-        typer.Option(metavar="EFFECT", help="Do not try this effect or family; may be repeated."),
+        typer.Option(metavar="EFFECT", help="Do not try this effect or family; repeatable."),
     ] = None,
-    auto: Annotated[
-        bool, typer.Option("--auto", help="Add what is confirmed until nothing more is.")
-    ] = False,
+    auto: Annotated[bool, typer.Option("--auto", help="Add what is confirmed, until nothing is.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
     save: Annotated[
         Path | None, typer.Option(metavar="MODEL.yaml", help="Write the last model to this file.")

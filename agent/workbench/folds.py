@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 FOLDS = 5
 FEWEST_BLOCKS = 10
+SPARE = 2
+"""Blocks beyond the fewest, for the start that does not count and a gap."""
 BLOCKS = 25
 """Wanted: with fewer the intervals are wide."""
 LEAST_BLOCK = 100
@@ -87,7 +89,7 @@ def folds_of(record: Record, base: Fit) -> Folds | str:
     """
     n, period = len(record), record.period
     length = min(max(2 * period, LEAST_BLOCK), n / BLOCKS)
-    length = int(min(max(length, period), n / FEWEST_BLOCKS))
+    length = int(min(max(length, period), n / (FEWEST_BLOCKS + SPARE)))
     block = np.minimum(np.arange(n) // length, n // length - 1)  # the last one takes the rest
     known = np.bincount(block, weights=record.weight)
     enough = known >= 0.5 * np.bincount(block)
