@@ -1,15 +1,19 @@
-"""The stiction alarm of one loop: diagnoses and operators in, the next alarm and its announcements out."""
+"""The stiction alarm of one loop: diagnoses and decisions in, the next alarm and its announcements out."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from agent.alarms.command import Command
 from agent.alarms.delay import Delay
+from agent.alarms.device_health import DeviceHealth, device_health
 from agent.alarms.state import Event, State, next_state
 from agent.analysis.results import Diagnosis, StictionEstimate, Verdict
 
 Priority = Literal["low", "medium", "high", "critical"]
+SCHEMA = 1
+"""Version of the published fields; it rises when one of them goes or changes its meaning."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +25,7 @@ class Announcement:
     alarm: Alarm
     """The alarm as it is now."""
     time: float
-    """Of the data that led to it, s UTC."""
+    """Of the data or the decision that led to it, s UTC."""
 
     @property
     def id(self) -> str:
@@ -29,21 +33,30 @@ class Announcement:
         return f"{self.alarm.loop}/{self.time:.3f}/{self.kind}/{self.alarm.state}"
 
     def fields(self) -> dict[str, float | str | bool | None]:
-        """Flat values for a bus; None is not known."""
+        """Flat values for a bus; None is not known. docs/alarms.md explains each."""
         alarm, found = self.alarm, self.alarm.stiction
         return {
+            "schema": SCHEMA,
+            "message_id": self.id,
             "loop": alarm.loop,
             "id": alarm.id,
             "active": alarm.state.active,
             "state": alarm.state.value,
             "verdict": alarm.verdict,
             "priority": alarm.priority,
+            "ne107": alarm.health.name.lower(),
+            "health": int(alarm.health),
             "time": self.time,
+            "by": alarm.by,
+            "until": alarm.until,
             "f_s": found.f_s.value if found else None,
             "f_d": found.f_d.value if found else None,
             "s": found.s.value if found else None,
             "j": found.j.value if found else None,
         }
+
+
+Followed = tuple["Alarm", tuple[Announcement, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +67,7 @@ class Alarm:
 
         alarm = Alarm("FIC101")
         alarm, announcements = alarm.on_diagnosis(diagnosis, time)
+        alarm, announcements = alarm.on_command(Command(Event.ACKNOWLEDGE, by="jane", at=time))
     """
 
     loop: str
@@ -66,8 +80,19 @@ class Alarm:
     """Of the last window."""
     stiction: StictionEstimate | None = None
     """Of the last window that found some, until the condition is gone; OP units."""
+    diagnosed: DeviceHealth = DeviceHealth.NORMAL
+    """What the last window says of the device."""
+    by: str | None = None
+    """Who brought the alarm into its state; None where a diagnosis or the end of shelving did."""
+    until: float | None = None
+    """End of shelving, s UTC; None in any other state."""
 
-    def on_diagnosis(self, diagnosis: Diagnosis, time: float) -> tuple[Alarm, tuple[Announcement, ...]]:
+    @property
+    def health(self) -> DeviceHealth:
+        """NE 107 status; what is out of service is being checked."""
+        return DeviceHealth.FUNCTION_CHECK if self.state is State.OUT_OF_SERVICE else self.diagnosed
+
+    def on_diagnosis(self, diagnosis: Diagnosis, time: float) -> Followed:
         """Take the diagnosis of the window that ended at ``time`` (s UTC).
 
         Stiction counts towards on, no stiction towards off, a window that could not tell towards neither. The
@@ -85,29 +110,62 @@ class Alarm:
         stiction = found if seen and found else self.stiction
         if seen is False and not delay.there:
             stiction = None
-        alarm = replace(self, delay=delay, verdict=diagnosis.verdict, stiction=stiction)
+        alarm = replace(
+            self,
+            delay=delay,
+            verdict=diagnosis.verdict,
+            stiction=stiction,
+            diagnosed=device_health(diagnosis, sticks=delay.there),
+        )
         if delay.there and not self.delay.there:
             alarm = _after(alarm, Event.RAISE, time)
         elif self.delay.there and not delay.there:
             alarm = _after(alarm, Event.CLEAR, time)
         return alarm, _announcements(alarm, self.state, time)
 
-    def on_operator(self, event: Event, time: float) -> tuple[Alarm, tuple[Announcement, ...]]:
-        """Take what a person decided at ``time`` (s UTC): acknowledge, shelve, out of service and back."""
-        if event in {Event.RAISE, Event.CLEAR}:
-            raise ValueError(f"{event} is for the diagnosis to say, not for a person")
-        alarm = _after(self, event, time)
-        if self.state.silenced and not alarm.state.silenced and alarm.delay.there:
-            alarm = _after(alarm, Event.RAISE, time)
-        if alarm.state == self.state:
-            return alarm, ()
-        return alarm, _announcements(alarm, self.state, time)
+    def on_command(self, command: Command) -> Followed:
+        """Take what a person decided; one that means nothing in this state changes and announces nothing.
+
+        Shelving what is shelved sets its end anew.
+        """
+        if command.event is Event.SHELVE and self.state is State.SHELVED:
+            alarm = replace(self, by=command.by, until=command.until)
+        else:
+            alarm = _returned(
+                self, _after(self, command.event, command.at, command.by, command.until), command.at
+            )
+        return alarm, () if alarm == self else _announcements(alarm, self.state, command.at)
+
+    def on_clock(self, now: float) -> Followed:
+        """End shelving when its time is over at ``now``, s UTC."""
+        if self.until is None or now < self.until:
+            return self, ()
+        alarm = _returned(self, _after(self, Event.UNSHELVE, now), now)
+        return alarm, _announcements(alarm, self.state, now)
+
+    def resumed(self, kept: Alarm) -> Alarm:
+        """Return the alarm ``kept`` when the program ended, with the priority and delays of this one."""
+        delay = replace(kept.delay, on=self.delay.on, off=self.delay.off)
+        return replace(kept, priority=self.priority, delay=delay)
 
 
-def _after(alarm: Alarm, event: Event, time: float) -> Alarm:
+def _after(
+    alarm: Alarm, event: Event, time: float, by: str | None = None, until: float | None = None
+) -> Alarm:
     state = next_state(alarm.state, event)
+    if state is alarm.state:
+        return alarm
     starts = state.active and not alarm.state.active
-    return replace(alarm, state=state, id=f"{alarm.loop}/{time:.3f}" if starts else alarm.id)
+    return replace(
+        alarm, state=state, id=f"{alarm.loop}/{time:.3f}" if starts else alarm.id, by=by, until=until
+    )
+
+
+def _returned(before: Alarm, alarm: Alarm, time: float) -> Alarm:
+    """Raise anew what is no longer silenced while its condition is still there."""
+    if before.state.silenced and not alarm.state.silenced and alarm.delay.there:
+        return _after(alarm, Event.RAISE, time, alarm.by)
+    return alarm
 
 
 def _announcements(alarm: Alarm, before: State, time: float) -> tuple[Announcement, ...]:

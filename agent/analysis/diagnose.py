@@ -102,6 +102,7 @@ def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
             reasons=tuple(fault.reason for fault in faults),
             oscillation=None,
             quantification=None,
+            gates=tuple(fault.name for fault in faults),
             advice=advice("not_testable", (), None, oscillation, window),
         )
     found = quantifier.quantify(window)
@@ -130,6 +131,7 @@ def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
             found.quantifier: MethodResult(found.decision, found.evidence, found.failure or ""),
             **detected,
         },
+        gates=tuple(fault.name for fault in faults),
         advice=advice(verdict, [each.cause for each in causes], found.stiction, oscillation, window),
     )
 

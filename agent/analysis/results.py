@@ -177,6 +177,8 @@ class Diagnosis:
     oscillation: Oscillation | None
     quantification: Quantification | None
     methods: dict[str, MethodResult] = field(default_factory=dict)
+    gates: tuple[str, ...] = ()
+    """Names of the gates that closed some methods or all (docs/methods/gates.md)."""
     advice: tuple[str, ...] = ()
     """What to do next, the most useful first."""
     seconds: float = 0.0

@@ -7,12 +7,14 @@ import logging
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from agent.alarms import Alarm, Announcement, Delay
+from agent.alarms import Alarm, Announcement, Command, Delay
 from agent.analysis.diagnose import diagnose
 from agent.analysis.quiet import quiet
 from agent.analysis.recording import LoopWindow
 from agent.analysis.results import Diagnosis
 from agent.analysis.stiction.online import OnlineShapes
+from agent.runtime.change import Change
+from agent.runtime.journal import Journal
 from agent.runtime.outbox import Outbox
 from agent.runtime.trigger import trigger
 from agent.runtime.window import RollingWindow
@@ -37,6 +39,7 @@ class LoopPipeline:
         outboxes: Sequence[Outbox] = (),
         on_diagnosis: Callable[[Diagnosis], None] | None = None,
         diagnose: Diagnose = diagnose,
+        journal: Journal | None = None,
     ) -> None:
         self.settings = settings
         self.window = RollingWindow(settings)
@@ -51,6 +54,7 @@ class LoopPipeline:
         self._outboxes = outboxes
         self._on_diagnosis = on_diagnosis
         self._diagnose = diagnose
+        self._journal = journal or Journal()
         self._waiting: LoopWindow | None = None
         self._judging = False
         self._due = asyncio.Event()
@@ -64,6 +68,20 @@ class LoopPipeline:
         self.superseded += self._waiting is not None
         self._waiting = window
         self._due.set()
+
+    def resume(self, kept: Alarm | None) -> None:
+        """Go on from the alarm that the store kept; None where it kept none."""
+        self._follow(self.alarm if kept is None else self.alarm.resumed(kept), ())
+
+    def obey(self, command: Command) -> None:
+        """Do what a person decided about the alarm; the next flush of the journal writes it."""
+        self._follow(*self.alarm.on_command(command))
+
+    def look_at_clock(self, now: float) -> None:
+        """End shelving when its time is over at ``now``, s UTC."""
+        alarm, announcements = self.alarm.on_clock(now)
+        if announcements:
+            self._follow(alarm, announcements)
 
     @property
     def indices(self) -> dict[str, float]:
@@ -93,9 +111,8 @@ class LoopPipeline:
         self.diagnosis = diagnosis
         if diagnosis.oscillation is not None:
             self.window.period = diagnosis.oscillation.period if diagnosis.oscillation.detected else None
-        self.alarm, announcements = self.alarm.on_diagnosis(diagnosis, float(window.time[-1]))
-        for announcement in announcements:
-            self._announce(announcement)
+        self._follow(*self.alarm.on_diagnosis(diagnosis, float(window.time[-1])))
+        await self._journal.flush()
         if self._on_diagnosis is not None:
             self._on_diagnosis(diagnosis)
 
@@ -105,6 +122,13 @@ class LoopPipeline:
             if not seen.fires:
                 return quiet(window, seen.oscillation, seen.methods)
         return await self._executor.run(self._diagnose, window)
+
+    def _follow(self, alarm: Alarm, announcements: Sequence[Announcement]) -> None:
+        """Take the alarm that follows, noted together with its announcements: no crash comes between."""
+        self.alarm = alarm
+        self._journal.note(Change(alarms={alarm.loop: alarm}))
+        for announcement in announcements:
+            self._announce(announcement)
 
     def _announce(self, announcement: Announcement) -> None:
         if announcement.kind == "event":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -21,7 +22,10 @@ T = TypeVar("T")
 
 
 def load_settings(path: Path) -> Settings:
-    """Read a YAML file; raises ConfigError with a line for each fault: file, path in it, what is wrong."""
+    """Read a YAML file; raises ConfigError with a line for each fault: file, path in it, what is wrong.
+
+    ``agent.state`` is always set in what is returned; ``settings_of`` knows no file and leaves it as it is.
+    """
     try:
         raw = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
@@ -32,9 +36,11 @@ def load_settings(path: Path) -> Settings:
     except yaml.YAMLError as error:
         raise ConfigError([f"{path}: not YAML: {' '.join(str(error).split())}"]) from error
     try:
-        return settings_of(raw)
+        settings = settings_of(raw)
     except ConfigError as error:
         raise ConfigError([f"{path}: {fault}" for fault in error.faults]) from error
+    state = path.parent / (settings.agent.state or path.with_suffix(".sqlite").name)
+    return replace(settings, agent=settings.agent.model_copy(update={"state": state}))
 
 
 def settings_of(raw: object) -> Settings:

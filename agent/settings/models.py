@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, field_validator, model_validator
@@ -26,6 +27,9 @@ class AgentSettings(Options):
     """Processes that quantify; one core each."""
     data_age: Seconds = 60.0
     """Time without any sample after which a connection is opened anew, s."""
+    state: Path | None = None
+    """File that keeps alarms and what waits to be told over a restart; relative to the configuration file.
+    None: its name with the ending .sqlite."""
 
 
 class WindowSettings(Options):

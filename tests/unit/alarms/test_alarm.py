@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agent.alarms import Alarm, Delay, Event, State
+from agent.alarms import Alarm, Command, Delay, DeviceHealth, Event, State
 from agent.analysis.results import Diagnosis, Quantification, StictionEstimate
 from agent.units import FrictionBands
 
@@ -57,7 +57,7 @@ def test_the_id_is_that_of_the_activation():
     alarm, _ = play(Alarm("FIC101", delay=Delay(on=1, off=1)), ["stiction", "stiction"], start=100.0)
     first = alarm.id
     assert first == "FIC101/100.000"
-    alarm, _ = alarm.on_operator(Event.ACKNOWLEDGE, 250.0)
+    alarm, _ = alarm.on_command(Command(Event.ACKNOWLEDGE, "jane", 250.0))
     assert alarm.id == first
     alarm, _ = play(alarm, ["no_stiction", "stiction"], start=300.0)
     assert alarm.id == "FIC101/400.000"
@@ -76,13 +76,19 @@ def test_what_is_announced_fits_a_bus():
     _, announcements = Alarm("FIC101", delay=Delay(1, 1)).on_diagnosis(diagnosis("stiction"), 7.0)
     fields = announcements[1].fields()
     assert fields == {
+        "schema": 1,
+        "message_id": "FIC101/7.000/event/unacked_active",
         "loop": "FIC101",
         "id": "FIC101/7.000",
         "active": True,
         "state": "unacked_active",
         "verdict": "stiction",
         "priority": "medium",
+        "ne107": "maintenance_required",
+        "health": 4,
         "time": 7.0,
+        "by": None,
+        "until": None,
         "f_s": 3.0,
         "f_d": 1.0,
         "s": 4.0,
@@ -101,30 +107,91 @@ def test_the_amount_stays_while_it_is_active_and_goes_with_it():
 
 def test_a_shelved_alarm_is_silent_and_comes_back_if_the_condition_is_still_there():
     alarm, _ = play(Alarm("FIC101", delay=Delay(1, 1)), ["stiction"])
-    alarm, _ = alarm.on_operator(Event.SHELVE, 10.0)
+    alarm, _ = alarm.on_command(Command(Event.SHELVE, "jane", 10.0, until=1e4))
     alarm, announcements = alarm.on_diagnosis(diagnosis("stiction"), 100.0)
     assert not announcements[0].fields()["active"]
-    alarm, announcements = alarm.on_operator(Event.UNSHELVE, 200.0)
+    alarm, announcements = alarm.on_command(Command(Event.UNSHELVE, "jane", 200.0))
     assert alarm.state is State.UNACKED_ACTIVE
     assert [a.kind for a in announcements] == ["state", "event"]
 
 
 def test_a_shelved_alarm_comes_back_as_normal_if_the_condition_went():
     alarm, _ = play(Alarm("FIC101", delay=Delay(1, 1)), ["stiction"])
-    alarm, _ = alarm.on_operator(Event.SHELVE, 10.0)
+    alarm, _ = alarm.on_command(Command(Event.SHELVE, "jane", 10.0, until=1e4))
     alarm, _ = play(alarm, ["no_stiction"], start=100.0)
-    alarm, _ = alarm.on_operator(Event.UNSHELVE, 200.0)
+    alarm, _ = alarm.on_command(Command(Event.UNSHELVE, "jane", 200.0))
     assert alarm.state is State.NORMAL
 
 
 def test_an_acknowledgement_of_nothing_announces_nothing():
-    assert Alarm("FIC101").on_operator(Event.ACKNOWLEDGE, 0.0)[1] == ()
+    assert Alarm("FIC101").on_command(Command(Event.ACKNOWLEDGE, "jane", 0.0))[1] == ()
 
 
 @pytest.mark.parametrize("event", [Event.RAISE, Event.CLEAR])
 def test_only_the_diagnosis_raises_and_clears(event):
     with pytest.raises(ValueError, match="not for a person"):
-        Alarm("FIC101").on_operator(event, 0.0)
+        Command(event, "jane", 0.0)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"event": Event.ACKNOWLEDGE, "by": "", "at": 0.0},
+        {"event": Event.ACKNOWLEDGE, "by": "jane", "at": float("nan")},
+        {"event": Event.ACKNOWLEDGE, "by": "jane", "at": 0.0, "until": 9.0},
+        {"event": Event.SHELVE, "by": "jane", "at": 0.0},
+        {"event": Event.SHELVE, "by": "jane", "at": 9.0, "until": 9.0},
+        {"event": Event.SHELVE, "by": "jane", "at": 9.0, "until": float("inf")},
+    ],
+)
+def test_a_command_that_makes_no_sense_is_refused(arguments):
+    with pytest.raises(ValueError, match=r"\w"):
+        Command(**arguments)
+
+
+def test_shelving_ends_by_itself_and_the_alarm_is_told_anew():
+    alarm, _ = play(Alarm("FIC101", delay=Delay(1, 1)), ["stiction"])
+    alarm, _ = alarm.on_command(Command(Event.SHELVE, "jane", 10.0, until=500.0))
+    assert (alarm.by, alarm.until) == ("jane", 500.0)
+    assert alarm.on_clock(499.9) == (alarm, ())
+    alarm, announcements = alarm.on_clock(500.0)
+    assert (alarm.state, alarm.by, alarm.until) == (State.UNACKED_ACTIVE, None, None)
+    assert [a.kind for a in announcements] == ["state", "event"]
+
+
+def test_shelving_again_sets_the_end_anew_and_is_no_event():
+    alarm, _ = Alarm("FIC101").on_command(Command(Event.SHELVE, "jane", 10.0, until=500.0))
+    alarm, announcements = alarm.on_command(Command(Event.SHELVE, "joe", 20.0, until=900.0))
+    assert (alarm.state, alarm.by, alarm.until) == (State.SHELVED, "joe", 900.0)
+    assert [a.kind for a in announcements] == ["state"]
+
+
+def test_it_tells_who_acknowledged_until_the_state_changes():
+    alarm, _ = play(Alarm("FIC101", delay=Delay(1, 1)), ["stiction"])
+    alarm, announcements = alarm.on_command(Command(Event.ACKNOWLEDGE, "jane", 50.0))
+    assert announcements[1].fields()["by"] == "jane"
+    alarm, _ = alarm.on_command(Command(Event.ACKNOWLEDGE, "joe", 60.0))
+    alarm, _ = play(alarm, ["stiction"], start=100.0)
+    assert alarm.by == "jane"
+    alarm, _ = play(alarm, ["no_stiction"], start=200.0)
+    assert (alarm.state, alarm.by) == (State.NORMAL, None)
+
+
+def test_out_of_service_is_a_function_check_and_ends_only_by_a_command():
+    alarm, _ = play(Alarm("FIC101", delay=Delay(1, 1)), ["stiction"])
+    alarm, _ = alarm.on_command(Command(Event.REMOVE_FROM_SERVICE, "jane", 10.0))
+    alarm, _ = play(alarm, ["stiction", "no_stiction", "stiction"], start=100.0)
+    assert (alarm.state, alarm.health) == (State.OUT_OF_SERVICE, DeviceHealth.FUNCTION_CHECK)
+    alarm, _ = alarm.on_command(Command(Event.RETURN_TO_SERVICE, "jane", 900.0))
+    assert (alarm.state, alarm.health) == (State.UNACKED_ACTIVE, DeviceHealth.MAINTENANCE_REQUIRED)
+    assert alarm.id == "FIC101/900.000"
+
+
+def test_what_was_kept_goes_on_with_the_settings_of_today():
+    kept, _ = play(Alarm("FIC101", delay=Delay(2, 2)), ["stiction"] * 2 + ["no_stiction"])
+    alarm = Alarm("FIC101", "high", Delay(5, 4)).resumed(kept)
+    assert (alarm.state, alarm.id, alarm.priority) == (State.UNACKED_ACTIVE, kept.id, "high")
+    assert alarm.delay == Delay(5, 4, there=True, run=1)
 
 
 @given(
