@@ -24,6 +24,11 @@ def seconds(work: Callable[[], object], repeats: int = REPEATS) -> float:
     return median(times)
 
 
+def quantifier_seconds(window: LoopWindow, method: str, repeats: int = REPEATS) -> float:
+    """Return the median CPU time of a quantifier alone, s."""
+    return seconds(lambda: quantifier(method).quantify(window), repeats)
+
+
 def diagnosis_seconds(window: LoopWindow, method: str, repeats: int = REPEATS) -> float:
     """Return the median CPU time of a whole diagnosis, s."""
     return seconds(lambda: diagnose(window, quantifier=quantifier(method)), repeats)

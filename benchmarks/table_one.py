@@ -1,4 +1,4 @@
-"""CPU time for one loop, on the loops of the paper's Table I that are public with OP and PV."""
+"""CPU time of the quantifiers on the loops of the paper's Table I that are public with OP and PV."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 from agent.analysis.recording import LoopHints, LoopWindow
 from agent.cli.recordings import loop_window
-from benchmarks.cpu_time import diagnosis_seconds
+from benchmarks.cpu_time import quantifier_seconds
 from benchmarks.markdown import table
 from benchmarks.options import Options
 from benchmarks.recordings_folder import recordings_folder
@@ -30,7 +30,7 @@ def run(_options: Options) -> None:
     rows = []
     for window in windows:
         times = [
-            diagnosis_seconds(window.with_hints(LoopHints(order=order)), method)
+            quantifier_seconds(window.with_hints(LoopHints(order=order)), method)
             for method in METHODS
             for order in ORDERS
         ]
