@@ -35,6 +35,10 @@ from agent.analysis.quantify.free_run.search import STEMS, best_stiction
 from agent.analysis.recording import FloatArray, LoopHints, LoopWindow
 from agent.analysis.stiction import DETECTORS, StictionDetector
 from agent.cli.recordings import loop_window
+from agent.physics.bases import BASES
+from agent.physics.effect import Effect, Facts
+from agent.physics.effects import EFFECTS
+from agent.physics.loop_model import LoopModel
 from agent.physics.processes import PROCESSES
 from agent.physics.valves import LAWS, StictionLaw
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
@@ -61,6 +65,23 @@ STUCK_AND_FREE: tuple[tuple[Kind, int], ...] = (("stiction", 13), ("sinusoid", 1
 """Loops of ``simulators.random_plants`` for the pictures of the stiction detectors: kind and seed."""
 MANY_PERIODS: tuple[tuple[Kind, int], ...] = (("stiction", 37), ("sinusoid", 1))
 """The same with periods enough for the tests of nonlinearity."""
+EFFECT_VALUES: dict[str, tuple[float, ...]] = {
+    "deadband": (0.5, 0.3),
+    "stiction": (0.5, 0.5, 0.3),
+    "asymmetric_stiction": (0.25, 0.1, 0.4, 0.3),
+    "saturation": (0.2, 0.75),
+    "characteristic": (3.0,),
+    "rate_limit": (0.02,),
+    "actuator_lag": (10.0,),
+    "second_order": (10.0,),
+    "sensor_lag": (10.0,),
+    "integrating": (0.05,),
+    "inverse_response": (15.0,),
+    "sinusoid": (0.031,),
+    "load_step": (100.0, 15.0),
+    "gain_change": (100.0,),
+}
+"""Values in s, and in OP spans above the least OP where the unit has OP in it."""
 OF_NONLINEARITY = ("bicoherence", "choudhury_ellipse", "choudhury_cmeans", "thornhill_surrogates")
 
 
@@ -300,6 +321,45 @@ def stiction_detector(detector: StictionDetector) -> Figure:
     return figure
 
 
+def effect_in_the_loop(effect: Effect) -> Figure:
+    """Draw valve and PV of a first-order process with an effect, and what a model without it leaves.
+
+    OP is that of a simulated loop, stretched to 40 to 80.
+    """
+    low, span = 40.0, 40.0
+    recorded_op = simulate(random_plant(1, "sinusoid")).op[:200]
+    op = np.interp(recorded_op, (recorded_op.min(), recorded_op.max()), (low, low + span))
+    facts = Facts(1.0, len(op), low, low + span, 0.0, 1.0, 50.0, 1.6, 1)
+    scale = {"OP": span, "OP/s": span, "1/OP": 1 / span}
+    own = [
+        value * scale.get(each.unit, 1.0) + (low if effect.family == "valve_limits" else 0.0)
+        for value, each in zip(EFFECT_VALUES[effect.name], effect.parameters(facts), strict=True)
+    ]
+    model, values = LoopModel(BASES[0], (effect,)), np.array([4.0, 8.0, *own])
+    columns = model.columns(op, values, facts)
+    pv = columns @ np.array([1.0, *np.full(columns.shape[1] - 1, 0.6 if effect.family == "gain" else 12.0)])
+    without = np.column_stack((LoopModel(BASES[0]).columns(op, values[:2], facts), np.ones(len(op))))
+    fitted = without @ np.linalg.lstsq(without, pv, rcond=None)[0]
+    figure = Figure(figsize=(11.0, 3.0), layout="constrained")
+    valve, process, residual = figure.subplots(1, 3)
+    valve.plot(op, color=MEASURED, linewidth=1.0, label="OP")
+    if effect.stage == "valve":
+        position = model.position(op, values, facts)
+        if effect.family == "valve_characteristic":
+            position = np.interp(position, (position.min(), position.max()), (low, low + span))
+        valve.plot(position, color=VALVE, linewidth=1.2, label="valve")
+    valve.set_ylabel("OP units")
+    process.plot(fitted, color=MEASURED, linewidth=1.0, label="model without")
+    process.plot(pv, color=MODEL, linewidth=1.2, label=f"PV with {effect.name}")
+    process.set_ylabel("PV over gain (OP units)")
+    residual.plot(pv - fitted, color=MODEL, linewidth=1.0, label="PV less model")
+    for axes in (valve, process, residual):
+        axes.set_xlabel("time (s)")
+        legend_above(axes)
+        tidy(axes)
+    return figure
+
+
 if __name__ == "__main__":
     for draw in (
         oscillation_peak,
@@ -316,3 +376,6 @@ if __name__ == "__main__":
         law_on_triangle(each).savefig(HERE / f"law_{each.name}.png", dpi=DPI)
     for detector in DETECTORS:
         stiction_detector(detector).savefig(HERE / f"detector_{detector.name}.png", dpi=DPI)
+    for each_effect in EFFECTS:
+        if each_effect.name in EFFECT_VALUES:
+            effect_in_the_loop(each_effect).savefig(HERE / f"effect_{each_effect.name}.png", dpi=DPI)

@@ -28,7 +28,7 @@ def slewed_branches(command, step):
 
 
 def process_step_response(lags, lead, integrates):
-    """Return the step response of (1 - lead s) / ((1 + lag s) ...) or / (s (1 + lag s)), distinct lags, t > 0."""
+    """Return the step response of (1 - lead s) / ((1 + lag s) ...) or / (s (1 + lag s)), lags differ."""
 
     def response(t):
         terms = []

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 STEEPEST = 4.0
 """Log of the ratio of the slopes at both ends of OP: about the rangeability of 50 of a common trim."""
-REACH = 20.0
-"""Largest |curvature x OP|: beyond it exp takes the digits away from the small flows."""
+REACH = 8.0
+"""Largest |curvature x OP|: slopes at OP 0 and the farthest OP in a ratio of 3000, more than any trim."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ class Stiction:
     stage: Stage = "valve"
     bases: tuple[str, ...] = ()
     law: StictionLaw = field(default_factory=DampedStem)
-    """The damped stem is nearest to physical friction (docs/effects/stiction.md)."""
+    """Between a stem that rests after each slip and one that slides on (docs/methods/stiction_laws.md)."""
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return S, J/S and where the stem first slips."""

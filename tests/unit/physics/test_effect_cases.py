@@ -1,14 +1,10 @@
 """The analytic cases of docs/effects."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from agent.physics import effects as registry
 from agent.physics.bases import BASES
 from agent.physics.effect import Facts
-from agent.physics.effects import EFFECTS, effects
 from agent.physics.effects.actuator_lag import ActuatorLag
 from agent.physics.effects.asymmetric_stiction import AsymmetricStiction
 from agent.physics.effects.characteristic import Characteristic
@@ -140,29 +136,3 @@ def test_the_stem_acts_behind_the_actuator_and_before_the_trim_however_they_were
         model = LoopModel(FOPDT, order)
         own = np.concatenate([[4.0, 12.0], *(values[effect.name] for effect in order)])
         np.testing.assert_array_equal(model.position(WAVE, own, FACTS), position)
-
-
-@pytest.fixture
-def offered(monkeypatch):
-    """Entry points of packages that may be installed."""
-    entries = []
-    monkeypatch.setattr(
-        registry, "entry_points", lambda group: entries if group == "slipjump.effects" else []
-    )
-    effects.cache_clear()
-    yield entries
-    effects.cache_clear()
-
-
-def test_an_installed_package_adds_its_effect(offered):
-    class Own(Deadband):
-        pass
-
-    offered.append(SimpleNamespace(value="plant:Own", load=lambda: lambda: Own(name="own")))
-    assert [each.name for each in effects()] == [*(each.name for each in EFFECTS), "own"]
-
-
-def test_a_name_that_is_taken_is_refused_with_whose_it_is(offered):
-    offered.append(SimpleNamespace(value="plant:Deadband", load=lambda: Deadband))
-    with pytest.raises(ValueError, match=r"plant:Deadband.*'deadband'"):
-        effects()
