@@ -61,13 +61,25 @@ class Publication:
     """Stable over retries: a consumer that honours it sees nothing twice."""
     fields: Mapping[str, JsonValue]
 
+    @property
+    def key(self) -> tuple[str, str]:
+        """What it is one of: a later publication with the same key takes its place."""
+        return (self.kind, self.subject if self.kind == "state" else self.id)
+
 
 class ConnectionLostError(Exception):
     """The peer is gone, refuses or stalls: wait and try again with a fresh session."""
 
 
+class AccessDeniedError(ConnectionLostError):
+    """The peer does not let us in, or is not who it should be: tell a person, who must change something."""
+
+
 class RefusedError(Exception):
-    """The peer is there but will not take this publication: do not retry, tell a person."""
+    """The peer is there but will not take some of this publication: try that again later, and tell a person.
+
+    All that it does take has been written.
+    """
 
 
 class ConfigError(Exception):
@@ -86,7 +98,10 @@ class Session(Protocol):
         ...
 
     async def publish(self, publication: Publication) -> None:
-        """Hand over to the bus and return when the peer took it; raises ConnectionLostError, RefusedError."""
+        """Hand over to the bus and return when the peer took it; raises ConnectionLostError, RefusedError.
+
+        Nothing is written but what the configuration names for the publication's subject.
+        """
         ...
 
 
@@ -99,5 +114,5 @@ class Connector(Protocol):
         ...
 
     def session(self) -> AbstractAsyncContextManager[Session]:
-        """Connect; raises ConnectionLostError where the peer cannot be reached in time."""
+        """Connect; raises ConnectionLostError where the peer cannot be reached in time, AccessDeniedError."""
         ...

@@ -106,7 +106,7 @@ class Agent:
         async with asyncio.TaskGroup() as tasks:
             tasks.create_task(keep_alive(self._serve_operators, self.operators), name=self.operators.name)
             for connection in self.connections:
-                work = keep_alive(connection.attempt, connection.health)
+                work = keep_alive(connection.attempt, connection.health, self._settings.agent.longest_wait)
                 tasks.create_task(work, name=connection.health.name)
             for name, pipeline in self._pipelines.items():
                 tasks.create_task(keep_alive(pipeline.run, self.health[name]), name=self.health[name].name)

@@ -9,8 +9,9 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 from agent.runtime.outbox import Outbox
+from agent.runtime.refusals import Refusals
 from agent.runtime.supervisor import Health
-from connectors.base import ConnectionLostError, Connector, RefusedError, Sample, Session
+from connectors.base import ConnectionLostError, Connector, Publication, RefusedError, Sample, Session
 from connectors.cancellation import obey_cancellation
 
 LOG = logging.getLogger(__name__)
@@ -41,7 +42,7 @@ class Connection:
             data_age: Time without a sample after which the peer counts as gone, s.
         """
         self.health = Health(f"connection {connector.name}")
-        self.refused = 0
+        self.refusals = Refusals(connector.name)
         """Publications that the peer would not take."""
         self._connector = connector
         self._outbox = outbox
@@ -77,14 +78,23 @@ class Connection:
 
     async def _publish(self, session: Session) -> None:
         while True:
-            publication = await self._outbox.first()
             try:
-                await session.publish(publication)
-            except RefusedError as error:
-                self.refused += 1
-                LOG.warning("connection %s refuses to publish: %s", self._connector.name, error)
-            self._outbox.remove(publication)
+                async with asyncio.timeout_at(self.refusals.due):
+                    publication = await self._outbox.first()
+            except TimeoutError:
+                await self._tell(session, self.refusals.next())
+            else:
+                await self._tell(session, publication)
+                self._outbox.remove(publication)
             obey_cancellation()
+
+    async def _tell(self, session: Session, publication: Publication) -> None:
+        try:
+            await session.publish(publication)
+        except RefusedError as error:
+            self.refusals.add(publication, error)
+        else:
+            self.refusals.settle(publication)
 
 
 @asynccontextmanager

@@ -10,8 +10,8 @@ import asyncio
 import logging
 import random
 from collections.abc import Callable, Coroutine
-from dataclasses import dataclass
-from typing import Any, NoReturn
+from dataclasses import dataclass, field
+from typing import Any, NoReturn, TypeVar
 
 from connectors.base import ConnectionLostError
 from connectors.cancellation import obey_cancellation
@@ -20,9 +20,10 @@ LOG = logging.getLogger(__name__)
 FIRST_WAIT = 0.1
 """s; doubles with each attempt that fails."""
 LONGEST_WAIT = 3.0
-"""s"""
+"""s, unless the configuration says another."""
 LASTED = 10.0
 """Time after which an attempt that fails counts as a success all the same, s: waits start small again."""
+E = TypeVar("E", bound=Exception)
 
 
 @dataclass(slots=True)
@@ -41,17 +42,24 @@ class Health:
 
     problem: str = ""
     """What is wrong now, as last logged."""
+    told: set[type[ConnectionLostError]] = field(default_factory=set)
+    """Kinds of losses that were logged since it worked."""
 
     def works(self) -> None:
         """Say that it does what it should; logged when it did not before."""
         if not self.up:
             self.up, self.problem = True, ""
+            self.told.clear()
             LOG.info("%s is up", self.name)
 
     def lost(self, error: ConnectionLostError) -> None:
-        """Say that its peer is gone; logged once, until it is back."""
+        """Say that its peer is gone; logged once, until it is back.
+
+        Being denied is logged although it was gone before: that does not pass by itself.
+        """
         self.losses += 1
-        if not self.problem:
+        if type(error) not in self.told:
+            self.told.add(type(error))
             self.problem = str(error)
             LOG.warning("%s is down: %s", self.name, error)
         self._failed()
@@ -72,12 +80,13 @@ class Health:
 async def keep_alive(
     work: Callable[[], Coroutine[Any, Any, object]],
     health: Health,
+    longest_wait: float = LONGEST_WAIT,
     uniform: Callable[[float, float], float] = random.uniform,
 ) -> NoReturn:
     """Run ``work`` again and again until cancelled.
 
-    Between attempts it waits a random time of up to 0.1 s, 0.2 s, 0.4 s, ..., 3 s (full jitter), so that many
-    clients of a server that comes back don't come all at once.
+    Between attempts it waits a random time of up to 0.1 s, 0.2 s, 0.4 s, ..., ``longest_wait`` (full jitter),
+    so that many clients of a server that comes back don't come all at once.
     """
     clock = asyncio.get_running_loop()
     while True:
@@ -87,17 +96,17 @@ async def keep_alive(
             await asyncio.create_task(work(), name=health.name)
             health.lost(ConnectionLostError("it ended"))
         except* ConnectionLostError as group:
-            health.lost(ConnectionLostError(_first(group)))
+            health.lost(_first(group))
         except* Exception as group:  # noqa: BLE001  # see the top of this file
             health.failed(_first(group))
         obey_cancellation()
         if clock.time() - began > LASTED:
             health.attempts = 1
-        longest = min(FIRST_WAIT * 2 ** min(health.attempts - 1, 10), LONGEST_WAIT)
+        longest = min(FIRST_WAIT * 2 ** min(health.attempts - 1, 20), longest_wait)
         await asyncio.sleep(uniform(0, longest))
 
 
-def _first(group: BaseExceptionGroup[Exception]) -> Exception:
+def _first(group: BaseExceptionGroup[E]) -> E:
     """Return the exception itself, out of the groups that a TaskGroup put around it."""
     error = group.exceptions[0]
     return _first(error) if isinstance(error, BaseExceptionGroup) else error

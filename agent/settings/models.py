@@ -27,6 +27,8 @@ class AgentSettings(Options):
     """Processes that quantify; one core each."""
     data_age: Seconds = 60.0
     """Time without any sample after which a connection is opened anew, s."""
+    longest_wait: Seconds = 3.0
+    """Longest wait between two attempts at a connection that is down, s; the first waits are shorter."""
     state: Path | None = None
     """File that keeps alarms and what waits to be told over a restart; relative to the configuration file.
     None: its name with the ending .sqlite."""

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import logging
+import ssl
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 
-from pymodbus.client import AsyncModbusTcpClient
+from pymodbus.client import AsyncModbusTcpClient, AsyncModbusTlsClient
 from pymodbus.exceptions import ModbusException
 from pymodbus.pdu import ModbusPDU
 
-from connectors.base import ConnectionLostError
+from connectors.base import AccessDeniedError, ConnectionLostError
 from connectors.cancellation import obey_cancellation
-from connectors.modbus.options import Table
+from connectors.modbus.options import ModbusOptions, Table
+from connectors.tls import explain
 
 logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # what it logs, the session raises
 
@@ -31,9 +33,13 @@ class DeviceError(Exception):
 class ModbusClient:
     """A connection to one device. Every failure to get an answer in time is a ConnectionLostError."""
 
-    def __init__(self, client: AsyncModbusTcpClient, unit: int) -> None:
+    def __init__(
+        self, client: AsyncModbusTcpClient, options: ModbusOptions, tls: ssl.SSLContext | None
+    ) -> None:
         self._client = client
-        self._unit = unit
+        self._options = options
+        self._tls = tls
+        self._answered = False
 
     async def read(self, table: Table, address: int, count: int) -> list[int]:
         """Return ``count`` registers, or bits as 0 and 1; ``address`` as on the wire. Raises DeviceError."""
@@ -59,9 +65,12 @@ class ModbusClient:
 
     async def _ask(self, request: Request, *args: int | list[int], **more: int) -> ModbusPDU:
         try:
-            answer = await request(*args, device_id=self._unit, **more)
+            answer = await request(*args, device_id=self._options.unit, **more)
         except (ModbusException, OSError) as error:
+            if not self._answered:
+                await _raise_denial(self._options, self._tls)
             raise ConnectionLostError(str(error)) from error
+        self._answered = True
         obey_cancellation()
         if answer.isError():
             raise DeviceError(answer.exception_code)
@@ -69,13 +78,27 @@ class ModbusClient:
 
 
 @asynccontextmanager
-async def connected(host: str, port: int, unit: int, timeout: float) -> AsyncIterator[ModbusClient]:  # noqa: ASYNC109
-    """Connect to a device; ``timeout`` (s) bounds this and every request. Raises ConnectionLostError."""
+async def connected(options: ModbusOptions) -> AsyncIterator[ModbusClient]:
+    """Connect to a device; raises ConnectionLostError, AccessDeniedError."""
+    tls = None if options.tls is None else options.tls.context()
     # retrying and reconnecting are the supervisor's; pymodbus would do both in silence, for minutes
-    client = AsyncModbusTcpClient(host, port=port, timeout=timeout, retries=0, reconnect_delay=0)
+    common = {"port": options.port, "timeout": options.timeout, "retries": 0, "reconnect_delay": 0}
+    client = (
+        AsyncModbusTcpClient(options.host, **common)
+        if tls is None
+        else AsyncModbusTlsClient(options.host, sslctx=tls, **common)
+    )
     try:
         if not await client.connect():
-            raise ConnectionLostError(f"no Modbus device answers at {host}:{port}")
-        yield ModbusClient(client, unit)
+            await _raise_denial(options, tls)
+            raise ConnectionLostError(f"no Modbus device answers at {options.host}:{options.port}")
+        yield ModbusClient(client, options, tls)
     finally:
         client.close()
+
+
+async def _raise_denial(options: ModbusOptions, tls: ssl.SSLContext | None) -> None:
+    """Raise AccessDeniedError if TLS is why there was no answer."""
+    why = None if tls is None else await explain(options.host, options.port, tls, options.timeout)
+    if why is not None:
+        raise AccessDeniedError(f"Modbus device at {options.host}:{options.port}: {why}")

@@ -34,9 +34,8 @@ class ModbusConnector:
 
     @asynccontextmanager
     async def _session(self) -> AsyncIterator[Session]:
-        options = self._options
-        async with connected(options.host, options.port, options.unit, options.timeout) as client:
-            yield ModbusSession(client, options, self._loops)
+        async with connected(self._options) as client:
+            yield ModbusSession(client, self._options, self._loops)
 
 
 class ModbusSession:
@@ -64,31 +63,32 @@ class ModbusSession:
         """Write a state, its numbers before the flag; raises ConnectionLostError, RefusedError."""
         if publication.kind != "state" or publication.subject not in self._loops:
             return
+        refused: list[str] = []
         for target in self._loops[publication.subject].targets:
-            for name, register in target.fields.items():
-                await self._write_number(register, publication.fields.get(name))
+            places: list[tuple[Flag | HoldingRegister, JsonValue]] = [
+                (register, publication.fields.get(name)) for name, register in target.fields.items()
+            ]
             if target.active is not None:
-                await self._write_flag(target.active, bool(publication.fields.get("active")))
+                places.append((target.active, bool(publication.fields.get("active"))))
+            for place, value in places:
+                try:
+                    await self._write(place, value)
+                except DeviceError as error:
+                    word = "coil" if place.table == "coil" else "holding register"
+                    refused.append(f"{word} {place.address}: {error}")
+        if refused:
+            raise RefusedError("; ".join(refused))
 
-    async def _write_number(self, register: HoldingRegister, value: JsonValue) -> None:
-        number = float(value) if isinstance(value, int | float) else math.nan
-        raw = unscaled(number, register.scale, register.offset)
-        await self._write_registers(register.address, encode(raw, register.type, register.order))
-
-    async def _write_flag(self, flag: Flag, value: bool) -> None:  # noqa: FBT001 - the value is what it is
-        if flag.table == "holding":
-            await self._write_registers(flag.address, [int(value)])
-            return
-        try:
-            await self._client.write_coil(flag.address - self._options.address_base, value)
-        except DeviceError as error:
-            raise RefusedError(f"coil {flag.address}: {error}") from error
-
-    async def _write_registers(self, address: int, values: list[int]) -> None:
-        try:
-            await self._client.write_registers(address - self._options.address_base, values)
-        except DeviceError as error:
-            raise RefusedError(f"holding register {address}: {error}") from error
+    async def _write(self, place: Flag | HoldingRegister, value: JsonValue) -> None:
+        address = place.address - self._options.address_base
+        if isinstance(place, HoldingRegister):
+            number = float(value) if isinstance(value, int | float) else math.nan
+            raw = unscaled(number, place.scale, place.offset)
+            await self._client.write_registers(address, encode(raw, place.type, place.order))
+        elif place.table == "holding":
+            await self._client.write_registers(address, [int(bool(value))])
+        else:
+            await self._client.write_coil(address, bool(value))
 
 
 class LoopPoller:

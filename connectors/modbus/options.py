@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from connectors.modbus.codec import Order, RegisterType, register_count
 from connectors.options import Options, Port, Seconds, Target
+from connectors.tls import Tls
 
 Table = Literal["holding", "input", "coil", "discrete"]
 Address = Annotated[int, Field(ge=0, le=65536)]
@@ -29,6 +30,8 @@ class ModbusOptions(Options):
     """Longest wait for an answer, s; after that the device counts as gone."""
     address_base: Literal[0, 1] = 0
     """Number of a table's first register: 0 as on the wire, 1 as in manuals that count from 1."""
+    tls: Tls | None = None
+    """Modbus/TCP Security, mostly on port 802 and with a client certificate. None: not encrypted."""
 
 
 class Encoding(Options):

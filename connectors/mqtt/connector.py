@@ -8,20 +8,23 @@ import logging
 import math
 import time
 from collections.abc import AsyncIterator, Iterator, Mapping
-from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager, contextmanager
 
-from aiomqtt import Client, Message, MqttError, ProtocolVersion
+from aiomqtt import Client, Message, MqttCodeError, MqttError, ProtocolVersion
 
-from connectors.base import ConnectionLostError, Publication, Sample, Session
+from connectors.base import AccessDeniedError, ConnectionLostError, Publication, Sample, Session
 from connectors.mqtt.options import MqttOptions, MqttTag, MqttTarget
 from connectors.mqtt.reader import TopicReader
 from connectors.options import LoopTags
+from connectors.tls import explain, refusal
 
 logging.getLogger("mqtt").setLevel(logging.CRITICAL)  # what it logs, the session raises
 
 _LOG = logging.getLogger(__name__)
 _VERSIONS = {"3.1.1": ProtocolVersion.V311, "5": ProtocolVersion.V5}
 _AT_LEAST_ONCE = 1
+_NOT_LET_IN = (0x86, 0x87, 0x8A, 0x8C)
+"""Bad user or password, not authorized, banned, bad method (MQTT 5, 3.2.2.2); those of 3.1.1 become these."""
 
 MqttLoops = Mapping[str, LoopTags[MqttTag, MqttTarget]]
 
@@ -111,27 +114,50 @@ class Inbox(asyncio.Queue[Message]):
 
 @asynccontextmanager
 async def connected(options: MqttOptions) -> AsyncIterator[Client]:
-    """Connect a fresh client; raises ConnectionLostError."""
+    """Connect a fresh client; raises ConnectionLostError, AccessDeniedError."""
+    peer = f"MQTT broker at {options.host}:{options.port}: "
+    tls = None if options.tls is None else options.tls.context()
+    password = None if options.password is None else options.password.read("password")
     client = Client(
         options.host,
         options.port,
+        username=options.user,
+        password=password,
+        tls_context=tls,
         protocol=_VERSIONS[options.version],
         timeout=options.timeout,
         keepalive=options.keepalive,
         queue_type=Inbox,
         max_queued_incoming_messages=options.queue,
     )
-    with _as_connection_lost(f"MQTT broker at {options.host}:{options.port}: "):
-        async with client:
+    with _as_connection_lost():
+        async with AsyncExitStack() as stack:
+            try:
+                await stack.enter_async_context(client)
+            except MqttError as error:
+                why = _denial(error, options)
+                if why is None and tls is not None:
+                    why = await explain(options.host, options.port, tls, options.timeout)
+                if why is not None:
+                    raise AccessDeniedError(peer + why) from error
+                raise ConnectionLostError(f"{peer}{error}") from error
             yield client
 
 
+def _denial(error: MqttError, options: MqttOptions) -> str | None:
+    """Return what the user must change; None if the broker was only not there."""
+    if isinstance(error, MqttCodeError) and getattr(error.rc, "value", None) in _NOT_LET_IN:
+        who = "anonymous clients" if options.user is None else f"user {options.user}"
+        return f"it does not let {who} in ({error}); check user and password"
+    return refusal(error.__context__, options.host)  # aiomqtt hides the cause of its errors there
+
+
 @contextmanager
-def _as_connection_lost(peer: str = "") -> Iterator[None]:
+def _as_connection_lost() -> Iterator[None]:
     try:
         yield
     except (MqttError, OSError) as error:
-        raise ConnectionLostError(f"{peer}{error}") from error
+        raise ConnectionLostError(str(error)) from error
 
 
 def _json(value: object) -> object:

@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from connectors.options import Options, Port, Seconds, Target
+from connectors.secret import Secret
+from connectors.tls import Tls
 
 Topic = Annotated[str, Field(min_length=1, max_length=65_000, pattern=r"^[^+#\x00]+$")]
 """One topic, no wildcards."""
@@ -21,12 +23,24 @@ class MqttOptions(Options):
     port: Port = 1883
     version: Literal["3.1.1", "5"] = "3.1.1"
     """Version of the protocol."""
+    tls: Tls | None = None
+    """How the connection is encrypted; brokers mostly have port 8883 for that. None: it is not."""
+    user: Annotated[str, Field(min_length=1)] | None = None
+    """Name to log in with. None: anonymous, or by the certificate of `tls`."""
+    password: Secret | None = None
+    """Of the user."""
     keepalive: Annotated[int, Field(ge=1, le=65535)] = 10
     """Silence after which the broker is asked whether it is there, s; after as long again it is gone."""
     timeout: Seconds = 5.0
     """Longest wait for an answer, s."""
     queue: Annotated[int, Field(ge=1)] = 10_000
     """Messages that may wait to be read; more are dropped, with a warning."""
+
+    @model_validator(mode="after")
+    def _password_needs_user(self) -> MqttOptions:
+        if self.password is not None and self.user is None:
+            raise ValueError("a password needs its user")
+        return self
 
 
 class MqttTag(Options):

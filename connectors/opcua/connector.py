@@ -10,9 +10,18 @@ from contextlib import AbstractAsyncContextManager, ExitStack, asynccontextmanag
 from asyncua import Client, ua
 from asyncua.common.ua_utils import data_type_to_variant_type
 
-from connectors.base import ConnectionLostError, JsonValue, Publication, RefusedError, Sample, Session
+from connectors.base import (
+    AccessDeniedError,
+    ConnectionLostError,
+    JsonValue,
+    Publication,
+    RefusedError,
+    Sample,
+    Session,
+)
 from connectors.cancellation import obey_cancellation
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
+from connectors.opcua.security import identify, refusal
 from connectors.opcua.subscription import subscription
 from connectors.opcua.values import is_waiting, sample, variant
 from connectors.options import LoopTags
@@ -39,7 +48,7 @@ class OpcUaConnector:
 
     @asynccontextmanager
     async def _session(self) -> AsyncIterator[Session]:
-        async with connected(self._options.url, self._options.timeout) as client:
+        async with connected(self._options) as client:
             yield OpcUaSession(client, self._options, self._loops)
 
 
@@ -83,42 +92,59 @@ class OpcUaSession:
         """Write a state, the flag last; raises ConnectionLostError, RefusedError."""
         if publication.kind != "state" or publication.subject not in self._loops:
             return
+        refused: dict[str, ua.StatusCode] = {}
         for target in self._loops[publication.subject].targets:
             fields = {tag.node: publication.fields.get(name) for name, tag in target.fields.items()}
             if target.active is not None:
                 fields[target.active.node] = bool(publication.fields.get("active"))
             with _as_connection_lost():
-                await self._write(fields)
+                refused |= await self._write(fields)
+        if refused:
+            raise RefusedError("; ".join(f"{node}: {status.name}" for node, status in refused.items()))
 
-    async def _write(self, fields: Mapping[str, JsonValue]) -> None:
-        """Write each node's value in the node's own type, all in one request."""
-        await self._learn_types([node for node in fields if node not in self._types])
-        values = {node: variant(value, self._types[node]) for node, value in fields.items()}
+    async def _write(self, fields: Mapping[str, JsonValue]) -> dict[str, ua.StatusCode]:
+        """Write each node's value in the node's own type, all in one request; return what was refused."""
+        refused = await self._learn_types([node for node in fields if node not in self._types])
+        values = {node: variant(fields[node], self._types[node]) for node in fields if node not in refused}
         nodes = [node for node, value in values.items() if value is not None]
-        results = await self._client.uaclient.write_attributes(
-            [ua.NodeId.from_string(node) for node in nodes], [ua.DataValue(values[node]) for node in nodes]
-        )
-        _refuse({node: status for node, status in zip(nodes, results, strict=True) if not status.is_good()})
+        if nodes:  # many a server calls an empty request a fault
+            results = await self._client.uaclient.write_attributes(
+                [ua.NodeId.from_string(node) for node in nodes],
+                [ua.DataValue(values[node]) for node in nodes],
+            )
+            refused |= {node: said for node, said in zip(nodes, results, strict=True) if not said.is_good()}
+        for node in refused:
+            self._types.pop(node, None)  # it may be another one when it is back
+        return refused
 
-    async def _learn_types(self, nodes: list[str]) -> None:
+    async def _learn_types(self, nodes: list[str]) -> dict[str, ua.StatusCode]:
+        if not nodes:
+            return {}
         answers = await self._client.uaclient.read_attributes(
             [ua.NodeId.from_string(node) for node in nodes], ua.AttributeIds.DataType
         )
-        found = dict(zip(nodes, answers, strict=True))
-        _refuse(
-            {node: answer.StatusCode for node, answer in found.items() if not answer.StatusCode.is_good()}
-        )
-        for node, answer in found.items():
-            self._types[node] = await data_type_to_variant_type(self._client.get_node(answer.Value.Value))
+        refused = {}
+        for node, answer in zip(nodes, answers, strict=True):
+            if not answer.StatusCode.is_good():
+                refused[node] = answer.StatusCode
+                continue
+            try:
+                kind = await data_type_to_variant_type(self._client.get_node(answer.Value.Value))
+            except ua.UaStatusCodeError as error:  # its type is of a kind that the server does not describe
+                refused[node] = ua.StatusCode(error.code)
+            else:
+                self._types[node] = kind
+        return refused
 
 
 @asynccontextmanager
-async def connected(url: str, timeout: float) -> AsyncIterator[Client]:  # noqa: ASYNC109
-    """Connect a fresh client; ``timeout`` (s) bounds this and every request. Raises ConnectionLostError."""
-    client = Client(url, timeout=timeout, watchdog_intervall=timeout)
+async def connected(options: OpcUaOptions) -> AsyncIterator[Client]:
+    """Connect a fresh client; raises ConnectionLostError, AccessDeniedError."""
+    client = Client(options.url, timeout=options.timeout, watchdog_intervall=options.timeout)
     client.session_timeout = _SESSION_TIMEOUT
-    with _as_connection_lost(f"OPC UA server at {url}: "), ExitStack() as unless_connected:
+    with _as_connection_lost(f"OPC UA server at {options.url}: "), ExitStack() as unless_connected:
         unless_connected.callback(client.disconnect_socket)
+        await identify(client, options)
         await client.connect()
         unless_connected.pop_all()
     try:
@@ -131,12 +157,11 @@ async def connected(url: str, timeout: float) -> AsyncIterator[Client]:  # noqa:
 def _as_connection_lost(peer: str = "") -> Iterator[None]:
     try:
         yield
+    except AccessDeniedError as error:
+        raise AccessDeniedError(f"{peer}{error}") from error
     except TimeoutError as error:
         raise ConnectionLostError(f"{peer}the server does not answer") from error
     except (OSError, ua.UaError) as error:
+        if peer and (why := refusal(error)) is not None:
+            raise AccessDeniedError(f"{peer}{why}") from error
         raise ConnectionLostError(f"{peer}{str(error) or type(error).__name__}") from error
-
-
-def _refuse(faults: Mapping[str, ua.StatusCode]) -> None:
-    if faults:
-        raise RefusedError("; ".join(f"{node}: {status.name}" for node, status in faults.items()))

@@ -3,13 +3,60 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from connectors.options import Options, Seconds, Target
+from connectors.secret import Secret
 
 NodeId = Annotated[str, Field(pattern=r"^(ns=\d+;)?[isgb]=.+$", examples=["ns=2;s=FIC101.PV"])]
+
+
+class Security(Options):
+    """Messages signed and encrypted (SignAndEncrypt), between two who know each other's certificate.
+
+    The server must know the client's certificate; of the server's, `server_certificate` or `ca` tells.
+    """
+
+    policy: Literal["Basic256Sha256", "Aes128Sha256RsaOaep", "Aes256Sha256RsaPss"] = "Basic256Sha256"
+    certificate: str
+    """File (PEM or DER) with this client's certificate. The application URI in it is the one that is told."""
+    key: str
+    """File (PEM or DER) with its private key."""
+    key_password: Secret | None = None
+    """Of the private key, where it is encrypted."""
+    server_certificate: str | None = None
+    """File (PEM or DER) with the one certificate that the server may show."""
+    ca: str | None = None
+    """File (PEM) with the authorities that may have signed the server's, which must name the url's host."""
+
+    @model_validator(mode="after")
+    def _one_way_to_know_the_server(self) -> Security:
+        if (self.server_certificate is None) == (self.ca is None):
+            raise ValueError("expected one of server_certificate and ca: who may the server be?")
+        return self
+
+
+class Login(Options):
+    """Who uses the server: a user with a password, or one with a certificate."""
+
+    user: Annotated[str, Field(min_length=1)] | None = None
+    password: Secret | None = None
+    """Of the user."""
+    certificate: str | None = None
+    """File (PEM or DER) with the user's certificate."""
+    key: str | None = None
+    """File (PEM or DER) with its private key."""
+    key_password: Secret | None = None
+    """Of the private key, where it is encrypted."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Login:
+        way = {name for name in type(self).model_fields if getattr(self, name) is not None}
+        if way not in ({"user", "password"}, {"certificate", "key"}, {"certificate", "key", "key_password"}):
+            raise ValueError("expected user and password, or certificate and key")
+        return self
 
 
 class OpcUaOptions(Options):
@@ -22,6 +69,10 @@ class OpcUaOptions(Options):
             examples=["opc.tcp://127.0.0.1:4840"],
         ),
     ]
+    security: Security | None = None
+    """How messages are protected. None: not at all."""
+    login: Login | None = None
+    """Who uses the server. None: anonymous."""
     publishing_interval: Seconds = 0.5
     """Time between two notifications of the server, s."""
     sampling_interval: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
@@ -34,6 +85,12 @@ class OpcUaOptions(Options):
     """Longest wait for an answer, s; after that the server counts as gone."""
     retry: Seconds = 30.0
     """How often a node that was not found is asked for again, s."""
+
+    @model_validator(mode="after")
+    def _no_password_in_the_open(self) -> OpcUaOptions:
+        if self.login is not None and self.security is None:
+            raise ValueError("login needs security: without, nobody knows who gets the password")
+        return self
 
 
 class OpcUaTag(Options):

@@ -8,6 +8,7 @@ import pytest
 
 from connectors.cancellation import obey_cancellation
 from connectors.modbus.client import ModbusClient
+from connectors.modbus.options import ModbusOptions
 from simulators.clock import Clock
 from simulators.plant import Row
 from simulators.player import play
@@ -34,7 +35,7 @@ async def test_a_task_that_was_not_cancelled_goes_on():
 
 async def test_a_poll_of_modbus_that_never_has_news():
     requests = ("read_holding_registers", "read_input_registers", "read_coils", "read_discrete_inputs")
-    client = ModbusClient(SimpleNamespace(**dict.fromkeys(requests, deaf)), 1)
+    client = ModbusClient(SimpleNamespace(**dict.fromkeys(requests, deaf)), ModbusOptions(), None)
 
     async def poll():
         while True:

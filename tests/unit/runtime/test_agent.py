@@ -16,7 +16,7 @@ from agent.analysis.results import Diagnosis, Oscillation
 from agent.runtime.agent import Agent
 from agent.runtime.workers import InlineExecutor
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, Settings
-from connectors.base import ConnectionLostError, RefusedError
+from connectors.base import AccessDeniedError, ConnectionLostError, RefusedError
 from connectors.options import Options, Target
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import START, loop_settings, sample
@@ -65,11 +65,20 @@ def judged(verdict="stiction"):
     return diagnose
 
 
-def agent_of(bus, loops=("FIC101",), diagnose=None, seen=None, executor=None, scada=None, **loop_options):
+def agent_of(
+    bus,
+    loops=("FIC101",),
+    diagnose=None,
+    seen=None,
+    executor=None,
+    scada=None,
+    longest_wait=3.0,
+    **loop_options,
+):
     buses = [bus] if scada is None else [bus, scada]
     options = {"seconds": 400.0, "hop": 0.25, "publish": (Target(connection=buses[-1].name),)} | loop_options
     settings = Settings(
-        agent=AgentSettings(),
+        agent=AgentSettings(longest_wait=longest_wait),
         connections={each.name: ConnectionSettings("fake", Options()) for each in buses},
         loops=tuple(loop_settings(name, **options) for name in loops),
     )
@@ -278,14 +287,54 @@ def test_a_peer_that_takes_nothing_is_not_hammered():
     assert len(bus.opened) < 500
 
 
-def test_what_a_peer_refuses_is_counted_and_not_tried_for_ever():
+def test_what_a_peer_refuses_holds_up_no_others_and_is_taken_when_it_can(caplog):
     bus = FakeBus(stream(["FIC101"], 1000))
     bus.publish_fault = RefusedError("BadNotWritable")
     agent = agent_of(bus)
-    virtual(worked(agent, 900.0))
-    assert agent.connections[0].refused == 7  # a state each window, an event once
-    assert len(agent.outboxes["bus"]) == 0
+
+    async def scenario():
+        task = asyncio.create_task(agent.run())
+        await asyncio.sleep(910.0)
+        refusals = agent.connections[0].refusals
+        assert len(agent.outboxes["bus"]) == 0
+        assert len(refusals) == 2  # the newest state, and the event of the alarm
+        assert 7 < refusals.count < 40  # each new one, and every 30 s one that waits
+        bus.publish_fault = None
+        await asyncio.sleep(60.0)
+        assert len(refusals) == 0
+        task.cancel()
+        await asyncio.wait({task})
+
+    with caplog.at_level(logging.INFO):
+        virtual(scenario())
     assert len(bus.opened) == 1
+    assert sorted(p.kind for p in bus.published) == ["event", "state"]
+    assert [p.fields["time"] - START for p in bus.published if p.kind == "state"] == [899.0]
+    said = [r.message for r in caplog.records if "what is told" in r.message]
+    assert (
+        said
+        == ["connection bus refuses what is told of FIC101: BadNotWritable"] * 2
+        + ["connection bus takes what is told of FIC101 again"] * 2
+    )
+
+
+def test_the_longest_wait_can_be_chosen():
+    bus = FakeBus(stream(["FIC101"], 100))
+    bus.refuses_connection = True
+    virtual(worked(agent_of(bus, longest_wait=60.0), 3600.0))
+    assert 60 < len(bus.attempts) < 200  # 30 s on average
+
+
+def test_being_denied_is_told_though_the_peer_was_gone_before(caplog):
+    faults = iter([ConnectionLostError("refused"), AccessDeniedError("wrong password; check it")])
+    last = AccessDeniedError("wrong password; check it")
+    bus = FakeBus(lambda _: iter([next(faults, last)]))
+    virtual(worked(agent_of(bus), 600.0))
+    assert len(bus.opened) > 100
+    assert [r.message for r in caplog.records] == [
+        "connection bus is down: refused",
+        "connection bus is down: wrong password; check it",
+    ]
 
 
 def test_it_ends_in_time_though_a_peer_does_not_let_go():

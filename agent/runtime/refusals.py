@@ -1,0 +1,68 @@
+"""Publications that a peer would not take, so that they hold up no others and are not forgotten either."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import OrderedDict
+from dataclasses import dataclass
+
+from connectors.base import Publication, RefusedError
+
+LOG = logging.getLogger(__name__)
+RETRY = 30.0
+"""s from one attempt to the next: a node that is missing mostly comes with a restart of its server."""
+LIMIT = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """One publication that was not taken, or not all of it."""
+
+    publication: Publication
+    problem: str
+    due: float
+    """When it is tried again, s of the event loop's clock."""
+
+
+class Refusals:
+    """What one connection would not take. A newer state of a subject takes the place of the former."""
+
+    def __init__(self, connection: str) -> None:
+        self.count = 0
+        """Attempts that were refused."""
+        self.dropped = 0
+        """Publications that were never taken, because there were too many."""
+        self._connection = connection
+        self._waiting: OrderedDict[tuple[str, str], Refusal] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    @property
+    def due(self) -> float | None:
+        """When the next is to be tried again, s of the event loop's clock; None if nothing waits."""
+        return min((refusal.due for refusal in self._waiting.values()), default=None)
+
+    def next(self) -> Publication:
+        """Return the one that is due first."""
+        return min(self._waiting.values(), key=lambda refusal: refusal.due).publication
+
+    def add(self, publication: Publication, error: RefusedError) -> None:
+        """Keep it for later; logged when it was not kept yet, or for another reason."""
+        self.count += 1
+        former = self._waiting.pop(publication.key, None)
+        if former is None or former.problem != str(error):
+            LOG.warning(
+                "connection %s refuses what is told of %s: %s", self._connection, publication.subject, error
+            )
+        due = asyncio.get_running_loop().time() + RETRY
+        self._waiting[publication.key] = Refusal(publication, str(error), due)
+        if len(self._waiting) > LIMIT:
+            self._waiting.popitem(last=False)
+            self.dropped += 1
+
+    def settle(self, publication: Publication) -> None:
+        """Forget it: the peer took it, or a newer one."""
+        if self._waiting.pop(publication.key, None) is not None:
+            LOG.info("connection %s takes what is told of %s again", self._connection, publication.subject)
