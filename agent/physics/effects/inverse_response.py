@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,11 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
+MOST_LEAD = 1 / (4 * math.pi)
+"""Part of the period, so that the zero lies at twice the frequency of the loop, which no feedback exceeds
+(Skogestad and Postlethwaite, Multivariable Feedback Control, 2005, 5.7). A slower one would make of the model
+the controller turned round: minus the rate of OP, which is PV of any loop under integral action."""
+
 
 @dataclass(frozen=True, slots=True)
 class InverseResponse:
@@ -26,8 +32,8 @@ class InverseResponse:
     bases: tuple[str, ...] = ()
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return the time constant of the zero."""
-        return (Parameter("lead", "s", 0.0, facts.period, null=0.0),)
+        """Return the time constant of the zero, up to ``MOST_LEAD``."""
+        return (Parameter("lead", "s", 0.0, MOST_LEAD * facts.period, null=0.0),)
 
     def change(self, process: LinearProcess, values: FloatArray) -> LinearProcess:
         """Return the process with the zero."""
