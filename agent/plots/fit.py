@@ -9,18 +9,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
+from agent.plots.time_units import time_of
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray, LoopWindow
     from agent.analysis.results import Diagnosis, Quantification
-
-TIME_UNITS = (
-    (3 * 86400.0, 86400.0, "days"),
-    (3 * 3600.0, 3600.0, "h"),
-    (600.0, 60.0, "min"),
-    (0.0, 1.0, "s"),
-)
-"""Records longer than the first number (s) are drawn in units of the second, named by the third."""
 
 
 def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
@@ -35,7 +28,7 @@ def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
     pv_axes = figure.add_subplot(grid[0, 0])
     op_axes = figure.add_subplot(grid[1, 0], sharex=pv_axes)
     plane = figure.add_subplot(grid[:, 1])
-    time, unit = _time(window)
+    time, unit = time_of(len(window), window.ts)
     found = diagnosis.quantification
     model_pv = None if found is None else found.model_pv
     valve = None if found is None else _valve(window, found)
@@ -67,12 +60,6 @@ def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
     figure.align_ylabels((pv_axes, op_axes))
     figure.suptitle(_title(diagnosis), x=0.01, ha="left", fontsize=12)
     return figure
-
-
-def _time(window: LoopWindow) -> tuple[FloatArray, str]:
-    seconds = np.asarray(window.ts * np.arange(len(window)), dtype=np.float64)
-    scale, unit = next((scale, unit) for least, scale, unit in TIME_UNITS if len(window) * window.ts > least)
-    return seconds / scale, unit
 
 
 def _valve(window: LoopWindow, found: Quantification) -> FloatArray | None:

@@ -26,7 +26,8 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     for step in found.steps:
         other = "" if step.rmse_validation is None else f"{step.rmse_validation:.4g}"
         percent = f"{step.fit_percent:.1f}"
-        yield f"  {_name(step):28}{step.rmse_fit:>10.4g}{step.held_out.rmse:>10.4g}{other:>12}{percent:>8}"
+        errors = f"{step.rmse_fit:>10.4g}{step.held_out.rmse:>10.4g}{other:>12}"
+        yield f"  {step_name(step):28}{errors}{percent:>8}"
     if found.noise_floor is not None:
         yield f"  noise floor between {found.noise_floor.low:.4g} and {found.noise_floor.high:.4g}"
     yield "parameters, with 90 % intervals"
@@ -40,10 +41,11 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     for tried in found.candidates[:CANDIDATES]:
         interval = f"({tried.low:.1f} to {tried.high:.1f})"
         yield f"  {tried.effect:28}{tried.error_reduction_percent:>9.1f} %  {interval}  p = {tried.p:.3g}"
-    yield f"verdict: {_words(found.verdict, found)}"
+    yield f"verdict: {verdict_words(found.verdict, found)}"
 
 
-def _name(step: Step) -> str:
+def step_name(step: Step) -> str:
+    """Return what the step changed; of the base its name."""
     if step.added is not None:
         return f"+ {step.added}"
     if step.dropped is not None:
@@ -51,7 +53,8 @@ def _name(step: Step) -> str:
     return " ".join((step.fit.model.base.name, *step.effects))
 
 
-def _words(verdict: Verdict, found: Comparison) -> str:
+def verdict_words(verdict: Verdict, found: Comparison) -> str:
+    """Return a verdict on the newest model as a sentence without its stop."""
     others = " or ".join(verdict.indistinguishable)
     if verdict.kind == "confirmed":
         return f"{verdict.effect} is missing"

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 LEVEL = 0.05
 """Significant below it."""
+SUGGESTED = 0.2
+"""Below it an effect is worth a look. Of 12 that are not there, none is in four records of five."""
 LEAST_PERCENT = 5.0
 """Smaller reductions of the held-out error are no effect, however significant."""
 
@@ -89,34 +91,35 @@ def judge(
     known = np.all(np.isfinite([losses_base, *losses.values()]), axis=0)
     base = losses_base[known]
     own = {effect: np.asarray(each)[known] for effect, each in losses.items()}
-    raw = {effect: sign_flip_p(base, each) for effect, each in own.items()}
-    adjusted = holm(np.array(list(raw.values())))
+    raw = np.array([sign_flip_p(base, each) for each in own.values()])
+    adjusted = dict(zip(own, holm(raw).tolist(), strict=True))
     ranked = []
-    for (effect, mine), p in zip(own.items(), adjusted, strict=True):
+    for effect, mine in own.items():
         found = reduction(base, mine, draws)
-        p_all = max(float(p), (null_p or {}).get(effect, 0.0))
+        p_all = max(adjusted[effect], (null_p or {}).get(effect, 0.0))
         ranked.append(Candidate(effect, families[effect], found.percent, found.low, found.high, p_all))
     ranked.sort(key=lambda each: -each.error_reduction_percent)
-    confirmed = [each for each in ranked if _is_effect(each.error_reduction_percent, each.low, each.p)]
+    large = [each for each in ranked if _is_large(each.error_reduction_percent, each.low)]
+    confirmed = [each for each in large if each.p < LEVEL]
     if confirmed:
         best = confirmed[0]
         least = own[best.effect]
         alike = {each.effect for each in confirmed if not _told_apart(least, own[each.effect], draws)}
         return _of_set(best, [effect for effect in own if effect in alike], families, tuple(ranked))
-    for each in ranked:
-        if _is_effect(each.error_reduction_percent, each.low, raw[each.effect]):
+    for each in large:
+        if adjusted[each.effect] < SUGGESTED:
             return Decision("suggested", each.effect, each.family, (), (), tuple(ranked))
     return Decision("none", None, None, (), (), tuple(ranked))
 
 
-def _is_effect(percent: float, low: float, p: float) -> bool:
-    return p < LEVEL and percent >= LEAST_PERCENT and low > 0
+def _is_large(percent: float, low: float) -> bool:
+    return percent >= LEAST_PERCENT and low > 0
 
 
 def _told_apart(best: FloatArray, other: FloatArray, rng: np.random.Generator) -> bool:
     """Whether ``best`` beats ``other`` as an effect must beat the base."""
     found = reduction(other, best, rng)
-    return _is_effect(found.percent, found.low, sign_flip_p(other, best))
+    return _is_large(found.percent, found.low) and sign_flip_p(other, best) < LEVEL
 
 
 def _of_set(

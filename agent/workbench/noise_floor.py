@@ -14,7 +14,7 @@ from scipy import stats
 
 from agent.analysis.oscillation.signals import noise_level
 from agent.workbench.innovations import innovations
-from agent.workbench.paired_blocks import CONFIDENCE, RESAMPLES, STRETCHES
+from agent.workbench.paired_blocks import CONFIDENCE, error_interval
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,14 +54,4 @@ def noise_floor(residual: FloatArray, losses: FloatArray, rng: np.random.Generat
     low = (
         white * float(np.sqrt(freedom / stats.chi2.ppf(0.5 + CONFIDENCE / 2, freedom))) if white > 0 else 0.0
     )
-    known = losses[np.isfinite(losses)]
-    means = np.array([part.mean() for part in np.array_split(known, min(STRETCHES, len(known)))])
-    ends = stats.bootstrap(
-        (means,),
-        np.mean,
-        n_resamples=RESAMPLES,
-        confidence_level=CONFIDENCE,
-        method="percentile",
-        rng=rng,
-    ).confidence_interval
-    return NoiseFloor(low, max(low, float(np.sqrt(ends.high))))
+    return NoiseFloor(low, max(low, error_interval(losses, rng)[1]))

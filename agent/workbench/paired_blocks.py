@@ -6,6 +6,8 @@ Neighbouring blocks share slow disturbances, so what is resampled is a stretch o
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -60,9 +62,24 @@ def reduction(losses: FloatArray, other: FloatArray, rng: np.random.Generator) -
     Stretches are drawn with replacement, the same for both models.
     """
     pair = stretches(losses), stretches(other)
-    ends = stats.bootstrap(
-        pair,
-        _percent,
+    low, high = _interval(pair, _percent, rng)
+    return Reduction(float(_percent(*pair)), low, high)
+
+
+def error_interval(losses: FloatArray, rng: np.random.Generator) -> tuple[float, float]:
+    """Return the 90 % interval of the root of the mean of ``losses`` (b,), NaN where a block has none."""
+    known = losses[np.isfinite(losses)]
+    parts = np.array_split(known, min(STRETCHES, len(known)))
+    low, high = _interval((np.array([part.mean() for part in parts]),), np.mean, rng)
+    return math.sqrt(low), math.sqrt(high)
+
+
+def _interval(
+    samples: tuple[FloatArray, ...], statistic: Callable[..., FloatArray], rng: np.random.Generator
+) -> tuple[float, float]:
+    found = stats.bootstrap(
+        samples,
+        statistic,
         paired=True,
         vectorized=True,
         n_resamples=RESAMPLES,
@@ -70,7 +87,7 @@ def reduction(losses: FloatArray, other: FloatArray, rng: np.random.Generator) -
         method="percentile",
         rng=rng,
     ).confidence_interval
-    return Reduction(float(_percent(*pair)), float(ends.low), float(ends.high))
+    return float(found.low), float(found.high)
 
 
 def _percent(base: FloatArray, new: FloatArray, axis: int = -1) -> FloatArray:

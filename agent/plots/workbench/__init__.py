@@ -1,0 +1,1 @@
+"""Pictures of the workbench, one a file, each from values alone."""

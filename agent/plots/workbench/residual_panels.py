@@ -1,0 +1,63 @@
+"""The residual against each physical axis, with the band of no relation."""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from agent.plots.axes import MEASURED, tidy
+from agent.plots.workbench.palette import BAND, FAILS
+from agent.workbench.axes import UNITS
+from agent.workbench.where import LEVEL
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+
+    from agent.workbench.where import Failure
+
+COLUMNS = 3
+
+
+def residual_panels_figure(loop: str, panels: Sequence[Failure]) -> Figure:
+    """Draw the mean residual in each bin; red where the residual follows the axis beyond chance.
+
+    Args:
+        loop: Name for the title.
+        panels: At least one.
+    """
+    rows = ceil(len(panels) / COLUMNS)
+    figure = Figure(figsize=(12.0, 0.8 + 2.6 * rows), layout="constrained")
+    places = figure.subplots(rows, COLUMNS, sharey=True, squeeze=False).ravel()
+    for axes, panel in zip(places, panels, strict=False):
+        _draw(axes, panel)
+    for axes in places[len(panels) :]:
+        axes.set_axis_off()
+    for axes in places[::COLUMNS]:
+        axes.set_ylabel("mean residual (PV units)")
+    failing = [each.axis.replace("_", " ") for each in panels if each.p < LEVEL]
+    words = f"follows {', '.join(failing)}" if failing else "follows no axis beyond chance"
+    figure.suptitle(f"{loop}: the residual {words}", x=0.01, ha="left", fontsize=12)
+    return figure
+
+
+def _draw(axes: Axes, panel: Failure) -> None:
+    fails = panel.p < LEVEL
+    axes.stairs(
+        panel.band_high,
+        panel.bin_edges,
+        baseline=panel.band_low,
+        fill=True,
+        color=BAND,
+        label="95 % where residual and axis are unrelated",
+    )
+    axes.stairs(
+        panel.bin_means, panel.bin_edges, baseline=None, color=FAILS if fails else MEASURED, linewidth=1.4
+    )
+    chance = f"p = {panel.p:.2g}" if fails else f"p = {panel.p:.2g}, no failure"
+    axes.set_title(f"{100 * panel.share:.0f} % of the variance, {chance}", fontsize=9, loc="left")
+    axes.set_xlabel(f"{panel.axis.replace('_', ' ')} ({UNITS[panel.axis]})")
+    tidy(axes)
