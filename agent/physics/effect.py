@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol, TypeVar
+from typing import TYPE_CHECKING, Literal, Protocol, TypeVar, runtime_checkable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -118,6 +118,18 @@ class DisturbanceEffect(Effect, Protocol):
             time: From the start of the record, s, (n,).
             response: Of the process to the valve, gain one, (n,).
             values: In the order of ``parameters``.
+        """
+        ...
+
+
+@runtime_checkable
+class SpottedEffect(Effect, Protocol):
+    """An effect that a scan of its parameters misses, but that shows in what a model without it leaves."""
+
+    def spotted(self, residual: FloatArray, facts: Facts) -> FloatArray:
+        """Return values (m, k) to begin from, in the order of ``parameters``; none where nothing shows.
+
+        ``residual`` is PV less the model, PV units, (n,), NaN where missing.
         """
         ...
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.physics.effect import SpottedEffect
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.fit import Fit, nested_fit
 from agent.workbench.folds import Folds, HeldOut, held_out
@@ -48,6 +49,10 @@ def tried(trial: Trial) -> Tried:
 
 def _starts(trial: Trial) -> FloatArray | None:
     effect = trial.effect
+    if isinstance(effect, SpottedEffect):
+        residual = np.where(trial.record.weight > 0, trial.record.pv - trial.smaller.pv, np.nan)
+        spots = effect.spotted(residual, trial.record.facts)
+        return np.hstack((np.tile(trial.smaller.values, (len(spots), 1)), spots))
     if not trial.valves or not isinstance(effect, HysteresisEffect):
         return None
     names = tuple(name for name, _ in trial.smaller.model.parameters(trial.record.facts))

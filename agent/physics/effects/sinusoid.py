@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.signal import find_peaks, periodogram
 
 from agent.physics.effect import Facts, Parameter, Stage
 
@@ -13,6 +14,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
+
+PADDING = 4
+"""Lines of the spectrum for each that the record resolves, so that no wave falls between two."""
+LINES = 6
+"""Of the spectrum that a search begins from."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,3 +38,17 @@ class Sinusoid:
         """Return cosine and sine, (n, 2)."""
         angle = 2 * np.pi * float(values[0]) * time
         return np.column_stack((np.cos(angle), np.sin(angle)))
+
+    def spotted(self, residual: FloatArray, facts: Facts) -> FloatArray:
+        """Return the frequencies of the highest lines, 1/s, (m, 1), m up to ``LINES``.
+
+        A search of the frequency must begin within about one over the length of the record. Missing samples
+        add nothing to the spectrum.
+        """
+        (searched,) = self.parameters(facts)
+        known = np.where(np.isfinite(residual), residual - np.nanmean(residual), 0.0)
+        frequency, power = periodogram(known, 1 / facts.ts, nfft=PADDING * len(known), detrend=False)
+        power[(frequency < searched.low) | (frequency > searched.high)] = 0.0
+        lines, _ = find_peaks(power)
+        highest = lines[np.argsort(-power[lines])[:LINES]]
+        return np.asarray(frequency[highest, np.newaxis])

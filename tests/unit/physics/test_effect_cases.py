@@ -1,5 +1,7 @@
 """The analytic cases of docs/effects."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.saturation import Saturation
 from agent.physics.effects.second_order import SecondOrder
 from agent.physics.effects.sensor_lag import SensorLag
+from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.physics.valves.kano2004 import kano2004
@@ -108,6 +111,22 @@ def test_a_lag_of_the_sensor_is_told_from_one_of_the_process_by_a_thousandth():
         LoopModel(FOPDT, (each,)).columns(WAVE, values, FACTS) for each in (SecondOrder(), SensorLag())
     )
     assert np.std(process - sensor) < 1e-3 * np.std(process)
+
+
+@pytest.mark.parametrize("cycles", [100.5, 100.25, 700.4])
+def test_a_wave_under_noise_is_spotted_near_enough_to_begin_from(cycles):
+    """400 points over all frequencies are five cycles apart here."""
+    n = 10_000
+    random = np.random.default_rng(0)
+    residual = np.sin(2 * np.pi * cycles * np.arange(n) / n) + 3 * random.standard_normal(n)
+    residual[2000:2500] = np.nan
+    spots = Sinusoid().spotted(residual, replace(FACTS, samples=n))
+    assert spots.shape == (6, 1)
+    assert spots[0, 0] * n == pytest.approx(cycles, abs=0.3)
+
+
+def test_nothing_is_spotted_in_nothing():
+    assert Sinusoid().spotted(np.zeros(600), FACTS).shape == (0, 1)
 
 
 def test_a_load_step_has_gone_63_percent_after_its_lag():
