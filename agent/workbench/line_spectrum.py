@@ -139,7 +139,7 @@ def _line(values: FloatArray, cycles: FloatArray, frequency: float, ts: float) -
     known = np.isfinite(cycles)
     harmonic = _harmonic(frequency, cycles[known])
     if harmonic is None:
-        return Line(frequency / ts, None, "coherent")
+        known[:] = True
     weighted = values[known] * signal.windows.hann(int(known.sum()))
     at = np.flatnonzero(known)
 
@@ -150,12 +150,11 @@ def _line(values: FloatArray, cycles: FloatArray, frequency: float, ts: float) -
     own = optimize.minimize_scalar(
         lambda f: -power(f * at), bounds=(frequency - resolution, frequency + resolution), method="bounded"
     )
-    coherent, locked = -own.fun, power(harmonic * cycles[known])
-    kind: LineKind = "either"
-    if locked > CLEARLY * coherent:
-        kind = "locked"
-    elif coherent > CLEARLY * locked:
-        kind = "coherent"
+    kind: LineKind = "coherent"
+    if harmonic is not None:
+        coherent, locked = -own.fun, power(harmonic * cycles[known])
+        kind = "locked" if locked > CLEARLY * coherent else "either"
+        kind = "coherent" if coherent > CLEARLY * locked else kind
     return Line(float(own.x) / ts, harmonic, kind)
 
 
