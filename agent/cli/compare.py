@@ -21,6 +21,7 @@ from agent.cli.errors import BAD_INPUT, complain
 
 if TYPE_CHECKING:
     from agent.analysis.recording import LoopWindow
+    from agent.workbench.comparison import Comparison
     from agent.workbench.session import Progress, Workbench
     from connectors.recording import Columns
 
@@ -56,6 +57,9 @@ def compare(
     ] = None,
     auto: Annotated[bool, typer.Option("--auto", help="Add what is confirmed, until nothing is.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
+    report: Annotated[
+        Path | None, typer.Option(metavar="FILE.html", help="Write a page with pictures to this file.")
+    ] = None,
     save: Annotated[
         Path | None, typer.Option(metavar="MODEL.yaml", help="Write the last model to this file.")
     ] = None,
@@ -88,7 +92,11 @@ def compare(
             found = bench.comparison()
         except ValueError as error:
             raise typer.BadParameter(str(error)) from error
-    failed = save is not None and not _write(bench, save)
+    written = [True]
+    if save is not None:
+        written.append(_save(bench, save))
+    if report is not None:
+        written.append(_report(bench, found, report))
     if as_json:
         from agent.workbench.comparison_json import comparison_json
 
@@ -98,7 +106,7 @@ def compare(
 
         text = "\n".join(comparison_lines(found))
     print(text, flush=True)  # noqa: T201 - this is the command's output
-    if failed:
+    if not all(written):
         raise typer.Exit(BAD_INPUT)
 
 
@@ -149,15 +157,27 @@ def _mapping(path: Path) -> object:
         raise ValueError(" ".join(str(error).split())) from error
 
 
-def _write(bench: Workbench, path: Path) -> bool:
+def _save(bench: Workbench, path: Path) -> bool:
     """Write the last model; return whether it could be written."""
     import yaml
 
     if bench.reason is not None:
         complain(f"{path}: not written: the recording is not testable")
         return True
+    return _write(path, yaml.safe_dump(bench.save(), sort_keys=False))
+
+
+def _report(bench: Workbench, found: Comparison, path: Path) -> bool:
+    """Write the page; return whether it could be written."""
+    from agent.plots.workbench.comparison_figures import comparison_figures
+    from agent.plots.workbench.report import report_html
+
+    return _write(path, report_html(found, comparison_figures(bench, found)))
+
+
+def _write(path: Path, text: str) -> bool:
     try:
-        path.write_text(yaml.safe_dump(bench.save(), sort_keys=False), encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
     except OSError as error:
         complain(f"{path}: cannot be written: {error.strerror}")
         return False
