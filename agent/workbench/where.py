@@ -30,6 +30,7 @@ BINS = 10
 BAND = (2.5, 97.5)
 """Percentiles of the shifted bin means between which the band lies."""
 DRAWS = 999
+TINY = np.finfo(float).tiny
 LEVEL = 0.05
 """The residual follows an axis where p is below it."""
 
@@ -71,7 +72,7 @@ def where_it_fails(
     Args:
         residual: PV less model, PV units, (n,); NaN where PV counts for nothing.
         axes: Each (n,); one with a single value is left out.
-        block: Samples of a held-out block: what is further apart is taken as unrelated.
+        block: Samples of a held-out block, < n / 2: what is further apart is taken as unrelated.
         rng: Of the draws behind p.
     """
     binned = {name: bins_of(axis, residual) for name, axis in axes.items()}
@@ -80,7 +81,7 @@ def where_it_fails(
     levels = _significance(residual, [bins.members for bins in binned.values()], block, rng)
     failures = [
         panel_of(name, centred, bins, block, p)
-        for (name, bins), p in zip(binned.items(), levels, strict=True)
+        for (name, bins), p in zip(binned.items(), levels.tolist(), strict=True)
     ]
     return tuple(sorted(failures, key=lambda each: (each.p >= LEVEL, -each.share)))
 
@@ -105,7 +106,8 @@ def panel_of(name: str, centred: FloatArray, bins: Bins, block: int, p: float) -
     means = shifted[:, 0]
     low, high = np.percentile(shifted[:, block : len(centred) - block + 1], BAND, axis=1)
     counts = np.count_nonzero(bins.members & np.isfinite(centred)[:, None], axis=0)
-    share = float(counts @ means**2 / np.nansum(centred[bins.members.any(axis=1)] ** 2))
+    whole = np.nansum(centred[bins.members.any(axis=1)] ** 2)
+    share = float(counts @ means**2 / max(whole, TINY))
     return Failure(name, share, p, bins.edges, means, low, high)
 
 
@@ -143,7 +145,7 @@ def _significance(
     draws = np.empty((DRAWS, len(members)))
     for draw in draws:
         draw[:] = explained(resampled(new, block, rng))
-    middle, spread = draws.mean(axis=0), draws.std(axis=0)
+    middle, spread = draws.mean(axis=0), np.maximum(draws.std(axis=0), TINY)
     seen = (explained(new) - middle) / spread
     largest = ((draws - middle) / spread).max(axis=1)
     return np.asarray((1 + (largest[:, None] >= seen).sum(axis=0)) / (1 + DRAWS), dtype=np.float64)

@@ -144,6 +144,12 @@ def test_gaps_and_constants():
     assert {each.p for each in where_it_fails(short, axes_of(op), BLOCK, rng)} == {1.0}
 
 
+def test_a_model_without_a_fault_has_no_residual_and_no_failure():
+    rng = np.random.default_rng(0)
+    found = where_it_fails(np.zeros(N), axes_of(steps(rng)), BLOCK, rng)
+    assert {(each.share, each.p) for each in found} == {(0.0, 1.0)}
+
+
 def test_innovations_of_a_known_autoregression():
     rng = np.random.default_rng(0)
     new = rng.normal(size=4000)
