@@ -46,7 +46,11 @@ from agent.plots.contour import contour_figure
 from agent.plots.detectors import PICTURES
 from agent.plots.fit import fit_figure
 from agent.plots.profile import profile_figure
+from agent.plots.workbench.candidates import candidates_figure
+from agent.plots.workbench.comparison_figures import comparison_figures
+from agent.plots.workbench.residual_panels import residual_panels_figure
 from agent.units import FrictionBands
+from agent.workbench.session import Workbench
 from connectors.recording import read_recording
 from simulators.parameters import ProcessParameters, ValveParameters
 from simulators.plant import simulate
@@ -360,6 +364,20 @@ def effect_in_the_loop(effect: Effect) -> Figure:
     return figure
 
 
+def workbench() -> dict[str, Figure]:
+    """Draw the pages of the workbench: a valve that sticks, and a loop that lacks nothing."""
+    pictures = {}
+    for name, kind, seed in (("stiction", "stiction", 3), ("nothing", "none_noise", 4)):
+        record = simulate(random_plant(seed, kind))
+        bench = Workbench(LoopWindow(name, 0.0, 1.0, record.op, record.pv, record.sp, record.mv))
+        pictures[f"where_{name}"] = residual_panels_figure(name, bench.where_it_fails())
+        if name == "stiction":
+            pictures["candidates"] = candidates_figure(name, bench.candidates().candidates)
+            bench.auto()
+            pictures["staircase"] = comparison_figures(bench, bench.comparison())["staircase"]
+    return pictures
+
+
 if __name__ == "__main__":
     for draw in (
         oscillation_peak,
@@ -379,3 +397,5 @@ if __name__ == "__main__":
     for each_effect in EFFECTS:
         if each_effect.name in EFFECT_VALUES:
             effect_in_the_loop(each_effect).savefig(HERE / f"effect_{each_effect.name}.png", dpi=DPI)
+    for name, figure in workbench().items():
+        figure.savefig(HERE / f"workbench_{name}.png", dpi=DPI)

@@ -121,15 +121,15 @@ def test_the_band_holds_95_of_100_bins_where_residual_and_op_are_unrelated():
 def test_p_is_fair_where_op_answers_to_a_coloured_residual():
     """The residual of the true model goes with OP's level far beyond the band, yet no effect is missing."""
     failures, beyond = 0, 0
-    for seed in range(60):
+    for seed in range(40):
         rng = np.random.default_rng(seed)
         disturbance, op = closed_loop(rng)
         found = where_it_fails(disturbance, axes_of(op), BLOCK, rng)
         failures += any(each.p < 0.05 for each in found)
         level = next(each for each in found if each.axis == "op_level")
         beyond += bool(np.any((level.bin_means > level.band_high) | (level.bin_means < level.band_low)))
-    assert failures <= 6
-    assert beyond >= 50
+    assert failures <= 5
+    assert beyond >= 35
 
 
 def test_gaps_and_constants():
