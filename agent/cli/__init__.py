@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 import typer
 
+from agent.cli.alarms import alarms
 from agent.cli.certificates import certificates
 from agent.cli.check import check
 from agent.cli.compare import compare
@@ -32,6 +33,8 @@ slipjump compare FIC101.csv --auto  (which physical effect is missing)
 slipjump replay FIC101.csv --bus mqtt  (a recording through the agent)
 
 slipjump check plant.yaml --connect, then slipjump run plant.yaml
+
+slipjump alarms list --config plant.yaml  (and acknowledge, shelve, out-of-service)
 """
 
 app = typer.Typer(
@@ -61,6 +64,7 @@ for command in COMMANDS:
     app.command()(command)
 for command in HIDDEN:
     app.command(hidden=True)(command)
+app.add_typer(alarms)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -77,22 +77,26 @@ class Journal:
 
     async def flush(self) -> None:
         """Return when all that was noted before is on disk, or the disk would not take it."""
+        if self._path is None:
+            self._pending = NOTHING
+        elif self._pending != NOTHING or self._writing.locked():
+            # A task of its own: whoever is cancelled while he waits would not know what was written.
+            await asyncio.shield(asyncio.create_task(self._write(), name="store"))
+
+    async def _write(self) -> None:
         async with self._writing:
             change, self._pending = self._pending, NOTHING
-            if self._path is None or change == NOTHING:
+            if change == NOTHING:
                 return
-            written = False
             try:
                 await self._in_thread(lambda: self._opened().write(change))
-                written = True
             except StoreError as error:
+                self._pending = change.followed_by(self._pending)
                 self._failed(error)
-            finally:
-                if not written:
-                    self._pending = change.followed_by(self._pending)
-            if written and self._problem:
-                self._problem = ""
-                LOG.info("%s is written again", self._path)
+            else:
+                if self._problem:
+                    self._problem = ""
+                    LOG.info("%s is written again", self._path)
 
     async def commands(self) -> tuple[Told, ...]:
         """Return the commands that were not obeyed yet, the oldest first."""

@@ -1,0 +1,179 @@
+"""``slipjump alarms``: what an agent's alarms are, and what people decide about them."""
+
+from __future__ import annotations
+
+import getpass
+import json
+import time
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from agent.alarms import Alarm
+    from agent.runtime.store import Store
+
+TAKEN_WITHIN = 3.0
+"""s; a running agent takes a command within half a second."""
+LOOK = 0.05
+"""s"""
+
+alarms = typer.Typer(
+    name="alarms",
+    help="List the alarms of an agent, acknowledge them, shelve them, take them out of service.",
+    no_args_is_help=True,
+)
+
+Loop = Annotated[str, typer.Argument(metavar="LOOP", show_default=False)]
+StatePath = Annotated[
+    Path | None, typer.Option("--state", metavar="FILE.sqlite", help="The agent's file (agent.state).")
+]
+ConfigPath = Annotated[
+    Path | None, typer.Option("--config", metavar="CONFIG.yaml", help="Its configuration, which names it.")
+]
+By = Annotated[str, typer.Option("--by", help="Who decides; by default who runs this.", show_default=False)]
+
+
+@alarms.command("list")
+def show(
+    state: StatePath = None,
+    config: ConfigPath = None,
+    *,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object a line.")] = False,
+) -> None:
+    """Show the alarm of each loop, and the commands that wait for the agent."""
+    with _store(state, config) as store:
+        kept, told = store.read().alarms, store.commands()
+    waits = defaultdict(list)
+    for each in told:
+        if each.command is not None:
+            waits[each.loop].append(each.command.event.value)
+    for loop, alarm in kept.items():
+        fields = _fields(alarm) | {"waits": waits[loop]}
+        typer.echo(json.dumps(fields) if as_json else _told(alarm, waits[loop]))
+
+
+@alarms.command()
+def acknowledge(loop: Loop, state: StatePath = None, config: ConfigPath = None, by: By = "") -> None:
+    """Say that somebody knows."""
+    _send(loop, "acknowledge", by, state, config)
+
+
+@alarms.command()
+def shelve(
+    loop: Loop,
+    state: StatePath = None,
+    config: ConfigPath = None,
+    by: By = "",
+    hours: Annotated[float, typer.Option(min=0.0001, max=8760, help="How long it is silent.")] = 8.0,
+) -> None:
+    """Silence it for some hours."""
+    _send(loop, "shelve", by, state, config, seconds=3600 * hours)
+
+
+@alarms.command()
+def unshelve(loop: Loop, state: StatePath = None, config: ConfigPath = None, by: By = "") -> None:
+    """End shelving; it comes anew if the valve still sticks."""
+    _send(loop, "unshelve", by, state, config)
+
+
+@alarms.command("out-of-service")
+def out_of_service(loop: Loop, state: StatePath = None, config: ConfigPath = None, by: By = "") -> None:
+    """Silence it until further notice."""
+    _send(loop, "remove_from_service", by, state, config)
+
+
+@alarms.command("return")
+def return_to_service(loop: Loop, state: StatePath = None, config: ConfigPath = None, by: By = "") -> None:
+    """Take it back into service; it comes anew if the valve still sticks."""
+    _send(loop, "return_to_service", by, state, config)
+
+
+@contextmanager
+def _store(state: Path | None, config: Path | None) -> Iterator[Store]:
+    """Open the agent's file; raises ConfigError where there is none."""
+    from agent.runtime.store import Store, StoreError
+    from agent.settings import load_settings
+    from connectors.base import ConfigError
+
+    if config is not None and state is None:
+        state = load_settings(config).agent.state
+    if state is None:
+        raise ConfigError(["name the agent's file by --state FILE.sqlite or --config CONFIG.yaml"])
+    if not state.is_file():
+        raise ConfigError([f"{state}: is not there; an agent makes it when it runs"])
+    try:
+        store = Store(state, create=False)
+        try:
+            yield store
+        finally:
+            store.close()
+    except StoreError as error:
+        raise ConfigError([str(error)]) from error
+
+
+def _send(
+    loop: str, event: str, by: str, state: Path | None, config: Path | None, seconds: float | None = None
+) -> None:
+    """Leave a command for the agent and say what became of it."""
+    from agent.alarms import Command, Event
+    from connectors.base import ConfigError
+
+    now = time.time()
+    command = Command(Event(event), by or _user(), now, None if seconds is None else now + seconds)
+    with _store(state, config) as store:
+        known = store.read().alarms
+        if loop not in known:
+            raise ConfigError([f"{store.path}: no loop is called {loop} (there are: {', '.join(known)})"])
+        number = store.command(loop, command)
+        taken = _is_taken(store, number)
+        alarm = store.read().alarms[loop]
+    if taken:
+        typer.echo(_told(alarm, []))
+    else:
+        typer.echo(f"{loop}: no agent runs; {command.event.value} takes effect when it starts")
+
+
+def _is_taken(store: Store, number: int) -> bool:
+    """Wait for the agent; return whether it took the command."""
+    deadline = time.monotonic() + TAKEN_WITHIN
+    while any(each.number == number for each in store.commands()):
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(LOOK)
+    return True
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError) as error:
+        raise typer.BadParameter("this user has no name: say who decides by --by NAME") from error
+
+
+def _fields(alarm: Alarm) -> dict[str, object]:
+    """Return what is told of an alarm, by the names that the buses have."""
+    from agent.alarms import Announcement
+
+    fields = Announcement("state", alarm, 0.0).fields()
+    return {name: value for name, value in fields.items() if name not in {"time", "message_id"}}
+
+
+def _told(alarm: Alarm, waits: list[str]) -> str:
+    words = [f"{alarm.loop}: {alarm.state.value}"]
+    if alarm.until is not None:
+        until = datetime.fromtimestamp(alarm.until, UTC)
+        words.append(f"until {until:%Y-%m-%d %H:%M:%S} UTC")
+    if alarm.by is not None:
+        words.append(f"by {alarm.by}")
+    words.append(f"priority {alarm.priority}, NE 107 {alarm.health.name.lower()}")
+    if alarm.stiction is not None:
+        words.append(f"S {alarm.stiction.s.value:.3g}")
+    if waits:
+        words.append(f"waits for the agent: {', '.join(waits)}")
+    return ", ".join(words)

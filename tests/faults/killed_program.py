@@ -1,0 +1,83 @@
+"""A loop whose alarm comes and goes as fast as it can, told to a peer: a file. To be killed at any moment.
+
+    python -m tests.faults.killed_program STORE PEER work|drain
+
+Window k ends at k seconds; odd ones show stiction, so each window is one event. ``drain``: tells what waits.
+"""
+
+import asyncio
+import json
+import os
+import sys
+from contextlib import asynccontextmanager
+from pathlib import Path
+from types import SimpleNamespace
+
+from agent.runtime.connection import Connection
+from agent.runtime.journal import Journal
+from agent.runtime.outbox import Outbox
+from agent.runtime.pipeline import LoopPipeline
+from agent.runtime.supervisor import keep_alive
+from agent.runtime.workers import InlineExecutor
+from connectors.base import ConnectionLostError
+from tests.unit.alarms.test_alarm import diagnosis
+from tests.unit.runtime.loops import loop_settings
+
+
+class FilePeer:
+    """Takes a publication by a line in a file; loses the connection now and then after it took one."""
+
+    name = "peer"
+
+    def __init__(self, path):
+        self.file = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+        self.taken = 0
+
+    @asynccontextmanager
+    async def session(self):
+        yield self
+
+    async def publish(self, publication):
+        os.write(self.file, json.dumps([publication.kind, dict(publication.fields)]).encode() + b"\n")
+        self.taken += 1
+        await asyncio.sleep(0)
+        if self.taken % 7 == 0:
+            raise ConnectionLostError("reset before the answer came")
+
+
+def newest_window(alarm):
+    """Number of the last window that the alarm knows of."""
+    if alarm.id is None:
+        return 0
+    return int(float(alarm.id.rpartition("/")[2])) + (not alarm.state.active)
+
+
+async def main(store, peer, task):
+    journal = Journal(store)
+    outbox = Outbox("peer", journal)
+    pipeline = LoopPipeline(
+        loop_settings(quantify="always"),
+        InlineExecutor(),
+        [outbox],
+        diagnose=lambda window: diagnosis("stiction" if window.time[-1] % 2 else "no_stiction"),
+        journal=journal,
+    )
+    kept = await journal.open()
+    outbox.restore({number: each.publication for number, each in kept.waiting.items()})
+    pipeline.resume(kept.alarms.get("FIC101"))
+    connection = Connection(FilePeer(peer), outbox, None, outbox.interrupt, 60.0)
+    telling = asyncio.create_task(keep_alive(connection.attempt, connection.health, uniform=lambda *_: 0.0))
+    sys.stdout.write("ready\n")
+    sys.stdout.flush()
+    while task == "work":
+        await pipeline._judge(SimpleNamespace(time=[float(newest_window(pipeline.alarm) + 1)]))
+    while len(outbox) and not telling.done():
+        await asyncio.wait({telling}, timeout=0.01)
+    telling.cancel()
+    await asyncio.wait({telling})
+    await journal.close()
+    sys.stdout.write(f"{newest_window(pipeline.alarm)}\n")
+
+
+if __name__ == "__main__":
+    asyncio.run(main(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3]))

@@ -1,0 +1,48 @@
+"""SIGKILL at random moments: no alarm is lost, none is doubled for a consumer that honours the id."""
+
+import json
+import random
+import subprocess
+import sys
+import time
+
+import pytest
+
+from tests.conftest import ROOT
+
+
+@pytest.mark.parametrize(
+    "kills",
+    [2, pytest.param(25, marks=[pytest.mark.bench, pytest.mark.timeout(600)])],
+)
+def test_alarms_survive_sigkill(tmp_path, kills):
+    store, peer, chance = tmp_path / "plant.sqlite", tmp_path / "peer", random.Random(kills)
+
+    def started(task):
+        program = subprocess.Popen(
+            [sys.executable, "-m", "tests.faults.killed_program", str(store), str(peer), task],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert program.stdout.readline() == "ready\n"
+        return program
+
+    for _ in range(kills):
+        with started("work") as program:
+            time.sleep(chance.uniform(0, 0.4))  # it works meanwhile, and dies wherever it is
+            program.kill()
+    with started("drain") as program:
+        windows = int(program.communicate(timeout=30)[0])
+    told = [json.loads(line) for line in peer.read_text().splitlines()]
+    events = [fields for kind, fields in told if kind == "event"]
+    once = list({fields["message_id"]: fields for fields in events}.values())
+    assert [fields["time"] for fields in once] == list(range(1, windows + 1))
+    assert [fields["active"] for fields in once] == [bool(k % 2) for k in range(1, windows + 1)]
+    assert windows > 5 * kills
+    assert len(events) > len(once)  # the peer did get some twice
+    sequences = [fields["sequence"] for fields in once]
+    assert sequences == sorted(set(sequences))
+    states = [fields for kind, fields in told if kind == "state"]
+    assert states[-1]["time"] == windows
+    assert not store.with_name("plant.sqlite-wal").exists()  # the last one closed it
