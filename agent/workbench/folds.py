@@ -44,6 +44,8 @@ class Folds:
     """Of each block, (b,)."""
     guard: int
     """Samples on both sides of what is held out that no fit sees."""
+    opening: int = 0
+    """First samples, in no block, that all fits see: where a base that is not linear starts."""
 
     @property
     def count(self) -> int:
@@ -57,6 +59,7 @@ class Folds:
     def seen(self, fold: int, weight: FloatArray) -> FloatArray:
         """Return ``weight`` (n,) of the samples that the fit of a fold sees."""
         hidden = np.convolve(self.held_out(fold), np.ones(2 * self.guard + 1), mode="same") > 0.5
+        hidden[: self.opening] = False
         return weight * ~hidden
 
 
@@ -93,13 +96,15 @@ def folds_of(record: Record, base: Fit) -> Folds | str:
     block = np.minimum(np.arange(n) // length, n // length - 1)  # the last one takes the rest
     known = np.bincount(block, weights=record.weight)
     enough = known >= 0.5 * np.bincount(block)
+    opening = 0 if base.model.base.linear else length
+    enough[0] &= opening == 0
     if enough.sum() < FEWEST_BLOCKS:
         return f"only {enough.sum()} stretches of the record have enough samples, {FEWEST_BLOCKS} are needed"
     number = np.where(enough, np.cumsum(enough) - 1, -1)
     guard = int(min(memory(base, record), length))
     run = min(max(1, -(-RUN * guard // length)), int(enough.sum()) // FOLDS)
     fold = np.arange(enough.sum()) // run % FOLDS
-    return Folds(number[block], fold, guard)
+    return Folds(number[block], fold, guard, opening)
 
 
 def memory(base: Fit, record: Record) -> float:

@@ -49,23 +49,27 @@ class Record:
         return self.facts.period / self.facts.ts
 
 
-def record_of(window: LoopWindow) -> Record | str:
-    """Return the record, or in plain words why the workbench can say nothing about it."""
+def record_of(window: LoopWindow, *, from_start: bool = False) -> Record | str:
+    """Return the record, or in plain words why the workbench can say nothing about it.
+
+    ``from_start``: PV counts from the first sample on, for a model that has where it starts as a parameter.
+    """
     closing = [each.reason for each in gates(window, detect_oscillation(window)) if "model" in each.closes]
     if closing:
         return "; ".join(closing)
     reversals = significant_reversals(window.op)
     if reversals < FEWEST_REVERSALS:
         return f"OP turns only {reversals} times, at least {FEWEST_REVERSALS} are needed"
-    return bare_record(window)
+    return bare_record(window, from_start=from_start)
 
 
-def bare_record(window: LoopWindow) -> Record:
+def bare_record(window: LoopWindow, *, from_start: bool = False) -> Record:
     """Return the record of a window whatever it can tell; OP and PV must have known samples."""
     op, pv = bridge(window.op), bridge(window.pv)
     period = dominant_period(op)
     counts = window.valid & ~after_gaps(window.op, period) & ~after_gaps(window.pv, period)
-    counts[: int(min(BURN * period, len(op) / 12))] = False
+    if not from_start:
+        counts[: int(min(BURN * period, len(op) / 12))] = False
     facts = Facts(
         ts=window.ts,
         samples=len(op),

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from agent.physics.bases.base import Base
 from agent.physics.bases.lag_bases import Fopdt, Integrator, Sopdt
+from agent.physics.bases.two_tanks import TwoTanksBase
 
 __all__ = ["BASES", "Base"]
 
-BASES: tuple[Base, ...] = (Fopdt(), Sopdt(), Integrator())
+BASES: tuple[Base, ...] = (Fopdt(), Sopdt(), Integrator(), TwoTanksBase())

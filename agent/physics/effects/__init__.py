@@ -14,6 +14,7 @@ from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.integrating import Integrating
 from agent.physics.effects.inverse_response import InverseResponse
 from agent.physics.effects.load_step import LoadStep
+from agent.physics.effects.overflow import Overflow
 from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.saturation import Saturation
 from agent.physics.effects.second_order import SecondOrder
@@ -35,6 +36,7 @@ EFFECTS: tuple[Effect, ...] = (
     SensorLag(),
     Integrating(),
     InverseResponse(),
+    Overflow(),
     Sinusoid(),
     LoadStep(),
     GainChange(),
