@@ -67,9 +67,9 @@ def target_of(record: Record, weight: FloatArray, *, linear: bool) -> Target:
 
 def solve(columns: FloatArray, target: Target) -> Solved:
     """Return the coefficients of ``columns`` (n, 1 + k), the response first, that leave the least squares."""
-    free = columns * target.weight[:, None]
-    if not np.isfinite(free).all():
+    if not np.isfinite(columns).all():
         return Solved(np.inf, np.zeros(columns.shape[1]), target.pv)
+    free = columns * target.weight[:, None]
     squares = np.einsum("ij,ij->j", free, free)
     free = free - target.basis @ (target.basis.T @ free)
     if target.fixed_gain:

@@ -105,8 +105,10 @@ class Workbench:
         self._steps: list[Step] = []
         self._tried_on: dict[tuple[str, ...], AllTried] = {}
         self._valves: tuple[ValveStart, ...] | None = None
-        self._validation = None if validate is None else bare_record(validate)
-        record = record_of(window)
+        self._validation = (
+            None if validate is None else bare_record(validate, from_start=not self.base.linear)
+        )
+        record = record_of(window, from_start=not self.base.linear)
         if isinstance(record, str):
             self.reason = record
             return
@@ -221,12 +223,13 @@ class Workbench:
         """Add what is confirmed until nothing more is; after each, test the earlier effects again."""
         while self._steps and len(self.step.effects) < MOST_EFFECTS:
             decision = self.candidates()
-            if decision.effect is None or decision.kind not in {"confirmed", "family"}:
+            if decision.effect is None or decision.effect in {each.dropped for each in self._steps}:
                 break
-            self.add(decision.effect)
-            dropped = self._drop_idle()
-            if decision.effect in dropped:
+            if decision.kind in {"confirmed", "family"}:
+                self.add(decision.effect)
+            elif not self._add_both(decision):
                 break
+            self._drop_idle()
         return self.staircase()
 
     def save(self) -> dict[str, object]:
@@ -304,9 +307,32 @@ class Workbench:
                 self._tell(trials[done].effect.name, done, len(trials))
             yield found
 
-    def _drop_idle(self) -> set[str]:
-        """Take out earlier effects that reduce the held-out error no more; return their names."""
-        dropped: set[str] = set()
+    def _add_both(self, decision: Decision) -> bool:
+        """Add the best effect and a rival that it cannot be told from, if each is confirmed above the other.
+
+        Both are there then; else either explains what the other does. Returns whether there is such a rival.
+        """
+        models = self._all_tried().models
+        for name in decision.rivals:
+            best = models[str(decision.effect)]
+            rival = effect_named(name, self.installed)
+            self._tell(f"{decision.effect} and {name}", 0, 1)
+            both = tried(Trial(best.fit, rival, self._record, self._folds, self._valves or ()))
+            alone = (best, models[name])
+            if all(self._confirmed(each, both) for each in alone):
+                effect = effect_named(str(decision.effect), self.installed)
+                self._push(best, Verdict("confirmed", effect.name, effect.family), added=effect.name)
+                self._push(both, Verdict("confirmed", rival.name, rival.family), added=rival.name)
+                return True
+        return False
+
+    def _confirmed(self, smaller: Tried, larger: Tried) -> bool:
+        name = larger.fit.model.effects[-1].name
+        found = judge(smaller.held_out.losses, {name: larger.held_out.losses}, {name: name})
+        return found.kind == "confirmed"
+
+    def _drop_idle(self) -> None:
+        """Take out earlier effects that reduce the held-out error no more."""
         for name in self.step.effects[:-1]:
             self._tell(f"without {name}", 0, 1)
             rest = self._without(name)
@@ -314,8 +340,6 @@ class Workbench:
             again = judge(rest.held_out.losses, {name: self.step.held_out.losses}, {name: family})
             if again.kind == "none":
                 self._push(rest, None, dropped=name)
-                dropped.add(name)
-        return dropped
 
     def _without(self, name: str) -> Tried:
         fitted = self.step.fit

@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Saturation:
-    """A lower and an upper stop, one in each half of the range of OP."""
+    """A lower and an upper stop, one in each outer quarter of the range of OP.
+
+    Closer together they would make a relay of the valve: what is left of OP's triangle passes for stiction.
+    """
 
     name: str = "saturation"
     family: str = "valve_limits"
@@ -26,10 +29,10 @@ class Saturation:
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return both stops; at the ends of OP they stop nothing."""
-        middle = (facts.op_low + facts.op_high) / 2
+        quarter = facts.op_span / 4
         return (
-            Parameter("u_low", "OP", facts.op_low, middle, null=facts.op_low),
-            Parameter("u_high", "OP", middle, facts.op_high, null=facts.op_high),
+            Parameter("u_low", "OP", facts.op_low, facts.op_low + quarter, null=facts.op_low),
+            Parameter("u_high", "OP", facts.op_high - quarter, facts.op_high, null=facts.op_high),
         )
 
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002

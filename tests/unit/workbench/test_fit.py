@@ -1,0 +1,78 @@
+import numpy as np
+import pytest
+from loops import DELAY, GAIN, TAU, S, made, slack
+
+from agent.physics.bases import Fopdt
+from agent.physics.effects.deadband import Deadband
+from agent.physics.effects.sinusoid import Sinusoid
+from agent.physics.loop_model import LoopModel
+from agent.workbench.fit import contributions, fit, nested_fit
+from agent.workbench.folds import FEWEST_BLOCKS, FOLDS, block_losses, folds_of, held_out
+from agent.workbench.record import bare_record
+
+FOPDT = LoopModel(Fopdt())
+
+
+def test_the_base_finds_its_own_numbers():
+    record = bare_record(made(noise=0.01))
+    fitted = fit(FOPDT, record, record.weight)
+    assert fitted.values == pytest.approx([DELAY, TAU], rel=0.01)
+    assert fitted.coefficients == pytest.approx([GAIN], rel=0.01)
+    assert fitted.at_bound == ()
+
+
+def test_a_nested_fit_finds_the_band_and_gives_the_delay_back():
+    record = bare_record(slack())
+    base = fit(FOPDT, record, record.weight)
+    assert base.values[0] > DELAY + 0.5  # the delay that it needs to stand for the slack
+    larger = nested_fit(base, LoopModel(Fopdt(), (Deadband(),)), record)
+    assert larger.values[:3] == pytest.approx([DELAY, TAU, S], rel=0.05)
+    assert larger.error < 0.1 * base.error
+
+
+def test_contributions_add_up_to_the_model():
+    window = made(noise=0.01)
+    wave = 0.4 * np.sin(2 * np.pi * 0.011 * np.arange(len(window)))
+    record = bare_record(type(window)("wave", 0.0, 1.0, window.op, window.pv + wave))
+    base = fit(FOPDT, record, record.weight)
+    starts = np.array([[*base.values, 0.011]])
+    larger = nested_fit(base, LoopModel(Fopdt(), (Sinusoid(),)), record, starts)
+    added = contributions(larger, record)["sinusoid"]
+    assert added == pytest.approx(wave, abs=0.05)
+
+
+def test_every_block_is_held_out_once_and_guarded():
+    record = bare_record(made())
+    base = fit(FOPDT, record, record.weight)
+    folds = folds_of(record, base)
+    assert folds.count >= FEWEST_BLOCKS
+    hidden = np.array([folds.held_out(fold) for fold in range(FOLDS)])
+    assert (hidden.sum(axis=0) == (folds.block >= 0)).all()
+    assert folds.guard >= DELAY + 3 * TAU - 5
+    for fold in range(FOLDS):
+        seen = folds.seen(fold, record.weight) > 0
+        assert not (seen & hidden[fold]).any()
+        edge = np.flatnonzero(np.diff(hidden[fold].astype(int)) == 1)
+        for at in edge:
+            assert not seen[at - folds.guard + 1 : at + 1].any()
+        assert seen.sum() > 0.4 * record.weight.sum()
+
+
+def test_the_held_out_error_of_the_truth_is_the_noise():
+    noise = 0.2
+    record = bare_record(made(noise=noise, samples=1500))
+    base = fit(FOPDT, record, record.weight)
+    folds = folds_of(record, base)
+    out = held_out(base, record, folds)
+    assert out.rmse == pytest.approx(noise, rel=0.08)
+    assert out.losses == pytest.approx(block_losses(record, folds, out.pv))
+    assert out.values.shape == (FOLDS, 2)
+
+
+def test_too_few_stretches_are_told():
+    window = made()
+    pv = window.pv.copy()
+    pv[200:] = np.nan
+    record = bare_record(type(window)("short", 0.0, 1.0, window.op, pv))
+    base = fit(FOPDT, record, record.weight)
+    assert f"{FEWEST_BLOCKS} are needed" in folds_of(record, base)

@@ -1,0 +1,130 @@
+import json
+
+import numpy as np
+import pytest
+from loops import S, made, slack
+
+from agent.analysis.recording import LoopWindow
+from agent.physics.effects import EFFECTS
+from agent.workbench.comparison_text import comparison_lines
+from agent.workbench.session import Workbench
+
+FEW = tuple(each.name for each in EFFECTS if each.name not in {"deadband", "sensor_lag", "load_step"})
+
+
+@pytest.fixture(scope="module")
+def bench():
+    bench = Workbench(slack(), without=FEW, validate=slack(seed=5))
+    bench.auto()
+    return bench
+
+
+def test_it_names_the_slack_and_the_error_falls_to_the_noise(bench):
+    base, last = bench.staircase()
+    assert (base.added, last.added) == (None, "deadband")
+    assert last.verdict.kind == "confirmed"
+    assert last.held_out.rmse < 0.2 * base.held_out.rmse
+    assert last.held_out.rmse == pytest.approx(0.05, rel=0.2)
+    assert last.rmse_validation == pytest.approx(0.05, rel=0.2)
+    assert bench.comparison().verdict.kind == "no_failure_visible"
+
+
+def test_the_interval_holds_the_truth(bench):
+    band = next(each for each in bench.step.parameters if each.name == "deadband.s")
+    assert band.low <= S <= band.high
+    assert band.high - band.low < 0.2
+    assert band.unit == "OP"
+
+
+def test_the_json_has_every_key_and_no_nan(bench):
+    found = json.loads(json.dumps(bench.result("made.csv"), allow_nan=False))
+    assert found["recording"] == "made.csv"
+    assert [step["effects"] for step in found["steps"]] == [[], ["deadband"]]
+    assert set(found["steps"][1]["parameters"]) == {"delay", "tau", "deadband.s", "deadband.start"}
+    assert found["steps"][0]["verdict"] is None
+    assert found["verdict"] == {
+        "kind": "no_failure_visible",
+        "effect": None,
+        "family": None,
+        "indistinguishable": [],
+    }
+    assert {each["effect"] for each in found["candidates"]} == {"sensor_lag", "load_step"}
+    assert {"axis", "share", "p"} == set(found["where_it_fails"][0])
+    assert found["noise_floor"]["low"] <= found["noise_floor"]["high"]
+
+
+def test_the_text_says_it_in_words(bench):
+    lines = list(comparison_lines(bench.comparison()))
+    assert any("+ deadband" in line for line in lines)
+    assert lines[-1].startswith("verdict: no failure is visible")
+
+
+def test_compare_splits_the_model_into_what_each_effect_adds(bench):
+    parts = bench.compare()
+    assert set(parts) == {"model", "base", "deadband"}
+    assert all(len(each) == len(bench.window) for each in parts.values())
+
+
+def test_drop_undo_save_and_load(bench):
+    saved = json.loads(json.dumps(bench.save()))
+    again = Workbench(slack(), without=FEW)
+    again.load(saved)
+    assert again.step.effects == ("deadband",)
+    assert again.step.rmse_fit == pytest.approx(bench.step.rmse_fit, rel=0.01)
+    assert again.drop("deadband").effects == ()
+    assert again.step.rmse_fit == pytest.approx(again.staircase()[0].rmse_fit, rel=0.01)
+    assert again.undo().effects == ("deadband",)
+    again.undo()
+    with pytest.raises(ValueError, match="nothing to take back"):
+        again.undo()
+    with pytest.raises(ValueError, match="of the loop made, not of other"):
+        Workbench(made(loop="other")).load(saved)
+    with pytest.raises(ValueError, match="no saved model"):
+        again.load({"kind": "shopping list"})
+
+
+def test_what_cannot_be_added_or_dropped_is_told(bench):
+    with pytest.raises(ValueError, match=r"no effect 'slip'; there are .*deadband"):
+        bench.add("slip")
+    with pytest.raises(ValueError, match="cannot be added to a model with deadband"):
+        bench.add("stiction")
+    with pytest.raises(ValueError, match="the model has no sinusoid"):
+        bench.drop("sinusoid")
+    with pytest.raises(ValueError, match="no effect or family 'fairies'"):
+        Workbench(slack(), without=["fairies"])
+    with pytest.raises(ValueError, match="no base 'third'"):
+        Workbench(slack(), base="third")
+
+
+def test_with_its_family_taken_out_it_does_not_name_another():
+    told = []
+    bench = Workbench(
+        slack(),
+        without=[*FEW, "deadband", "load_step"],
+        tell=lambda what, *_: told.append(what),
+    )
+    bench.auto()
+    assert bench.comparison().verdict.kind in {"none_of_the_known", "suggested"}
+    assert bench.step.effects == ()
+    assert "sensor_lag" in told
+
+
+def test_nothing_is_missing_where_nothing_is():
+    bench = Workbench(made(), without=FEW)
+    bench.auto()
+    assert bench.comparison().verdict.kind == "no_failure_visible"
+    assert bench.step.effects == ()
+
+
+def test_a_record_that_tells_nothing_has_a_reason_and_all_keys():
+    still = LoopWindow("still", 0.0, 1.0, np.full(500, 50.0), np.random.default_rng(0).standard_normal(500))
+    bench = Workbench(still)
+    assert bench.auto() == ()
+    found = bench.result()
+    assert found["verdict"]["kind"] == "not_testable"
+    assert found["steps"] == found["candidates"] == found["where_it_fails"] == []
+    assert found["noise_floor"] == {"low": None, "high": None}
+    assert "OP does not move" in found["reason"]
+    assert "not testable" in next(iter(comparison_lines(bench.comparison())))
+    with pytest.raises(ValueError, match="cannot be tested: OP does not move"):
+        bench.add("deadband")
