@@ -15,6 +15,11 @@ from connectors.secret import Secret, content, located
 _OURS = ("CERTIFICATE", "UNKNOWN_CA", "DECRYPT_ERROR", "ACCESS_DENIED")
 """Words in the reason of an alert with which a server turns a client's certificate down (RFC 8446, 6.2)."""
 
+_CLOSED = (
+    "it ends the encrypted connection at once, which mostly means that it does not accept this client's "
+    "certificate; check tls.certificate and tls.key"
+)
+
 
 class Tls(Options):
     """An encrypted connection. The server's certificate must be valid for the `host` of the connection."""
@@ -85,7 +90,10 @@ async def explain(host: str, port: int, tls: ssl.SSLContext, timeout: float) -> 
     try:
         async with asyncio.timeout(timeout):
             reader, writer = await asyncio.open_connection(host, port, ssl=tls)
-            await reader.read(1)
+            if not await reader.read(1):
+                return _CLOSED
+    except (ConnectionResetError, BrokenPipeError):
+        return None if writer is None else _CLOSED
     except OSError as error:
         return refusal(error, host)
     finally:

@@ -6,6 +6,7 @@ import asyncio
 import json
 import logging
 import math
+import ssl
 import time
 from collections.abc import AsyncIterator, Iterator, Mapping
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager, contextmanager
@@ -112,11 +113,25 @@ class Inbox(asyncio.Queue[Message]):
         self._dropped += 1
 
 
+class TidySocket(ssl.SSLSocket):
+    """Closes itself where the handshake fails; paho would leave that to the garbage collector."""
+
+    def do_handshake(self, block: bool = False) -> None:  # noqa: FBT001, FBT002 - as ssl calls it
+        """Agree with the broker; raises OSError."""
+        try:
+            super().do_handshake(block)
+        except OSError:
+            self.close()
+            raise
+
+
 @asynccontextmanager
 async def connected(options: MqttOptions) -> AsyncIterator[Client]:
     """Connect a fresh client; raises ConnectionLostError, AccessDeniedError."""
     peer = f"MQTT broker at {options.host}:{options.port}: "
     tls = None if options.tls is None else options.tls.context()
+    if tls is not None:
+        tls.sslsocket_class = TidySocket
     password = None if options.password is None else options.password.read("password")
     client = Client(
         options.host,

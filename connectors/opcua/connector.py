@@ -26,7 +26,9 @@ from connectors.opcua.subscription import subscription
 from connectors.opcua.values import is_waiting, sample, variant
 from connectors.options import LoopTags
 
-logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # what it logs, the session raises
+logging.getLogger("asyncua").setLevel(
+    logging.CRITICAL
+)  # what it logs, the session raises; passwords at DEBUG
 
 _SESSION_TIMEOUT = 60_000
 """How long the server keeps a session that it hears nothing from, ms; its watchdog reads more often."""

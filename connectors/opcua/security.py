@@ -17,7 +17,13 @@ from cryptography.hazmat.primitives.serialization import (
     load_der_private_key,
     load_pem_private_key,
 )
-from cryptography.x509.verification import ExtensionPolicy, PolicyBuilder, Store, VerificationError
+from cryptography.x509.verification import (
+    Criticality,
+    ExtensionPolicy,
+    PolicyBuilder,
+    Store,
+    VerificationError,
+)
 
 from connectors.base import AccessDeniedError
 from connectors.opcua.options import Login, OpcUaOptions, Security
@@ -127,7 +133,8 @@ def _signed(server: x509.Certificate, path: str, host: str) -> None:
         raise AccessDeniedError(f"security.ca: {path} holds no certificates in PEM") from error
     builder = PolicyBuilder().store(Store(authorities)).time(datetime.now(UTC))
     lenient = ExtensionPolicy.permit_all()
-    verifier = builder.extension_policies(ca_policy=lenient, ee_policy=lenient).build_client_verifier()
+    of_ca = lenient.require_present(x509.BasicConstraints, Criticality.AGNOSTIC, None)
+    verifier = builder.extension_policies(ca_policy=of_ca, ee_policy=lenient).build_client_verifier()
     try:
         verifier.verify(server, [])
     except VerificationError as error:

@@ -52,11 +52,11 @@ def free_port():
 
 
 @contextlib.asynccontextmanager
-async def mosquitto_broker(path, folder):
-    """Run mosquitto and yield its port and process."""
+async def mosquitto_broker(path, folder, more=("allow_anonymous true",)):
+    """Run mosquitto and yield its port and process; ``more`` are lines of its configuration."""
     port = free_port()
     config = folder / "mosquitto.conf"
-    config.write_text(f"listener {port} 127.0.0.1\nallow_anonymous true\n")
+    config.write_text("\n".join([f"listener {port} 127.0.0.1", *more, ""]))
     process = await asyncio.create_subprocess_exec(
         path, "-c", str(config), stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.DEVNULL
     )
