@@ -1,0 +1,62 @@
+"""Only what the configuration names is written, whatever a publication holds."""
+
+from types import SimpleNamespace
+
+from asyncua import ua
+
+from connectors.base import Publication
+from connectors.modbus.connector import ModbusSession
+from connectors.modbus.options import ModbusOptions, ModbusTarget
+from connectors.mqtt.connector import MqttSession
+from connectors.mqtt.options import MqttTarget
+from connectors.opcua.connector import OpcUaSession
+from connectors.opcua.options import OpcUaOptions, OpcUaTarget
+from connectors.options import LoopTags
+
+FIELDS = {"active": True, "s": 4.0, "ns=2;s=FIC101.OP": 0.0, "topic": "plant/FIC101/OP", "address": 1}
+
+
+async def publish(session):
+    """What belongs to the loop, and what somebody might make it of."""
+    for subject in ("FIC101", "FIC999", "../FIC101", "FIC101/OP"):
+        for kind in ("state", "event"):
+            await session.publish(Publication(subject, kind, "1", FIELDS))
+
+
+async def test_modbus():
+    written = []
+
+    async def write(address, _):
+        written.append(address)
+
+    target = ModbusTarget(connection="plant", active={"address": 5}, fields={"s": {"address": 20}})
+    client = SimpleNamespace(write_coil=write, write_registers=write)
+    await publish(ModbusSession(client, ModbusOptions(), {"FIC101": LoopTags({}, [target])}))
+    assert written == [20, 5]
+
+
+async def test_mqtt():
+    written = []
+
+    async def write(topic, *_, **__):
+        written.append(topic)
+
+    client = SimpleNamespace(publish=write)
+    await publish(MqttSession(client, {"FIC101": LoopTags({}, [MqttTarget(connection="plant")])}))
+    assert written == ["slipjump/FIC101/alarm", "slipjump/FIC101/alarm/event"]
+
+
+async def test_opcua():
+    written = []
+
+    async def write(nodes, _):
+        written.extend(node.to_string() for node in nodes)
+        return [ua.StatusCode()] * len(nodes)
+
+    nodes = {"active": {"node": "ns=2;s=A"}, "fields": {"s": {"node": "ns=2;s=S"}}}
+    client = SimpleNamespace(uaclient=SimpleNamespace(write_attributes=write))
+    loops = {"FIC101": LoopTags({}, [OpcUaTarget(connection="plant", **nodes)])}
+    session = OpcUaSession(client, OpcUaOptions(url="opc.tcp://plant"), loops)
+    session._types |= {"ns=2;s=A": ua.VariantType.Boolean, "ns=2;s=S": ua.VariantType.Double}
+    await publish(session)
+    assert written == ["ns=2;s=S", "ns=2;s=A"]
