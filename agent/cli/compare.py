@@ -7,11 +7,11 @@ import multiprocessing
 import os
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -22,11 +22,9 @@ from agent.cli.errors import BAD_INPUT, complain
 if TYPE_CHECKING:
     from agent.analysis.recording import LoopWindow
     from agent.workbench.comparison import Comparison
-    from agent.workbench.session import Progress, Workbench
+    from agent.workbench.session import Map, Progress, Workbench
     from connectors.recording import Columns
 
-In = TypeVar("In")
-Out = TypeVar("Out")
 Names = list[str]
 
 
@@ -185,7 +183,7 @@ def _write(path: Path, text: str) -> bool:
 
 
 @contextmanager
-def _pool() -> Iterator[Callable[[Callable[[In], Out], Sequence[In]], Iterable[Out]]]:
+def _pool() -> Iterator[Map]:
     """Yield a map that works on all cores."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # of the workers: one a core is enough
     workers = len(os.sched_getaffinity(0))

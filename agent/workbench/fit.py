@@ -9,9 +9,11 @@ import numpy as np
 
 from agent.physics.bases.base import StartingBase
 from agent.workbench.projection import nuisance_part, target_of
-from agent.workbench.search import STEP, hypercube, objective_of, searched
+from agent.workbench.search import STEP, Round, hypercube, objective_of, searched
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from agent.analysis.recording import FloatArray
     from agent.physics.loop_model import LoopModel
     from agent.workbench.projection import Target
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
 SCAN = 400
 """Points of the first scan."""
 ROUNDS = ((8, STEP, 20), (3, STEP / 2, 40), (1, STEP / 5, 60))
+QUICK_ROUNDS = ((2, STEP / 2, 15), (1, STEP / 5, 20))
 WARM_ROUNDS = ((2, STEP / 4, 20), (1, STEP / 10, 20))
 """For a model whose values are known from almost the same samples."""
 
@@ -62,7 +65,13 @@ def fit(model: LoopModel, record: Record, weight: FloatArray, starts: FloatArray
     return fit_at(model, record, objective.target, objective.space.values(found))
 
 
-def nested_fit(smaller: Fit, model: LoopModel, record: Record, starts: FloatArray | None = None) -> Fit:
+def nested_fit(
+    smaller: Fit,
+    model: LoopModel,
+    record: Record,
+    starts: FloatArray | None = None,
+    rounds: Sequence[Round] = ROUNDS,
+) -> Fit:
     """Fit a model that has one effect more than ``smaller``, its last, to the whole record.
 
     The values of ``smaller`` are kept, some of them moved, while those of the new effect are scanned; then
@@ -72,7 +81,7 @@ def nested_fit(smaller: Fit, model: LoopModel, record: Record, starts: FloatArra
     points = nested_starts(smaller, objective.space)
     if starts is not None:
         points = np.vstack((objective.space.at(starts), points))
-    found = searched(objective, points, ROUNDS)
+    found = searched(objective, points, rounds)
     return fit_at(model, record, objective.target, objective.space.values(found))
 
 

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from agent.physics.loop_model import LoopModel
     from agent.workbench.record import Record
 
+Round = tuple[int, float, int]
+"""Points kept, first step of the local search, its evaluations for each parameter."""
 STEP = 0.05
 """First step of a simplex, part of a parameter's range."""
 
@@ -105,15 +107,13 @@ def _by_least_squares(objective: Objective, start: FloatArray, evaluations: int)
     return point if objective.error(point) < objective.error(start) else start
 
 
-def searched(
-    objective: Objective, starts: FloatArray, rounds: Sequence[tuple[int, float, int]]
-) -> FloatArray:
+def searched(objective: Objective, starts: FloatArray, rounds: Sequence[Round]) -> FloatArray:
     """Return the best point of local searches from the best of ``starts`` (m, k).
 
     Args:
         objective: What is lowered.
         starts: Points of the unit cube.
-        rounds: How many points each round keeps, its first step, its evaluations for each parameter.
+        rounds: One after the other.
     """
     points = list(starts)
     for kept, step, evaluations in rounds:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 
@@ -14,15 +14,17 @@ from agent.physics.loop_model import LoopModel
 from agent.workbench.axes import physical_axes
 from agent.workbench.comparison import Comparison
 from agent.workbench.comparison_json import comparison_json
-from agent.workbench.decision import Decision, judge
+from agent.workbench.decision import LEAST_PERCENT, LEVEL, Decision, judge
 from agent.workbench.fit import Fit, contributions, fit
 from agent.workbench.folds import Folds, folds_of, held_out
 from agent.workbench.intervals import fitted_parameters
 from agent.workbench.library import applies, base_named, effect_named, library, missing
 from agent.workbench.noise_floor import noise_floor
+from agent.workbench.null_trial import DRAWS, NullTrial
 from agent.workbench.power import smallest_reduction
 from agent.workbench.record import Record, bare_record, record_of
 from agent.workbench.saved_model import read_saved, saved
+from agent.workbench.simulated_null import simulated_null_p
 from agent.workbench.step import Step, Verdict
 from agent.workbench.trial import Trial, Tried, tried
 from agent.workbench.validation import rmse_on
@@ -38,11 +40,15 @@ REJECTED = 0.05
 """p of a panel below which the model fails visibly."""
 
 
+Given = TypeVar("Given")
+Found = TypeVar("Found")
+
+
 class Map(Protocol):
     """``map``, or that of a pool of processes."""
 
-    def __call__(self, function: Callable[[Trial], Tried], trials: Sequence[Trial], /) -> Iterable[Tried]:
-        """Yield the results in the order of ``trials``."""
+    def __call__(self, function: Callable[[Given], Found], given: Iterable[Given], /) -> Iterable[Found]:
+        """Yield the results in the order of ``given``."""
         ...
 
 
@@ -167,8 +173,7 @@ class Workbench:
             set_point=self.window.sp,
             start=self.window.start,
         )
-        block = int(np.bincount(self._folds.block[self._folds.block >= 0]).max())
-        return where_it_fails(self.residual(), axes, block, np.random.default_rng(0))
+        return where_it_fails(self.residual(), axes, self._block, np.random.default_rng(0))
 
     def candidates(self) -> Decision:
         """Try each effect that the newest model does not have, refitted with all else, and judge them."""
@@ -292,7 +297,28 @@ class Workbench:
         models = dict(zip([each.name for each in candidates], self._tried(candidates), strict=True))
         families = {each.name: each.family for each in candidates}
         losses = {name: each.held_out.losses for name, each in models.items()}
-        return AllTried(judge(self.step.held_out.losses, losses, families), models)
+        # What helps little where it was fitted helps elsewhere by luck of the smaller model's folds.
+        enough = (1 - LEAST_PERCENT / 100) * self.step.fit.error
+        null_p = {name: 1.0 for name, each in models.items() if each.fit.error > enough}
+        while True:
+            decision = judge(self.step.held_out.losses, losses, families, null_p)
+            if decision.effect is None or decision.kind == "suggested" or decision.effect in null_p:
+                break
+            null_p[decision.effect] = self._null_p(models[decision.effect].fit)
+        if decision.effect is not None and null_p.get(decision.effect, 0.0) >= LEVEL:
+            decision = replace(decision, kind="none", effect=None, family=None)
+        return AllTried(decision, models)
+
+    def _null_p(self, larger: Fit) -> float:
+        """Return how likely an effect seems to explain as much where it is not there."""
+        effect = larger.model.effects[-1]
+        self._tell(f"{effect.name} by chance", 0, 1)
+        trial = NullTrial(self.step.fit, larger, self._record, self._block)
+        return simulated_null_p(trial.seen, trial, DRAWS, self._run)
+
+    @property
+    def _block(self) -> int:
+        return int(np.bincount(self._folds.block[self._folds.block >= 0]).max())
 
     def _tried(self, candidates: Sequence[Effect]) -> Iterator[Tried]:
         if self._valves is None and any(isinstance(each, HysteresisEffect) for each in candidates):
