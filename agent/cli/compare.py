@@ -22,7 +22,8 @@ from agent.cli.errors import BAD_INPUT, complain
 if TYPE_CHECKING:
     from agent.analysis.recording import LoopWindow
     from agent.workbench.comparison import Comparison
-    from agent.workbench.session import Map, Progress, Workbench
+    from agent.workbench.hooks import Map, Progress
+    from agent.workbench.session import Workbench
     from connectors.recording import Columns
 
 Names = list[str]
@@ -202,7 +203,7 @@ def _pool() -> Iterator[Map]:
 @contextmanager
 def _progress() -> Iterator[Progress]:
     """Name on a terminal's stderr what is being tried."""
-    from agent.workbench.session import silent
+    from agent.workbench.hooks import silent
 
     if not sys.stderr.isatty():
         yield silent

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,11 +12,13 @@ from agent.physics.effects import effects as known_effects
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.loop_model import LoopModel
 from agent.workbench.axes import physical_axes
+from agent.workbench.candidates import AllTried, judged, naming, verdict_of
 from agent.workbench.comparison import Comparison
 from agent.workbench.comparison_json import comparison_json
-from agent.workbench.decision import LEAST_PERCENT, LEVEL, Decision, judge
+from agent.workbench.decision import Decision, judge
 from agent.workbench.fit import Fit, contributions, fit
 from agent.workbench.folds import Folds, folds_of, held_out
+from agent.workbench.hooks import Map, Progress, silent
 from agent.workbench.intervals import fitted_parameters
 from agent.workbench.library import applies, base_named, effect_named, library, missing
 from agent.workbench.noise_floor import noise_floor
@@ -36,41 +38,6 @@ if TYPE_CHECKING:
     from agent.physics.effect import Effect
 
 MOST_EFFECTS = 4
-REJECTED = 0.05
-"""p of a panel below which the model fails visibly."""
-
-
-Given = TypeVar("Given")
-Found = TypeVar("Found")
-
-
-class Map(Protocol):
-    """``map``, or that of a pool of processes."""
-
-    def __call__(self, function: Callable[[Given], Found], given: Iterable[Given], /) -> Iterable[Found]:
-        """Yield the results in the order of ``given``."""
-        ...
-
-
-class Progress(Protocol):
-    """Told what is tried next."""
-
-    def __call__(self, what: str, done: int, of: int, /) -> None:
-        """Say that ``what`` is being tried and that ``done`` ``of`` all are done."""
-        ...
-
-
-def silent(what: str, done: int, of: int, /) -> None:
-    """Tell nobody."""
-
-
-@dataclass(frozen=True, slots=True)
-class AllTried:
-    """The candidates on top of one model."""
-
-    decision: Decision
-    models: Mapping[str, Tried]
-    """By the effect that was added."""
 
 
 class Workbench:
@@ -196,8 +163,10 @@ class Workbench:
         found = self._tried_on.get(self.step.effects)
         if found is None or name not in found.models:
             family = [each for each in missing(model, self.library) if each.family == effect.family]
-            found = self._judged(family if effect in family else [*family, effect])
-        self._push(found.models[name], verdict_on(name, effect.family, found.decision), added=name)
+            models = self._tried(family if effect in family else [*family, effect])
+            found = judged(self.step, models, self._null_p)
+        verdict = naming(verdict_of(found.decision, self.where_it_fails()), name)
+        self._push(found.models[name], verdict, added=name)
         return self.step
 
     def drop(self, name: str) -> Step:
@@ -290,24 +259,9 @@ class Workbench:
     def _all_tried(self) -> AllTried:
         key = self.step.effects
         if key not in self._tried_on:
-            self._tried_on[key] = self._judged(missing(self.step.fit.model, self.library))
+            candidates = missing(self.step.fit.model, self.library)
+            self._tried_on[key] = judged(self.step, self._tried(candidates), self._null_p)
         return self._tried_on[key]
-
-    def _judged(self, candidates: Sequence[Effect]) -> AllTried:
-        models = dict(zip([each.name for each in candidates], self._tried(candidates), strict=True))
-        families = {each.name: each.family for each in candidates}
-        losses = {name: each.held_out.losses for name, each in models.items()}
-        # What helps little where it was fitted helps elsewhere by luck of the smaller model's folds.
-        enough = (1 - LEAST_PERCENT / 100) * self.step.fit.error
-        null_p = {name: 1.0 for name, each in models.items() if each.fit.error > enough}
-        while True:
-            decision = judge(self.step.held_out.losses, losses, families, null_p)
-            if decision.effect is None or decision.kind == "suggested" or decision.effect in null_p:
-                break
-            null_p[decision.effect] = self._null_p(models[decision.effect].fit)
-        if decision.effect is not None and null_p.get(decision.effect, 0.0) >= LEVEL:
-            decision = replace(decision, kind="none", effect=None, family=None)
-        return AllTried(decision, models)
 
     def _null_p(self, larger: Fit) -> float:
         """Return how likely an effect seems to explain as much where it is not there."""
@@ -320,18 +274,20 @@ class Workbench:
     def _block(self) -> int:
         return int(np.bincount(self._folds.block[self._folds.block >= 0]).max())
 
-    def _tried(self, candidates: Sequence[Effect]) -> Iterator[Tried]:
+    def _tried(self, candidates: Sequence[Effect]) -> dict[str, Tried]:
         if self._valves is None and any(isinstance(each, HysteresisEffect) for each in candidates):
             self._tell("sticking valves", 0, len(candidates))
             self._valves = valve_starts(self.window)
         valves = self._valves or ()
         trials = [Trial(self.step.fit, each, self._record, self._folds, valves) for each in candidates]
-        if trials:
-            self._tell(trials[0].effect.name, 0, len(trials))
-        for done, found in enumerate(self._run(tried, trials), 1):
-            if done < len(trials):
-                self._tell(trials[done].effect.name, done, len(trials))
-            yield found
+        names = [each.name for each in candidates]
+        models = {}
+        if names:
+            self._tell(names[0], 0, len(names))
+        for done, found in enumerate(self._run(tried, trials)):
+            models[names[done]] = found
+            self._tell(names[min(done + 1, len(names) - 1)], done + 1, len(names))
+        return models
 
     def _add_both(self, decision: Decision) -> bool:
         """Add the best effect and a rival that it cannot be told from, if each is confirmed above the other.
@@ -399,20 +355,3 @@ class Workbench:
                 rmse_validation=None if self._validation is None else rmse_on(fitted, self._validation),
             )
         )
-
-
-def verdict_of(decision: Decision, failures: Sequence[Failure]) -> Verdict:
-    """Return what a model lacks, as far as its record tells."""
-    if decision.kind != "none":
-        return Verdict(decision.kind, decision.effect, decision.family, decision.indistinguishable)
-    fails = any(each.p < REJECTED for each in failures)
-    return Verdict("none_of_the_known" if fails else "no_failure_visible")
-
-
-def verdict_on(name: str, family: str, decision: Decision) -> Verdict:
-    """Return what a decision says of one effect, that it may not have chosen."""
-    named = (decision.effect, *decision.indistinguishable)
-    if decision.kind in {"confirmed", "family", "suggested"} and name in named:
-        others = tuple(each for each in named if each is not None and each != name)
-        return Verdict(decision.kind, name, family, others)
-    return Verdict("no_failure_visible" if decision.kind == "none" else "suggested")
