@@ -1,22 +1,33 @@
-"""What happens to a loop from outside: load swings, slow drift, noise of the transmitter."""
+"""What happens to a loop from outside: load swings, steps, wanders, drifts; noise of the transmitter."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from simulators.parameters import Drift, Noise, Sinusoid
+    from simulators.parameters import Drift, LoadStep, Sinusoid, Wander
 
 
 class Load:
-    """Load on the process input: a sinusoid, a ramp and a random walk."""
+    """Load on the process input: a sinusoid, steps, a ramp, a random walk, and what wanders about zero."""
 
-    def __init__(self, sinusoid: Sinusoid, drift: Drift, ts: float, rng: np.random.Generator) -> None:
+    def __init__(
+        self,
+        sinusoid: Sinusoid,
+        drift: Drift,
+        steps: Sequence[LoadStep],
+        wander: Wander,
+        ts: float,
+        rng: np.random.Generator,
+    ) -> None:
         self._sinusoid = sinusoid
         self._drift = drift
+        self._steps = steps
+        self._wander = FirstOrderNoise(wander.std, wander.correlation, ts, rng) if wander.std else None
         self._ts = ts
         self._rng = rng
         self._walk = 0.0
@@ -26,20 +37,28 @@ class Load:
         wave = self._sinusoid
         phase = 2.0 * math.pi * (time + self._ts / 2.0) / wave.period
         self._walk += self._drift.walk * math.sqrt(self._ts) * self._rng.standard_normal()
-        return wave.amplitude * math.sin(phase) + self._drift.ramp * time + self._walk
+        wandered = self._wander.next() if self._wander else 0.0
+        stepped = at_time([(step.time, step.load) for step in self._steps], time, 0.0)
+        return wave.amplitude * math.sin(phase) + self._drift.ramp * time + self._walk + wandered + stepped
 
 
-class TransmitterNoise:
-    """Gaussian noise on PV, white or of first order."""
+def at_time(steps: Iterable[tuple[float, float]], time: float, before: float) -> float:
+    """Value of the last of ``steps`` (time in s, value) that is not after ``time``; ``before`` the first."""
+    past = [value for start, value in steps if start <= time]
+    return past[-1] if past else before
 
-    def __init__(self, noise: Noise, ts: float, rng: np.random.Generator) -> None:
-        self._std = noise.std
-        self._keep = math.exp(-ts / noise.correlation) if noise.correlation > 0.0 else 0.0
+
+class FirstOrderNoise:
+    """Gaussian noise, white or of first order."""
+
+    def __init__(self, std: float, correlation: float, ts: float, rng: np.random.Generator) -> None:
+        self._std = std
+        self._keep = math.exp(-ts / correlation) if correlation > 0.0 else 0.0
         self._rng = rng
-        self._value = noise.std * rng.standard_normal()
+        self._value = std * rng.standard_normal()
 
     def next(self) -> float:
-        """Noise of the next sample, PV units."""
+        """Noise of the next sample, unit of ``std``."""
         fresh = self._std * math.sqrt(1.0 - self._keep**2) * self._rng.standard_normal()
         self._value = self._keep * self._value + fresh
         return float(self._value)

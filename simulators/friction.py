@@ -38,6 +38,10 @@ class Stem(NamedTuple):
     """Static friction, OP units."""
     f_d: float
     """Kinetic friction, OP units."""
+    f_s_closing: float
+    """Static friction against falling positions, where it differs, OP units."""
+    f_d_closing: float
+    """Kinetic friction of falling positions."""
     inertia: float
     """Moving mass over spring rate, s2."""
     damping: float
@@ -60,6 +64,8 @@ class Actuator(NamedTuple):
     """LuGre's law; otherwise Karnopp's."""
     tau_ip: float
     """Lag of I/P converter and actuator, s."""
+    rate: float
+    """Most by which its air changes the force in a second, OP units per second; infinite where it can."""
     low: float
     """Lower stop, OP units."""
     high: float
@@ -69,7 +75,9 @@ class Actuator(NamedTuple):
 @kernel
 def sliding_friction(speed: float, stem: Stem) -> float:
     """Friction of a stem that moves at ``speed`` OP units per second (Stribeck), OP units."""
-    return stem.f_d + (stem.f_s - stem.f_d) * math.exp(-((speed / stem.stribeck) ** 2))
+    closing = math.copysign(1.0, speed) < 0.0  # so that a stem about to close may say so by -0.0
+    f_s, f_d = (stem.f_s_closing, stem.f_d_closing) if closing else (stem.f_s, stem.f_d)
+    return f_d + (f_s - f_d) * math.exp(-((speed / stem.stribeck) ** 2))
 
 
 @kernel
@@ -77,11 +85,11 @@ def karnopp_step(motion: Motion, p: float, dt: float, stem: Stem) -> Motion:
     """Motion one step of ``dt`` s later under Karnopp's law, with the actuator force ``p`` in OP units."""
     x, v, z = motion
     force = p - x
-    holds = abs(force) <= stem.f_s
+    holds = -stem.f_s_closing <= force <= stem.f_s
     if v == 0.0 and holds:
         return x, 0.0, z
     direction = math.copysign(1.0, force if v == 0.0 else v)
-    friction = direction * sliding_friction(v, stem)
+    friction = direction * sliding_friction(direction * abs(v), stem)
     moved = (stem.inertia * v / dt + force - friction) / (stem.inertia / dt + stem.damping + dt)
     if moved * direction < 0.0 or (abs(moved) < stem.still and holds):
         return x, 0.0, z  # friction stops a stem, it never drives it back
@@ -114,7 +122,8 @@ def stroke(state: FloatArray, op: float, steps: int, dt: float, actuator: Actuat
     keep = math.exp(-dt / actuator.tau_ip) if actuator.tau_ip > 0.0 else 0.0
     p, motion = state[0], (state[1], state[2], state[3])
     for i in range(steps):
-        p = op + (p - op) * keep
+        wanted = op + (p - op) * keep
+        p = min(max(wanted, p - actuator.rate * dt), p + actuator.rate * dt)
         if actuator.lugre:
             motion = lugre_step(motion, p, dt, actuator.stem)
         else:

@@ -39,8 +39,19 @@ class ValveParameters(Part):
     """Static friction, OP units."""
     f_d: NotNegative = 0.0
     """Kinetic friction, OP units."""
+    closing: PositiveFloat = 1.0
+    """Friction of a closing stem over that of an opening one, which ``f_s`` and ``f_d`` are."""
+    backlash: NotNegative = 0.0
+    """Slack between stem and plug, OP units."""
     tau_ip: NotNegative = 0.1
     """Lag of the I/P converter and actuator, s."""
+    rate: PositiveFloat | None = None
+    """Fastest stroke that the actuator's air allows, OP units per second; None has no limit."""
+    stops: tuple[float, float] | None = None
+    """Where the stroke ends, OP units; None: where OP does."""
+    rangeability: PositiveFloat = 1.0
+    """R of the trim: flow goes as (R^x - 1) / (R - 1) over the stroke x. Above 1 equal percentage, below 1
+    quick opening."""
     damping: PositiveFloat = 0.2
     """Viscous damping over spring rate, s: the time constant of a stroke without friction."""
     inertia: PositiveFloat = 2.6e-5
@@ -63,6 +74,8 @@ class ValveParameters(Part):
             raise ValueError(f"expected 0 <= f_d <= f_s and f_s > 0, got f_s {self.f_s:g}, f_d {self.f_d:g}")
         elif self.law == "lugre" and self.f_d == 0:
             raise ValueError("f_d must be > 0 with lugre, whose bristles else never wear off")
+        if self.stops is not None and not self.stops[0] < self.stops[1]:
+            raise ValueError(f"stops: expected [low, high], got [{self.stops[0]:g}, {self.stops[1]:g}]")
         return self
 
 
@@ -78,6 +91,8 @@ class ProcessParameters(Part):
     """Second time constant, s; second order only."""
     delay: NotNegative = 0.0
     """Dead time, s."""
+    lead: NotNegative = 0.0
+    """Inverse response: PV loses this times the speed of the last lag, s; none where integrating."""
 
     @property
     def taus(self) -> tuple[float, ...]:
@@ -94,6 +109,8 @@ class ProcessParameters(Part):
                 "integrating": "neither tau nor tau2",
             }
             raise ValueError(f"kind {self.kind} takes {needs[self.kind]}")
+        if self.lead and not self.taus:
+            raise ValueError("lead needs a lag: first_order or second_order")
         return self
 
 
@@ -113,6 +130,33 @@ class Sinusoid(Part):
     """OP units."""
     period: PositiveFloat = 100.0
     """s."""
+
+
+class LoadStep(Part):
+    """Another load at the process input from a time on."""
+
+    time: NotNegative
+    """s from the start of the record."""
+    load: float
+    """OP units, in place of that of the step before."""
+
+
+class GainStep(Part):
+    """Another effect of the flow from a time on, as where the pressure before the valve changes."""
+
+    time: NotNegative
+    """s from the start of the record."""
+    factor: PositiveFloat
+    """Of the deviation of the flow; 1 before the first step."""
+
+
+class Wander(Part):
+    """Load at the process input that wanders about zero: noise of first order."""
+
+    std: NotNegative = 0.0
+    """OP units."""
+    correlation: PositiveFloat = 30.0
+    """Time over which it forgets itself, s."""
 
 
 class Drift(Part):

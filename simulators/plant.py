@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -10,9 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from simulators.controller import Controller
-from simulators.disturbance import Load, TransmitterNoise
-from simulators.process import Process
-from simulators.valve import STEP, Valve
+from simulators.disturbance import FirstOrderNoise
+from simulators.field import Field
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -55,7 +53,7 @@ def quantised(value: float, quantum: float) -> float:
 
 
 class Plant:
-    """One loop: PI controller, valve, process and what disturbs them.
+    """One loop: PI controller, and the field that it acts on.
 
     At each sample PV is measured, the controller sets OP, and OP is held while valve and process move on
     to the next sample in steps of milliseconds.
@@ -64,14 +62,10 @@ class Plant:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         ts = scenario.ts
-        self._steps = math.ceil(ts / STEP[scenario.valve.law])
-        self._dt = ts / self._steps
         noise_rng, load_rng = np.random.default_rng(scenario.seed).spawn(2)
         self._controller = Controller(scenario.controller, scenario.op_range, ts)
-        self._valve = Valve(scenario.valve, scenario.op_range, scenario.controller.op)
-        self._process = Process(scenario.process, self._dt)
-        self._load = Load(scenario.disturbance, scenario.drift, ts, load_rng)
-        self._noise = TransmitterNoise(scenario.noise, ts, noise_rng)
+        self._field = Field(scenario, load_rng)
+        self._noise = FirstOrderNoise(scenario.noise.std, scenario.noise.correlation, ts, noise_rng)
         self._sample = -round(scenario.warm_up / ts)
         while self._sample < 0:
             self.advance()
@@ -81,12 +75,11 @@ class Plant:
         scenario = self._scenario
         elapsed = self._sample * scenario.ts
         sp = scenario.set_point(elapsed)
-        measured = scenario.controller.sp + self._process.pv + self._noise.next()
+        measured = self._field.pv + self._noise.next()
         pv = quantised(measured, scenario.quantisation.pv)
         op = quantised(self._controller.update(sp, pv), scenario.quantisation.op)
-        row = Row(scenario.start + elapsed, {"pv": pv, "op": op, "sp": sp, "mv": self._valve.position})
-        positions = self._valve.stroke(op, self._steps, self._dt)
-        self._process.respond(positions - scenario.controller.op, self._load.over(elapsed))
+        row = Row(scenario.start + elapsed, {"pv": pv, "op": op, "sp": sp, "mv": self._field.position})
+        self._field.hold(op, elapsed)
         self._sample += 1
         return row
 

@@ -42,13 +42,15 @@ class Process:
         self._keep = [math.exp(-dt / tau) for tau in parameters.taus]
         self._levels = [0.0] * len(self._keep)
         self._volume = 0.0
+        self._speed = 0.0
         self._travelling = np.zeros(round(parameters.delay / dt))
 
     @property
     def pv(self) -> float:
         """PV now, deviation from its operating point, PV units."""
         has = self._parameters
-        return has.gain * (self._volume if has.kind == "integrating" else self._levels[-1])
+        level = self._volume if has.kind == "integrating" else self._levels[-1]
+        return has.gain * (level - has.lead * self._speed)
 
     def respond(self, flow: FloatArray, load: float) -> None:
         """Take in the valve's flow over the next steps and a load held meanwhile.
@@ -60,7 +62,9 @@ class Process:
         line = np.concatenate((self._travelling, flow))
         through, self._travelling = line[: flow.size] + load, line[flow.size :]
         for i, keep in enumerate(self._keep):
+            driven = through[-1]
             through = lag(through, self._levels[i], keep)
             self._levels[i] = float(through[-1])
+            self._speed = float(driven - through[-1]) / self._parameters.taus[i]
         if self._parameters.kind == "integrating":
             self._volume += float(through.sum()) * self._dt

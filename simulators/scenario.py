@@ -14,9 +14,12 @@ import yaml
 from pydantic import Field, PositiveFloat, ValidationError, model_validator
 
 from connectors.base import ConfigError
+from simulators.disturbance import at_time
 from simulators.parameters import (
     ControllerParameters,
     Drift,
+    GainStep,
+    LoadStep,
     Noise,
     NotNegative,
     Part,
@@ -25,6 +28,7 @@ from simulators.parameters import (
     SetPointStep,
     Sinusoid,
     ValveParameters,
+    Wander,
 )
 from simulators.stability import peak_sensitivity
 
@@ -57,12 +61,17 @@ class Scenario(Part):
     """Time the loop runs before the first row, s, so that a record never begins at rest."""
     seed: int = Field(default=0, ge=0)
     op_range: tuple[float, float] = (0.0, 100.0)
-    """Limits of OP and of the valve, OP units."""
+    """Limits of OP, and of the valve where it has no stops of its own, OP units."""
     controller: ControllerParameters
     valve: ValveParameters = ValveParameters()
     process: ProcessParameters
+    gain_steps: tuple[GainStep, ...] = ()
+    sensor_tau: NotNegative = 0.0
+    """Lag of the transmitter, s."""
     noise: Noise = Noise()
     disturbance: Sinusoid = Sinusoid()
+    load_steps: tuple[LoadStep, ...] = ()
+    wander: Wander = Wander()
     drift: Drift = Drift()
     quantisation: Quantisation = Quantisation()
     set_points: tuple[SetPointStep, ...] = ()
@@ -77,13 +86,16 @@ class Scenario(Part):
     @property
     def peak_sensitivity(self) -> float:
         """How close the loop would be to swinging without friction; see ``stability``."""
-        return peak_sensitivity(self.controller, self.valve, self.process, self.ts)
+        return peak_sensitivity(self.controller, self.valve, self.process, self.ts, self.sensor_tau)
 
     @property
     def truth(self) -> Truth:
         """The truth that follows from the parameters."""
-        if self.valve.f_s > 0:
-            return Truth(verdict="stiction", cause="stiction", f_s=self.valve.f_s, f_d=self.valve.f_d)
+        valve = self.valve
+        if valve.f_s > 0 or valve.backlash > 0:
+            both = (1 + valve.closing) / 2
+            f_s, f_d = (each * both + valve.backlash / 2 for each in (valve.f_s, valve.f_d))
+            return Truth(verdict="stiction", cause="stiction", f_s=f_s, f_d=f_d)
         if self.peak_sensitivity > TIGHT:
             return Truth(verdict="no_stiction", cause="tight_tuning", f_s=0, f_d=0)
         outside = self.disturbance.amplitude > 0
@@ -93,8 +105,7 @@ class Scenario(Part):
 
     def set_point(self, elapsed: float) -> float:
         """Set point at ``elapsed`` s from the start of the record, PV units."""
-        past = [step.sp for step in self.set_points if step.time <= elapsed]
-        return past[-1] if past else self.controller.sp
+        return at_time([(step.time, step.sp) for step in self.set_points], elapsed, self.controller.sp)
 
     @model_validator(mode="before")
     @classmethod
@@ -116,9 +127,10 @@ class Scenario(Part):
         if self.process.gain * sign <= 0:
             side = "above" if sign > 0 else "below"
             faults.append(f"process.gain: must lie {side} 0 with a {self.controller.acting} controller")
-        times = [step.time for step in self.set_points]
-        if times != sorted(times):
-            faults.append("set_points: must be in order of time")
+        for name in ("set_points", "load_steps", "gain_steps"):
+            times = [step.time for step in getattr(self, name)]
+            if times != sorted(times):
+                faults.append(f"{name}: must be in order of time")
         if not faults and self.stated is not None:
             stated, follows = self.stated.model_dump(), self.truth.model_dump()
             faults += [

@@ -1,11 +1,13 @@
-"""A pneumatic valve: I/P converter, actuator with spring, stem with friction, stops at both ends."""
+"""A pneumatic valve: I/P converter, actuator with spring, stem with friction, stops, slack, and its trim."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.jit import kernel
 from simulators.friction import Actuator, Stem, stroke
 
 if TYPE_CHECKING:
@@ -17,6 +19,16 @@ if TYPE_CHECKING:
 
 STEP = {"none": 0.002, "karnopp": 0.002, "lugre": 0.001}
 """Longest step of integration by friction law, s (docs/simulators.md shows what a finer one changes)."""
+
+
+@kernel
+def play(positions: FloatArray, plug: float, slack: float) -> FloatArray:
+    """Positions (n,) of a plug that stood at ``plug`` and is pushed by a stem at ``positions`` (n,)."""
+    moved = np.empty(positions.size)
+    for i in range(positions.size):
+        plug = min(max(plug, positions[i] - 0.5 * slack), positions[i] + 0.5 * slack)
+        moved[i] = plug
+    return moved
 
 
 class Valve:
@@ -32,6 +44,8 @@ class Valve:
         stem = Stem(
             f_s=parameters.f_s,
             f_d=parameters.f_d,
+            f_s_closing=parameters.f_s * parameters.closing,
+            f_d_closing=parameters.f_d * parameters.closing,
             inertia=parameters.inertia,
             damping=parameters.damping,
             stribeck=parameters.stribeck * span,
@@ -39,14 +53,30 @@ class Valve:
             bristle_stiffness=parameters.bristle_stiffness,
             bristle_damping=parameters.bristle_damping,
         )
-        self._actuator = Actuator(stem, parameters.law == "lugre", parameters.tau_ip, low, high)
-        self._state = np.array([op, max(op - parameters.f_s, low), 0.0, 0.0])
+        stops = parameters.stops or op_range
+        rate = math.inf if parameters.rate is None else parameters.rate
+        self._actuator = Actuator(stem, parameters.law == "lugre", parameters.tau_ip, rate, *stops)
+        start = min(max(op - parameters.f_s, stops[0]), stops[1])
+        self._state = np.array([op, start, 0.0, 0.0])
+        self._plug, self._slack = start, parameters.backlash
+        self._low, self._span, self._rangeability = low, span, parameters.rangeability
 
     @property
     def position(self) -> float:
         """Stem position now, OP units."""
         return float(self._state[1])
 
+    def flow(self, position: FloatArray) -> FloatArray:
+        """What flows through at a position of the plug, in percent of the most as OP is, same shape."""
+        if self._rangeability == 1.0:
+            return position
+        opened = (position - self._low) / self._span
+        return self._low + self._span * (self._rangeability**opened - 1) / (self._rangeability - 1)
+
     def stroke(self, op: float, steps: int, dt: float) -> FloatArray:
-        """Hold ``op`` for ``steps`` steps of ``dt`` s; the positions on the way, OP units, shape (steps,)."""
-        return stroke(self._state, op, steps, dt, self._actuator)
+        """Hold ``op`` for ``steps`` steps of ``dt`` s; the plug's positions, OP units, shape (steps,)."""
+        positions = stroke(self._state, op, steps, dt, self._actuator)
+        if self._slack > 0.0:
+            positions = play(positions, self._plug, self._slack)
+            self._plug = float(positions[-1])
+        return positions

@@ -8,7 +8,8 @@ import math
 
 
 def stribeck(speed, stem):
-    return stem.f_d + (stem.f_s - stem.f_d) * math.exp(-((speed / stem.stribeck) ** 2))
+    f_s, f_d = (stem.f_s_closing, stem.f_d_closing) if speed < 0 else (stem.f_s, stem.f_d)
+    return f_d + (f_s - f_d) * math.exp(-((speed / stem.stribeck) ** 2))
 
 
 def karnopp(x, v, p, seconds, dt, stem):
@@ -17,7 +18,7 @@ def karnopp(x, v, p, seconds, dt, stem):
         force = p - x
         if abs(v) < stem.still:  # at rest: friction holds as much as it must, up to f_s
             v = 0.0
-            friction = max(-stem.f_s, min(stem.f_s, force))
+            friction = max(-stem.f_s_closing, min(stem.f_s, force))
         else:
             friction = math.copysign(stribeck(v, stem), v)
         before = v

@@ -24,7 +24,9 @@ def test_a_tank_empties_by_torricellis_law():
     alone = PLAIN._replace(start_1=0.0)
     pv = alone.respond(np.zeros(30), TS)
     time = TS * np.arange(30)
-    assert np.sqrt(pv) == pytest.approx(np.maximum(2.0 - 0.025 * time, 0.0), abs=0.03)
+    filled = time < 70.0  # the last drops: the slope of the law has no bound
+    assert np.sqrt(pv[filled]) == pytest.approx(2.0 - 0.025 * time[filled], abs=0.01)
+    assert pv[-1] < 0.01
 
 
 def test_pv_counts_from_zero():

@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
 
-from simulators.disturbance import Load, TransmitterNoise
-from simulators.parameters import Drift, Noise, Sinusoid
+from simulators.disturbance import FirstOrderNoise, Load
+from simulators.parameters import Drift, LoadStep, Sinusoid, Wander
 
 
-def load(sinusoid=None, drift=None, n=2000):
-    source = Load(sinusoid or Sinusoid(), drift or Drift(), 1.0, np.random.default_rng(1))
+def load(sinusoid=None, drift=None, steps=(), wander=None, n=2000):
+    rng = np.random.default_rng(1)
+    source = Load(sinusoid or Sinusoid(), drift or Drift(), steps, wander or Wander(), 1.0, rng)
     return np.array([source.over(float(t)) for t in range(n)])
 
 
@@ -26,9 +27,20 @@ def test_ramp_and_walk():
     assert steps.std() == pytest.approx(0.2, rel=0.05)
 
 
+def test_steps_stand_in_place_of_each_other():
+    values = load(steps=(LoadStep(time=10.0, load=2.0), LoadStep(time=20.0, load=-1.0)), n=30)
+    assert values == pytest.approx(np.repeat([0.0, 2.0, -1.0], 10))
+
+
+def test_wander_stays_about_zero_with_its_memory():
+    values = load(wander=Wander(std=2.0, correlation=10.0), n=20_000)
+    assert values.std() == pytest.approx(2.0, rel=0.1)
+    assert np.corrcoef(values[10:], values[:-10])[0, 1] == pytest.approx(np.exp(-1), abs=0.06)
+
+
 @pytest.mark.parametrize("correlation", [0.0, 3.0])
 def test_noise_has_its_deviation_and_memory(correlation):
-    noise = TransmitterNoise(Noise(std=0.5, correlation=correlation), 1.0, np.random.default_rng(2))
+    noise = FirstOrderNoise(0.5, correlation, 1.0, np.random.default_rng(2))
     values = np.array([noise.next() for _ in range(20_000)])
     assert values.std() == pytest.approx(0.5, rel=0.05)
     expected = np.exp(-1 / correlation) if correlation else 0.0

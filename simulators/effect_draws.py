@@ -1,0 +1,183 @@
+"""How a random loop is given each physical effect, by the plant's physics; sizes go from little to much."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Literal
+
+import numpy as np
+
+from agent.units import FrictionBands
+from simulators.parameters import GainStep, LoadStep, Sinusoid
+from simulators.scenario import Scenario
+
+EffectName = Literal[
+    "deadband",
+    "stiction",
+    "asymmetric_stiction",
+    "saturation",
+    "characteristic",
+    "rate_limit",
+    "actuator_lag",
+    "second_order",
+    "sensor_lag",
+    "integrating",
+    "inverse_response",
+    "sinusoid",
+    "load_step",
+    "gain_change",
+]
+SETTLING = 600
+"""Samples before the record begins."""
+SIZE = (0.1, 1.0)
+"""Range of an effect in OP units, over the travel of OP that the set point asks for."""
+LAG = (0.2, 1.0)
+"""Range of an effect's time constant, over that of the process."""
+ONE_WAY = (0.25, 4.0)
+"""Friction of a closing stem over that of an opening one."""
+
+
+def deadband(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """Slack between stem and plug, or friction that does not fall as the stem moves, in equal parts."""
+    size = _size(rng, scenario)
+    return _changed(
+        scenario, "valve", {"backlash": size} if rng.random() < 0.5 else _friction(rng, size, 0.0)
+    )
+
+
+def stiction(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """Friction that falls to 0.01 to 0.6 of itself as the stem moves."""
+    return _changed(scenario, "valve", _friction(rng, _size(rng, scenario), rng.uniform(0.25, 0.98)))
+
+
+def asymmetric_stiction(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """Friction four times as high one way as the other."""
+    closing = float(rng.choice(ONE_WAY))
+    opening = _size(rng, scenario) / max(closing, 1.0)
+    friction = _friction(rng, opening, rng.uniform(0.25, 0.98))
+    return _changed(scenario, "valve", {**friction, "closing": closing})
+
+
+def saturation(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """A stop that the set point's higher steps ask to pass."""
+    high = scenario.controller.op + _travel(scenario) * rng.uniform(0.1, 0.8)
+    return _changed(scenario, "valve", {"stops": (0.0, high)})
+
+
+def characteristic(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """Equal percentage or quick opening; where the loop rests its gain is as without."""
+    rangeability = log_uniform(rng, 4, 50) ** rng.choice([-1.0, 1.0])
+    at = rangeability ** (scenario.controller.op / 100)
+    slope = float(np.log(rangeability) * at / (rangeability - 1))
+    changed = _changed(scenario, "valve", {"rangeability": rangeability})
+    return _changed(changed, "process", {"gain": scenario.process.gain / slope})
+
+
+def rate_limit(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """Air for the travel in 5 to 60 s."""
+    return _changed(scenario, "valve", {"rate": _travel(scenario) / log_uniform(rng, 5, 60)})
+
+
+def actuator_lag(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """A slow actuator."""
+    return _changed(scenario, "valve", {"tau_ip": _lag(rng, scenario)})
+
+
+def second_order(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """A second lag of the process."""
+    return _changed(scenario, "process", {"kind": "second_order", "tau2": _lag(rng, scenario)})
+
+
+def sensor_lag(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """A damped transmitter."""
+    return scenario.model_copy(update={"sensor_tau": _lag(rng, scenario)})
+
+
+def integrating(_: np.random.Generator, scenario: Scenario) -> Scenario:
+    """An integrator in place of the lag."""
+    process = scenario.process
+    changed = {"kind": "integrating", "gain": process.gain / (process.tau or 1.0), "tau": None}
+    return _changed(scenario, "process", changed)
+
+
+def inverse_response(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """A first move the wrong way."""
+    return _changed(scenario, "process", {"lead": _lag(rng, scenario)})
+
+
+def sinusoid(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """A load that swings."""
+    wave = Sinusoid(amplitude=_size(rng, scenario), period=log_uniform(rng, 25, 150))
+    return scenario.model_copy(update={"disturbance": wave})
+
+
+def load_step(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """One to three steps of the load, up or down."""
+    shares = np.sort(rng.uniform(0.1, 0.9, rng.integers(1, 4)))
+    loads = np.cumsum(_size(rng, scenario) * rng.choice([-1.0, 1.0], len(shares)))
+    steps = [
+        LoadStep(time=_within(share, scenario), load=float(load))
+        for share, load in zip(shares, loads, strict=True)
+    ]
+    return scenario.model_copy(update={"load_steps": tuple(steps)})
+
+
+def gain_change(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """More or less flow for the same stroke from some time on."""
+    factor = log_uniform(rng, 1.2, 1.8) ** rng.choice([-1.0, 1.0])
+    step = GainStep(time=_within(rng.uniform(0.3, 0.7), scenario), factor=factor)
+    return scenario.model_copy(update={"gain_steps": (step,)})
+
+
+HIDE: Mapping[EffectName, Callable[[np.random.Generator, Scenario], Scenario]] = {
+    "deadband": deadband,
+    "stiction": stiction,
+    "asymmetric_stiction": asymmetric_stiction,
+    "saturation": saturation,
+    "characteristic": characteristic,
+    "rate_limit": rate_limit,
+    "actuator_lag": actuator_lag,
+    "second_order": second_order,
+    "sensor_lag": sensor_lag,
+    "integrating": integrating,
+    "inverse_response": inverse_response,
+    "sinusoid": sinusoid,
+    "load_step": load_step,
+    "gain_change": gain_change,
+}
+"""Each returns the loop with the effect, drawn at random."""
+
+
+def _travel(scenario: Scenario) -> float:
+    """OP that the largest step of the set point asks for, OP units."""
+    height = max(abs(step.sp - scenario.controller.sp) for step in scenario.set_points)
+    return height / abs(scenario.process.gain)
+
+
+def _size(rng: np.random.Generator, scenario: Scenario) -> float:
+    return _travel(scenario) * log_uniform(rng, *SIZE)
+
+
+def _lag(rng: np.random.Generator, scenario: Scenario) -> float:
+    return max(scenario.process.taus) * log_uniform(rng, *LAG)
+
+
+def _within(share: float, scenario: Scenario) -> float:
+    """A time in the record, s from the start of the run."""
+    return SETTLING * scenario.ts + float(share) * (scenario.duration - SETTLING * scenario.ts)
+
+
+def _friction(rng: np.random.Generator, s: float, slip: float) -> dict[str, object]:
+    """Friction with S ``s``, OP units, and J/S ``slip``."""
+    bands = FrictionBands.from_s_j(s, j=s * slip)
+    return {"law": "karnopp" if rng.random() < 0.5 else "lugre", "f_s": bands.f_s, "f_d": bands.f_d}
+
+
+def _changed(scenario: Scenario, part: str, changes: Mapping[str, object]) -> Scenario:
+    changed = getattr(scenario, part).model_copy(update=changes)
+    return scenario.model_copy(update={part: changed})
+
+
+def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+    """Draw a number whose logarithm is spread evenly."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))

@@ -1,0 +1,68 @@
+"""What lies between OP and PV: valve, process and transmitter, with the loads on the process."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from simulators.disturbance import Load, at_time
+from simulators.process import Process
+from simulators.valve import STEP, Valve
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from simulators.scenario import Scenario
+
+    FloatArray = NDArray[np.float64]
+
+
+class Field:
+    """Valve, process and transmitter of one loop, moving through time."""
+
+    def __init__(self, scenario: Scenario, rng: np.random.Generator) -> None:
+        self._scenario = scenario
+        ts = scenario.ts
+        self._steps = math.ceil(ts / STEP[scenario.valve.law])
+        self._dt = ts / self._steps
+        self._valve = Valve(scenario.valve, scenario.op_range, scenario.controller.op)
+        self._balance = float(self._valve.flow(np.array([scenario.controller.op]))[0])
+        self._process = Process(scenario.process, self._dt)
+        self._load = Load(scenario.disturbance, scenario.drift, scenario.load_steps, scenario.wander, ts, rng)
+        self._keep = math.exp(-ts / scenario.sensor_tau) if scenario.sensor_tau else 0.0
+        self._sensed = 0.0
+
+    @property
+    def pv(self) -> float:
+        """What the transmitter makes of PV now, without noise, PV units."""
+        return self._scenario.controller.sp + self._sensed
+
+    @property
+    def position(self) -> float:
+        """Stem position now, OP units."""
+        return self._valve.position
+
+    def hold(self, op: float, elapsed: float) -> None:
+        """Hold ``op`` from ``elapsed`` s after the start of the record to the next sample."""
+        scenario = self._scenario
+        flow = self._valve.flow(self._valve.stroke(op, self._steps, self._dt)) - self._balance
+        factor = at_time([(step.time, step.factor) for step in scenario.gain_steps], elapsed, 1.0)
+        self._process.respond(factor * flow, self._load.over(elapsed))
+        self._sensed = self._process.pv + (self._sensed - self._process.pv) * self._keep
+
+
+def response(scenario: Scenario, op: FloatArray) -> FloatArray:
+    """PV that the field makes of a given OP, without noise and converters, PV units, (n,).
+
+    Args:
+        scenario: Of its controller only the operating point counts, where the field begins; no warm-up.
+        op: Held from sample to sample, OP units, (n,).
+    """
+    field = Field(scenario, np.random.default_rng(scenario.seed).spawn(2)[1])
+    pv = np.empty(len(op))
+    for i, each in enumerate(op):
+        pv[i] = field.pv
+        field.hold(float(each), i * scenario.ts)
+    return pv
