@@ -10,6 +10,7 @@ from pathlib import Path
 from benchmarks import (
     diagnosis,
     evidence_weights,
+    hidden_effects,
     lee2008_map,
     oscillation,
     real_recordings,
@@ -29,6 +30,7 @@ BENCHMARKS = {
     "start_up": start_up.run,
     "oscillation": oscillation.run,
     "diagnosis": diagnosis.run,
+    "hidden_effects": hidden_effects.run,
 }
 ONLY_NAMED = {"evidence_weights": evidence_weights.run}
 """Run only where they are asked for: they set something, and measure nothing."""

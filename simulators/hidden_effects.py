@@ -70,26 +70,31 @@ class HiddenEffectPlant:
     """Part of PV that no model of OP explains: loads that are no effect, noise, converters; PV units."""
 
     @property
-    def parameters(self) -> dict[str, float]:
-        """True parameters that an identifier has as well, by its names, own units; of the effects only."""
-        scenario, valve = self.scenario, self.scenario.valve
-        friction = scenario.truth
-        known: dict[EffectName, dict[str, float | None]] = {
-            "deadband": {"s": friction.f_s + friction.f_d},
-            "stiction": {"s": friction.f_s + friction.f_d, "j": friction.f_s - friction.f_d},
-            "saturation": {"u_high": valve.stops[1]} if valve.stops else {},
-            "rate_limit": {"rate": valve.rate},
-            "actuator_lag": {"tau": valve.tau_ip},
-            "second_order": {"tau": scenario.process.tau2},
-            "sensor_lag": {"tau": scenario.sensor_tau},
-            "inverse_response": {"lead": scenario.process.lead},
-            "sinusoid": {"frequency": 1 / scenario.disturbance.period},
+    def parameters(self) -> dict[str, tuple[float, ...]]:
+        """True parameters of the effects, by the names and in the units of an identifier's.
+
+        Two lags in a row have no order: either may pass for the effect, and so both are true.
+        """
+        scenario, valve, process = self.scenario, self.scenario.valve, self.scenario.process
+        s, j = scenario.truth.f_s + scenario.truth.f_d, scenario.truth.f_s - scenario.truth.f_d
+        times = [step.time - SETTLING * scenario.ts for step in (*scenario.load_steps, *scenario.gain_steps)]
+        known: dict[EffectName, dict[str, tuple[float | None, ...]]] = {
+            "deadband": {"s": (s,)},
+            "stiction": {"s": (s,), "j_over_s": (j / s if s else None,)},
+            "saturation": {"u_high": valve.stops[1:] if valve.stops else ()},
+            "rate_limit": {"rate": (valve.rate,)},
+            "actuator_lag": {"tau": (valve.tau_ip, process.tau)},
+            "second_order": {"tau": (process.tau2, process.tau)},
+            "sensor_lag": {"tau": (scenario.sensor_tau, process.tau)},
+            "inverse_response": {"lead": (process.lead,)},
+            "sinusoid": {"frequency": (1 / scenario.disturbance.period,)},
+            "load_step": {"time": tuple(times)},
+            "gain_change": {"time": tuple(times)},
         }
         return {
-            f"{effect}.{name}": float(value)
+            f"{effect}.{name}": tuple(value for value in values if value is not None)
             for effect in self.effects
-            for name, value in known.get(effect, {}).items()
-            if value is not None
+            for name, values in known.get(effect, {}).items()
         }
 
 
