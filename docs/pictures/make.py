@@ -36,6 +36,7 @@ from agent.analysis.recording import FloatArray, LoopHints, LoopWindow
 from agent.analysis.stiction import DETECTORS, StictionDetector
 from agent.cli.recordings import loop_window
 from agent.physics.bases import BASES
+from agent.physics.bases.two_tanks import TwoTanks
 from agent.physics.effect import Effect, Facts
 from agent.physics.effects import EFFECTS
 from agent.physics.loop_model import LoopModel
@@ -325,6 +326,24 @@ def stiction_detector(detector: StictionDetector) -> Figure:
     return figure
 
 
+def overflowing_tanks() -> Figure:
+    """Draw PV of two tanks with limits and without, for the same pump."""
+    t = np.arange(0.0, 1600.0, 4.0)
+    pump = 3.0 + 2.0 * np.sin(2 * np.pi * t / 400) * np.linspace(0.4, 1.0, len(t))
+    free = TwoTanks(0.05, 0.05, 0.5, 0.05, 0.5, 0.0, 6.0, 6.0)
+    full = free._replace(limit_1=12.0, limit_2=10.0, share=0.5)
+    figure = Figure(figsize=(9.0, 4.4), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True)
+    above.plot(t, pump, color=MEASURED, linewidth=1.1, label="pump (OP units)")
+    below.plot(t, full.respond(pump, 4.0), color=MODEL, linewidth=1.2, label="PV with overflow")
+    below.plot(t, free.respond(pump, 4.0), color=VALVE, linewidth=1.2, label="PV of tanks without limits")
+    below.set_xlabel("time (s)")
+    for axes in (above, below):
+        tidy(axes)
+        axes.legend(fontsize=9)
+    return figure
+
+
 def effect_in_the_loop(effect: Effect) -> Figure:
     """Draw valve and PV of a first-order process with an effect, and what a model without it leaves.
 
@@ -394,6 +413,7 @@ if __name__ == "__main__":
         law_on_triangle(each).savefig(HERE / f"law_{each.name}.png", dpi=DPI)
     for detector in DETECTORS:
         stiction_detector(detector).savefig(HERE / f"detector_{detector.name}.png", dpi=DPI)
+    overflowing_tanks().savefig(HERE / "effect_overflow.png", dpi=DPI)
     for each_effect in EFFECTS:
         if each_effect.name in EFFECT_VALUES:
             effect_in_the_loop(each_effect).savefig(HERE / f"effect_{each_effect.name}.png", dpi=DPI)
