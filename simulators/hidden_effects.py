@@ -77,7 +77,8 @@ class HiddenEffectPlant:
         """
         scenario, valve, process = self.scenario, self.scenario.valve, self.scenario.process
         s, j = scenario.truth.f_s + scenario.truth.f_d, scenario.truth.f_s - scenario.truth.f_d
-        times = [step.time - SETTLING * scenario.ts for step in (*scenario.load_steps, *scenario.gain_steps)]
+        steps = [step.time for step in scenario.load_steps] + [step.time for step in scenario.gain_steps]
+        times = [time - SETTLING * scenario.ts for time in steps]
         known: dict[EffectName, dict[str, tuple[float | None, ...]]] = {
             "deadband": {"s": (s,)},
             "stiction": {"s": (s,), "j_over_s": (j / s if s else None,)},
