@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import multiprocessing
+import os
 import signal
+import threading
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -72,13 +74,26 @@ class PoolExecutor:
                 process.terminate()
 
     def _new_pool(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(self._workers, mp_context=_CONTEXT, initializer=_ignore_interrupt)
+        return ProcessPoolExecutor(self._workers, mp_context=_CONTEXT, initializer=_prepare)
 
 
 def _import_analysis() -> None:
     import agent.analysis.diagnose  # noqa: F401, PLC0415  # here, so that only workers pay for it at start
 
 
-def _ignore_interrupt() -> None:
-    """Ctrl-C goes to the whole group of processes; only the agent may act on it."""
+def _prepare() -> None:
+    """Ctrl-C goes to the whole group of processes; only the agent may act on it. None outlives the agent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_the_agent, name="watch the agent", daemon=True).start()
+
+
+def _end_with_the_agent() -> None:
+    """Wait for the end of the agent, which SIGKILL gives no time to end its workers.
+
+    The fork server is the parent in the sense of the kernel, so PR_SET_PDEATHSIG would not tell; it ends when
+    its last worker does.
+    """
+    agent = multiprocessing.parent_process()
+    if agent is not None:
+        agent.join()
+        os._exit(1)

@@ -3,11 +3,15 @@
 import asyncio
 import os
 import signal
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import pytest
 
 from agent.runtime.workers import InlineExecutor, PoolExecutor
+from tests.conftest import ROOT
 
 
 @pytest.fixture(params=["inline", "pool"])
@@ -52,3 +56,52 @@ def alive(pid):
     except ProcessLookupError:
         return False
     return True
+
+
+AGENT = """
+import asyncio
+import os
+import time
+
+from agent.runtime.workers import PoolExecutor
+
+async def main():
+    async with PoolExecutor(2) as pool:
+        print(await pool.run(os.getpid), flush=True)
+        await pool.run(time.sleep, 1000)
+
+if __name__ == "__main__":
+    asyncio.run(main())
+"""
+
+
+def test_no_worker_outlives_an_agent_that_is_killed(tmp_path):
+    program = tmp_path / "agent_in_short.py"
+    program.write_text(AGENT)
+    with subprocess.Popen(
+        [sys.executable, program],
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+    ) as process:
+        worker = int(process.stdout.readline())
+        family = {worker, *descendants(process.pid)}
+        assert len(family) > 3  # two workers, who forks them, and who keeps track of their resources
+        process.kill()
+    deadline = time.monotonic() + 30
+    while left := [pid for pid in family if running(pid)]:
+        assert time.monotonic() < deadline, f"{left} outlived their agent"
+        time.sleep(0.02)
+
+
+def descendants(pid):
+    children = [int(each) for each in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+    return [*children, *(each for child in children for each in descendants(child))]
+
+
+def running(pid):
+    """Whether there is such a process; one that only waits to be counted has ended."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
