@@ -35,7 +35,7 @@ class ConnectorKind(Generic[OptionsT, TagT, TargetT]):
     open: Callable[[str, OptionsT, Mapping[str, LoopTags[TagT, TargetT]]], Connector]
     """Connection name, its options, loop name -> what it reads and writes there. Opens nothing yet."""
     roles: tuple[str, ...] = ROLES
-    """Keys allowed in a loop's ``tags``."""
+    """Keys allowed in a loop's ``tags``; empty where nothing is read from it, with ``NoTag`` as ``tag``."""
 
 
 KINDS: tuple[ConnectorKind[Any, Any, Any], ...] = (

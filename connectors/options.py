@@ -18,6 +18,10 @@ class Options(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
+class NoTag(Options):
+    """Address on a bus that nothing is read from; its kind has no ``roles``, so there never is one."""
+
+
 class Target(Options):
     """One entry of a loop's ``publish``: where its alarm is told."""
 

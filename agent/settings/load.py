@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any, TypeVar
 import yaml
 from pydantic import TypeAdapter, ValidationError
 
+from agent.settings.loop_list import LoopEntry, LoopList, listed_loops
 from agent.settings.models import AgentSettings, ConnectionSettings, LoopSettings, Settings
 from connectors.base import ConfigError, Connector
 from connectors.kinds import KINDS, ConnectorKind, LoopTags
@@ -36,15 +36,15 @@ def load_settings(path: Path) -> Settings:
     except yaml.YAMLError as error:
         raise ConfigError([f"{path}: not YAML: {' '.join(str(error).split())}"]) from error
     try:
-        settings = settings_of(raw)
+        settings = settings_of(raw, path.parent)
     except ConfigError as error:
         raise ConfigError([f"{path}: {fault}" for fault in error.faults]) from error
     state = path.parent / (settings.agent.state or path.with_suffix(".sqlite").name)
     return replace(settings, agent=settings.agent.model_copy(update={"state": state}))
 
 
-def settings_of(raw: object) -> Settings:
-    """Settings from what a YAML file holds; raises ConfigError with a line for each fault."""
+def settings_of(raw: object, folder: Path = Path()) -> Settings:
+    """Settings from what a YAML file in ``folder`` holds; raises ConfigError with a line for each fault."""
     faults: list[str] = []
     if not isinstance(raw, Mapping):
         raise ConfigError(["expected a mapping with the keys agent, connections and loops"])
@@ -52,10 +52,11 @@ def settings_of(raw: object) -> Settings:
     agent = _checked(AgentSettings, raw.get("agent") or {}, "agent", faults)
     connections = _connections(raw.get("connections"), faults)
     kinds = {name: _KINDS.get(str(entry.get("kind"))) for name, entry in _mappings(raw.get("connections"))}
-    loops = _loops(raw.get("loops"), kinds, faults)
+    entries, lists = _entries(raw.get("loops"), kinds, folder, faults)
+    loops = _loops(entries, kinds, faults)
     if faults or agent is None:
-        raise ConfigError(faults)
-    settings = Settings(agent, connections, loops)
+        raise ConfigError(list(dict.fromkeys(faults)))  # a wrong default shows in each line of a list
+    settings = Settings(agent, connections, loops, lists)
     connectors_of(settings)  # what only the bus itself can judge
     return settings
 
@@ -102,26 +103,51 @@ def _connections(raw: object, faults: list[str]) -> dict[str, ConnectionSettings
     return connections
 
 
-def _loops(raw: object, kinds: Mapping[str, Kind | None], faults: list[str]) -> tuple[LoopSettings, ...]:
+def _entries(
+    raw: object, kinds: Mapping[str, Kind | None], folder: Path, faults: list[str]
+) -> tuple[list[LoopEntry], tuple[Path, ...]]:
+    """Return the loops as they were written, and the lists that some of them are in."""
     if not isinstance(raw, list) or not raw:
         faults.append("loops: expected a list with at least one loop")
-        return ()
-    loops = []
+        return [], ()
+    shorts = {name: kind.short if kind else None for name, kind in kinds.items()}
+    entries, lists = [], []
     for index, entry in enumerate(raw):
         path = f"loops.{index}"
         if not isinstance(entry, Mapping):
             faults.append(f"{path}: expected a mapping with the keys name, connection, ts and tags")
-            continue
+        elif "from" not in entry:
+            entries.append(LoopEntry(path, entry))
+        elif (listed := _checked(LoopList, entry, path, faults)) is not None:
+            entries += listed_loops(listed, path, folder, shorts, faults)
+            lists.append(folder / listed.source)
+    return entries, tuple(lists)
+
+
+def _loops(
+    entries: list[LoopEntry], kinds: Mapping[str, Kind | None], faults: list[str]
+) -> tuple[LoopSettings, ...]:
+    loops = []
+    for entry in entries:
+        own: list[str] = []
         joined = {
-            **entry,
-            "tags": _tags(entry, kinds, path, faults),
-            "publish": _targets(entry, kinds, path, faults),
+            **entry.raw,
+            "tags": _tags(entry.raw, kinds, entry.place, own),
+            "publish": _targets(entry.raw, kinds, entry.place, own),
         }
-        loop = _checked(LoopSettings, joined, path, faults)
+        loop = _checked(LoopSettings, joined, entry.place, own)
         if loop is not None:
             loops.append(loop)
-    names = Counter(str(entry.get("name")) for entry in raw if isinstance(entry, Mapping) and "name" in entry)
-    faults += [f"loops: {count} loops are called {name}" for name, count in names.items() if count > 1]
+        faults += [entry.told(fault) for fault in own]
+    places: dict[str, list[str]] = {}
+    for entry in entries:
+        if "name" in entry.raw:
+            places.setdefault(str(entry.raw["name"]), []).append(entry.place)
+    faults += [
+        f"loops: {len(same)} loops are called {name} ({'; '.join(same)})"
+        for name, same in places.items()
+        if len(same) > 1
+    ]
     return tuple(loops)
 
 
@@ -135,6 +161,9 @@ def _tags(
         return {}
     faults += [f"{path}.tags.{role}: is missing" for role in ("pv", "op") if role not in raw]
     if kind is None:
+        return {}
+    if not kind.roles:
+        faults.append(f"{path}.connection: {loop.get('connection')} is {kind.kind}, nothing is read from it")
         return {}
     tags = {}
     for role, tag in raw.items():

@@ -14,7 +14,8 @@ from connectors.kinds import KINDS, ROLES
 def json_schema() -> dict[str, Any]:
     """Schema of the whole file. Which addresses fit which connection is for ``slipjump check`` to say."""
     models: list[type[BaseModel]] = [AgentSettings, LoopSettings]
-    models += [model for kind in KINDS for model in (kind.options, kind.tag, kind.target)]
+    read = [kind for kind in KINDS if kind.roles]
+    models += [model for kind in KINDS for model in (kind.options, kind.target)] + [kind.tag for kind in read]
     refs, joint = models_json_schema([(model, "validation") for model in models])
     definitions = joint["$defs"]
     for kind in KINDS:
@@ -22,8 +23,8 @@ def json_schema() -> dict[str, Any]:
         options["properties"] = {"kind": {"const": kind.kind}, **options.get("properties", {})}
         options["required"] = ["kind", *options.get("required", [])]
     loop = definitions["LoopSettings"]["properties"]
-    tag = {"anyOf": [refs[kind.tag, "validation"] for kind in KINDS]}
-    roles = dict.fromkeys((*ROLES, *(role for kind in KINDS for role in kind.roles)), tag)
+    tag = {"anyOf": [refs[kind.tag, "validation"] for kind in read]}
+    roles = dict.fromkeys((*ROLES, *(role for kind in read for role in kind.roles)), tag)
     loop["tags"] = {
         "type": "object",
         "description": loop["tags"]["description"],

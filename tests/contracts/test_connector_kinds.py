@@ -5,6 +5,7 @@ from pydantic import ValidationError
 
 from connectors.base import Connector
 from connectors.kinds import KINDS, ROLES, LoopTags
+from connectors.options import NoTag
 
 OPTIONS = {"opcua": {"url": "opc.tcp://127.0.0.1:4840"}}
 TAGS = {
@@ -25,7 +26,7 @@ def test_opens_nothing_before_a_session_is_asked_for(kind):
     options = kind.options.model_validate(OPTIONS.get(kind.kind, {}))
     loops = {
         "FIC101": LoopTags(
-            dict.fromkeys(kind.roles, kind.tag.model_validate(TAGS[kind.kind])),
+            dict.fromkeys(kind.roles, kind.tag.model_validate(TAGS.get(kind.kind, {}))),
             [kind.target.model_validate({"connection": "unit1"})],
         )
     }
@@ -34,14 +35,18 @@ def test_opens_nothing_before_a_session_is_asked_for(kind):
 
 
 @each_kind
-def test_takes_every_role(kind):
-    assert set(ROLES) <= set(kind.roles)
+def test_takes_every_role_or_none(kind):
+    assert set(ROLES) <= set(kind.roles) or (kind.roles == () and kind.tag is NoTag)
 
 
 @each_kind
 @pytest.mark.parametrize("part", ["options", "tag", "target"])
 def test_an_unknown_key_is_a_fault(kind, part):
-    known = {"options": OPTIONS.get(kind.kind, {}), "tag": TAGS[kind.kind], "target": {"connection": "unit1"}}
+    known = {
+        "options": OPTIONS.get(kind.kind, {}),
+        "tag": TAGS.get(kind.kind, {}),
+        "target": {"connection": "unit1"},
+    }
     model = getattr(kind, part)
     model.model_validate(known[part])
     with pytest.raises(ValidationError, match="typo"):
