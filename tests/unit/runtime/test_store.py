@@ -167,7 +167,7 @@ async def test_a_full_disk_is_told_once_and_nothing_is_lost(path, caplog):
     journal = Journal(path)
     await journal.open()
     outbox = Outbox("broker", journal)
-    limit = journal._store._database
+    limit = journal._store._database._database
 
     def bound(pages):
         return journal._in_thread(lambda: limit.execute(f"PRAGMA max_page_count = {pages}").fetchone())

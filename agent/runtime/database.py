@@ -1,0 +1,137 @@
+"""An SQLite file of this program: opened with care, told apart from those of others, kept whole."""
+
+from __future__ import annotations
+
+import logging
+import sqlite3
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+LOG = logging.getLogger(__name__)
+BUSY = 1.0
+"""How long to wait for another process that writes, s; it needs milliseconds."""
+LARGEST_LOG = 1_000_000
+"""Bytes to which the write-ahead log is cut back."""
+_UNREADABLE = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
+
+
+class StoreError(Exception):
+    """The file cannot be used now: disk full, no permission, locked, damaged, or of another program."""
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """What is in a file."""
+
+    application: int
+    """``application_id``: tells it from the database of another program."""
+    version: int
+    """``user_version``."""
+    tables: str
+    """SQL that makes its tables."""
+    synchronous: Literal["FULL", "NORMAL"]
+    """FULL: what a transaction wrote is there after a power failure, at the price of an fsync each. NORMAL:
+    after SIGKILL, but a power failure may undo the last ones."""
+
+
+class Database:
+    """An open file with a write-ahead log; every failure is a StoreError. To be used from one thread only."""
+
+    def __init__(self, path: Path, content: Format, *, create: bool = True) -> None:
+        """Open ``path``. A file that is damaged is moved aside, where ``create`` allows a new one."""
+        self.path = path
+        self._content = content
+        try:
+            self._database = self._opened(create=create)
+        except StoreError as error:
+            if not create or not _is_damaged(error):
+                raise
+            LOG.error("%s; it is moved to %s, and a new one begins", error, _moved_aside(path))  # noqa: TRY400
+            self._database = self._opened(create=True)
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._database.close()
+
+    @contextmanager
+    def transaction(self, kind: Literal["DEFERRED", "IMMEDIATE"]) -> Iterator[sqlite3.Connection]:
+        """Do all within or nothing: DEFERRED to read, IMMEDIATE to write."""
+        with self.told(), self._database as database:
+            database.execute(f"BEGIN {kind}")
+            yield database
+
+    @contextmanager
+    def told(self) -> Iterator[sqlite3.Connection]:
+        """Outside a transaction; what SQLite complains of becomes a StoreError that names the file."""
+        with _named(self.path):
+            yield self._database
+
+    def _opened(self, *, create: bool) -> sqlite3.Connection:
+        with _named(self.path):
+            mode = "rwc" if create else "rw"
+            database = sqlite3.connect(
+                f"{self.path.absolute().as_uri()}?mode={mode}", uri=True, timeout=BUSY, isolation_level=None
+            )
+            try:
+                self._prepare(database)
+            except BaseException:
+                database.close()
+                raise
+            return database
+
+    def _prepare(self, database: sqlite3.Connection) -> None:
+        faults = [row[0] for row in database.execute("PRAGMA quick_check(1)")]
+        if faults != ["ok"]:
+            fault = sqlite3.DatabaseError(faults[0])
+            fault.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
+            raise fault
+        is_new = database.execute("SELECT name FROM sqlite_schema").fetchone() is None
+        if is_new:
+            database.execute("PRAGMA auto_vacuum = INCREMENTAL")  # only a file without tables takes it
+        else:
+            self._recognise(database)
+        database.execute("PRAGMA journal_mode = WAL")
+        database.execute(f"PRAGMA synchronous = {self._content.synchronous}")
+        database.execute(f"PRAGMA journal_size_limit = {LARGEST_LOG}")
+        if is_new:
+            content = self._content
+            database.executescript(
+                f"BEGIN IMMEDIATE; {content.tables} PRAGMA application_id = {content.application}; "
+                f"PRAGMA user_version = {content.version}; COMMIT;"
+            )
+
+    def _recognise(self, database: sqlite3.Connection) -> None:
+        application, version = (
+            database.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version")
+        )
+        if application != self._content.application:
+            raise StoreError(f"{self.path}: belongs to another program")
+        if version != self._content.version:
+            expected = self._content.version
+            raise StoreError(f"{self.path}: has version {version}, this slipjump reads version {expected}")
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise StoreError(f"{path}: {error}") from error
+
+
+def _is_damaged(error: StoreError) -> bool:
+    code = getattr(error.__cause__, "sqlite_errorcode", 0)
+    return code & 0xFF in _UNREADABLE
+
+
+def _moved_aside(path: Path) -> Path:
+    aside = path.with_name(f"{path.name}.damaged-{time.time():.0f}")
+    for suffix in ("", "-wal", "-shm"):
+        part = path.with_name(path.name + suffix)
+        if part.exists():
+            part.rename(aside.with_name(aside.name + suffix))
+    return aside
