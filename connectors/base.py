@@ -7,9 +7,11 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Protocol
+from typing import Literal, Protocol
 
 JsonValue = float | int | str | bool | None
+Action = Literal["acknowledge", "shelve", "unshelve", "out_of_service", "in_service"]
+"""What a person may ask for."""
 
 
 class Quality(IntEnum):
@@ -67,6 +69,21 @@ class Publication:
         return (self.kind, self.subject if self.kind == "state" else self.id)
 
 
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What a person asks of a subject's alarm, over a bus."""
+
+    subject: str
+    """Whose alarm, e.g. the loop's name."""
+    action: Action
+    by: str
+    """Who asks, as far as the bus tells."""
+    until: float | None = None
+    """End of shelving, s UTC; None with every other action."""
+    alarm: str | None = None
+    """Id of the activation that is meant; None: whichever stands."""
+
+
 class ConnectionLostError(Exception):
     """The peer is gone, refuses or stalls: wait and try again with a fresh session."""
 
@@ -93,8 +110,11 @@ class ConfigError(Exception):
 class Session(Protocol):
     """An open connection; used by one reader and one writer at a time."""
 
-    def samples(self) -> AsyncIterator[Sample]:
-        """Yield samples for ever; raises ConnectionLostError when the peer is gone."""
+    def samples(self) -> AsyncIterator[Sample | Order]:
+        """Yield what comes in for ever: samples, and orders where the connector takes them.
+
+        Raises ConnectionLostError when the peer is gone.
+        """
         ...
 
     async def publish(self, publication: Publication) -> None:
@@ -111,6 +131,11 @@ class Connector(Protocol):
     @property
     def name(self) -> str:
         """Name of the connection in the configuration."""
+        ...
+
+    @property
+    def takes_orders(self) -> bool:
+        """Whether its sessions may yield orders: they are read then even if no loop is read there."""
         ...
 
     def session(self) -> AbstractAsyncContextManager[Session]:

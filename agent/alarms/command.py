@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from agent.alarms.state import Event
+
+EVENTS: Mapping[str, Event] = {
+    "acknowledge": Event.ACKNOWLEDGE,
+    "shelve": Event.SHELVE,
+    "unshelve": Event.UNSHELVE,
+    "out_of_service": Event.REMOVE_FROM_SERVICE,
+    "in_service": Event.RETURN_TO_SERVICE,
+}
+"""What a person may ask for, in the words of the buses and of the command line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +30,13 @@ class Command:
     """When, s UTC."""
     until: float | None = None
     """End of shelving, s UTC; None for all other events. ISA-18.2 knows no shelving without an end."""
+
+    @classmethod
+    def asked(cls, action: str, by: str, at: float, until: float | None = None) -> Command:
+        """Return the command for one of the words of ``EVENTS``; raises ValueError."""
+        if action not in EVENTS:
+            raise ValueError(f"expected one of {', '.join(EVENTS)}")
+        return cls(EVENTS[action], by, at, until)
 
     def __post_init__(self) -> None:
         if self.event in {Event.RAISE, Event.CLEAR}:

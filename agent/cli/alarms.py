@@ -85,13 +85,13 @@ def unshelve(loop: Loop, state: StatePath = None, config: ConfigPath = None, by:
 @alarms.command("out-of-service")
 def out_of_service(loop: Loop, state: StatePath = None, config: ConfigPath = None, by: By = "") -> None:
     """Silence it until further notice."""
-    _send(loop, "remove_from_service", by, state, config)
+    _send(loop, "out_of_service", by, state, config)
 
 
 @alarms.command("return")
 def return_to_service(loop: Loop, state: StatePath = None, config: ConfigPath = None, by: By = "") -> None:
     """Take it back into service; it comes anew if the valve still sticks."""
-    _send(loop, "return_to_service", by, state, config)
+    _send(loop, "in_service", by, state, config)
 
 
 @contextmanager
@@ -118,14 +118,14 @@ def _store(state: Path | None, config: Path | None) -> Iterator[Store]:
 
 
 def _send(
-    loop: str, event: str, by: str, state: Path | None, config: Path | None, seconds: float | None = None
+    loop: str, action: str, by: str, state: Path | None, config: Path | None, seconds: float | None = None
 ) -> None:
     """Leave a command for the agent and say what became of it."""
-    from agent.alarms import Command, Event
+    from agent.alarms import Command
     from connectors.base import ConfigError
 
     now = time.time()
-    command = Command(Event(event), by or _user(), now, None if seconds is None else now + seconds)
+    command = Command.asked(action, by or _user(), now, None if seconds is None else now + seconds)
     with _store(state, config) as store:
         known = store.read().alarms
         if loop not in known:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import logging
 import time
 from collections.abc import Callable, Sequence
@@ -15,6 +16,7 @@ from agent.analysis.results import Diagnosis, Oscillation
 from agent.runtime.change import Change
 from agent.runtime.connection import Connection
 from agent.runtime.journal import Journal
+from agent.runtime.orders import Orders
 from agent.runtime.outbox import Outbox
 from agent.runtime.pipeline import Diagnose, LoopPipeline
 from agent.runtime.supervisor import Health, keep_alive
@@ -90,6 +92,7 @@ class Agent:
             )
             for loop in settings.loops
         }
+        self.orders = Orders(self._pipelines, self.journal, clock)
         self.connections = [self._connection(connector) for connector in connectors]
         self.health = {name: Health(f"loop {name}") for name in self._pipelines}
         self.operators = Health("commands of operators")
@@ -186,4 +189,5 @@ class Agent:
 
         slowest = max((p.settings.ts for p in read), default=0.0)
         data_age = max(self._settings.agent.data_age, 5 * slowest)
-        return Connection(connector, outbox, deliver if read else None, interrupted, data_age)
+        obey = functools.partial(self.orders.obey, connector.name) if connector.takes_orders else None
+        return Connection(connector, outbox, deliver if read else None, interrupted, data_age, obey)

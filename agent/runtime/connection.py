@@ -5,13 +5,21 @@ from __future__ import annotations
 import asyncio
 import logging
 import sys
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 from agent.runtime.outbox import Outbox
 from agent.runtime.refusals import Refusals
 from agent.runtime.supervisor import Health
-from connectors.base import ConnectionLostError, Connector, Publication, RefusedError, Sample, Session
+from connectors.base import (
+    ConnectionLostError,
+    Connector,
+    Order,
+    Publication,
+    RefusedError,
+    Sample,
+    Session,
+)
 from connectors.cancellation import obey_cancellation
 
 LOG = logging.getLogger(__name__)
@@ -31,6 +39,7 @@ class Connection:
         deliver: Callable[[Sample], None] | None,
         interrupted: Callable[[], None],
         data_age: float,
+        obey: Callable[[Order], Awaitable[None]] | None = None,
     ) -> None:
         """Make a connection.
 
@@ -40,6 +49,7 @@ class Connection:
             deliver: Takes each sample; None where nothing is read from this connection.
             interrupted: Called when a session ends, as samples may be lost from then on.
             data_age: Time without a sample after which the peer counts as gone, s.
+            obey: Does what a person asks; None where nobody can ask on this connection.
         """
         self.health = Health(f"connection {connector.name}")
         self.refusals = Refusals(connector.name)
@@ -47,6 +57,7 @@ class Connection:
         self._connector = connector
         self._outbox = outbox
         self._deliver = deliver
+        self._obey = obey
         self._interrupted = interrupted
         self._data_age = data_age
 
@@ -58,19 +69,24 @@ class Connection:
                 tasks.create_task(self._publish(session), name=f"publish {name}")
                 if self._deliver is None:
                     self.health.works()
-                else:
+                if self._deliver is not None or self._obey is not None:
                     tasks.create_task(self._read(session, self._deliver), name=f"read {name}")
         finally:
             self._interrupted()
 
-    async def _read(self, session: Session, deliver: Callable[[Sample], None]) -> None:
+    async def _read(self, session: Session, deliver: Callable[[Sample], None] | None) -> None:
+        """Hand on what comes in. Orders are no sign of life of the data: people may be silent for months."""
         clock = asyncio.get_running_loop()
         try:
-            async with asyncio.timeout(self._data_age) as silence:
-                async for sample in session.samples():
-                    silence.reschedule(clock.time() + self._data_age)
-                    self.health.works()
-                    deliver(sample)
+            async with asyncio.timeout(None if deliver is None else self._data_age) as silence:
+                async for each in session.samples():
+                    if isinstance(each, Order):
+                        if self._obey is not None:
+                            await self._obey(each)
+                    elif deliver is not None:
+                        silence.reschedule(clock.time() + self._data_age)
+                        self.health.works()
+                        deliver(each)
                     obey_cancellation()
         except TimeoutError as error:
             raise ConnectionLostError(f"no data for {self._data_age:g} s") from error

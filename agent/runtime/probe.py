@@ -6,7 +6,7 @@ import asyncio
 from dataclasses import dataclass
 
 from agent.settings import Settings, connectors_of
-from connectors.base import ConnectionLostError, Connector, Quality, Sample, Session
+from connectors.base import ConnectionLostError, Connector, Order, Quality, Sample, Session
 from connectors.cancellation import obey_cancellation
 
 
@@ -56,8 +56,9 @@ async def _collect(session: Session, tags: set[str], samples: dict[str, Sample])
     """Put the first sample of each tag into ``samples``."""
     if not tags:
         return
-    async for sample in session.samples():
-        samples.setdefault(sample.tag, sample)
+    async for each in session.samples():
+        if not isinstance(each, Order):
+            samples.setdefault(each.tag, each)
         obey_cancellation()
         if tags <= samples.keys():
             return

@@ -21,6 +21,8 @@ ModbusLoops = Mapping[str, LoopTags[ModbusTag, ModbusTarget]]
 class ModbusConnector:
     """A Modbus device, what is read from it and written to it; ConfigError for impossible addresses."""
 
+    takes_orders = False
+
     def __init__(self, name: str, options: ModbusOptions, loops: ModbusLoops) -> None:
         self.name = name
         self._options = options

@@ -33,6 +33,8 @@ MqttLoops = Mapping[str, LoopTags[MqttTag, MqttTarget]]
 class MqttConnector:
     """An MQTT broker, what is read from it and published to it."""
 
+    takes_orders = False
+
     def __init__(self, name: str, options: MqttOptions, loops: MqttLoops) -> None:
         self.name = name
         self._options = options

@@ -39,6 +39,8 @@ OpcUaLoops = Mapping[str, LoopTags[OpcUaTag, OpcUaTarget]]
 class OpcUaConnector:
     """An OPC UA server, what is read from it and written to it."""
 
+    takes_orders = False
+
     def __init__(self, name: str, options: OpcUaOptions, loops: OpcUaLoops) -> None:
         self.name = name
         self._options = options

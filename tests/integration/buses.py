@@ -5,7 +5,7 @@ import contextlib
 import math
 import socket
 
-from connectors.base import Quality
+from connectors.base import Order, Quality
 from connectors.kinds import KINDS, LoopTags
 from simulators.clock import Clock
 from simulators.plant import Row
@@ -110,6 +110,7 @@ class Reading:
     def __init__(self, session):
         self._session = session
         self.samples = []
+        self.orders = []
         self._newest = {}
         self._ended = False
 
@@ -122,6 +123,9 @@ class Reading:
     async def _run(self):
         async with contextlib.aclosing(self._session.samples()) as samples:
             async for sample in samples:
+                if isinstance(sample, Order):
+                    self.orders.append(sample)
+                    continue
                 self.samples.append(sample)
                 self._newest[sample.tag.split(".")[0]] = sample.time
 

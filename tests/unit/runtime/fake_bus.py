@@ -7,10 +7,11 @@ from connectors.base import ConnectionLostError
 
 
 class FakeBus:
-    """Each session plays what ``source`` yields: samples, seconds to wait, and exceptions to raise."""
+    """Each session plays what ``source`` yields: samples, orders, seconds to wait, exceptions to raise."""
 
-    def __init__(self, source, name="bus"):
+    def __init__(self, source, name="bus", *, takes_orders=False):
         self.name = name
+        self.takes_orders = takes_orders
         self.source = source
         self.opened = []
         """Loop times at which a session was opened."""
