@@ -95,8 +95,11 @@ def effects_of(truth: HiddenTruth) -> tuple[str, ...]:
     return tuple(truth.split("_")) if truth == "stiction_sinusoid" else (truth,) * (truth in FAMILIES)
 
 
-def judge(truth: HiddenTruth, seed: int) -> HiddenCase:
-    """Draw one loop and let the workbench find what it hides."""
+def judge(truth: HiddenTruth, seed: int, *, ask_without: bool = True) -> HiddenCase:
+    """Draw one loop and let the workbench find what it hides.
+
+    ``ask_without``: what it says with the true family out of the library, too, where one effect is hidden.
+    """
     plant = hidden_effect_plant(seed, truth)
     window = LoopWindow(plant.scenario.loop, 0.0, plant.scenario.ts, plant.op, plant.pv, plant.sp)
     decoys = tuple(Decoy(DECOYS * seed + each) for each in range(DECOYS))
@@ -113,6 +116,7 @@ def judge(truth: HiddenTruth, seed: int) -> HiddenCase:
     alike = set(chain.from_iterable(step.verdict.indistinguishable for step in took if step.verdict))
     first = took[0].verdict if took else found.verdict
     covered = covers(plant, last)
+    ask = ask_without and len(plant.effects) == 1
     return HiddenCase(
         truth=truth,
         seed=seed,
@@ -128,7 +132,7 @@ def judge(truth: HiddenTruth, seed: int) -> HiddenCase:
         floor_high=found.noise_floor.high if found.noise_floor else np.nan,
         covered=sum(covered),
         parameters=len(covered),
-        without_kind=without_truth(window, plant, alike, decoys) if len(plant.effects) == 1 else "",
+        without_kind=without_truth(window, plant, alike, decoys) if ask else "",
         cpu_seconds=spent,
     )
 
