@@ -9,10 +9,13 @@ from typing import Any, Generic, TypeVar
 from connectors.base import Connector
 from connectors.modbus.connector import ModbusConnector
 from connectors.modbus.options import ModbusOptions, ModbusTag, ModbusTarget
+from connectors.modbus.options import short_tag as modbus_tag
 from connectors.mqtt.connector import MqttConnector
 from connectors.mqtt.options import MqttOptions, MqttTag, MqttTarget
+from connectors.mqtt.options import short_tag as mqtt_tag
 from connectors.opcua.connector import OpcUaConnector
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
+from connectors.opcua.options import short_tag as opcua_tag
 from connectors.options import LoopTags, Options, TagT, Target, TargetT
 
 OptionsT = TypeVar("OptionsT", bound=Options)
@@ -36,12 +39,16 @@ class ConnectorKind(Generic[OptionsT, TagT, TargetT]):
     """Connection name, its options, loop name -> what it reads and writes there. Opens nothing yet."""
     roles: tuple[str, ...] = ROLES
     """Keys allowed in a loop's ``tags``; empty where nothing is read from it, with ``NoTag`` as ``tag``."""
+    short: Callable[[str], Mapping[str, str]] | None = None
+    """Returns an address that is one text, as lists of loops have it, as an entry of ``tags``."""
 
 
 KINDS: tuple[ConnectorKind[Any, Any, Any], ...] = (
-    ConnectorKind("modbus", ModbusOptions, ModbusTag, ModbusTarget, ModbusConnector, (*ROLES, "time")),
-    ConnectorKind("opcua", OpcUaOptions, OpcUaTag, OpcUaTarget, OpcUaConnector),
-    ConnectorKind("mqtt", MqttOptions, MqttTag, MqttTarget, MqttConnector),
+    ConnectorKind(
+        "modbus", ModbusOptions, ModbusTag, ModbusTarget, ModbusConnector, (*ROLES, "time"), modbus_tag
+    ),
+    ConnectorKind("opcua", OpcUaOptions, OpcUaTag, OpcUaTarget, OpcUaConnector, short=opcua_tag),
+    ConnectorKind("mqtt", MqttOptions, MqttTag, MqttTarget, MqttConnector, short=mqtt_tag),
 )
 
 __all__ = ["KINDS", "ROLES", "ConnectorKind", "LoopTags", "Options", "Target"]

@@ -162,3 +162,5 @@ class Settings:
     connections: Mapping[str, ConnectionSettings]
     """By name."""
     loops: tuple[LoopSettings, ...]
+    lists: tuple[Path, ...] = ()
+    """Files that some of the loops are listed in."""

@@ -7,13 +7,14 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
+from agent.settings.loop_list import LoopList
 from agent.settings.models import AgentSettings, LoopSettings
 from connectors.kinds import KINDS, ROLES
 
 
 def json_schema() -> dict[str, Any]:
     """Schema of the whole file. Which addresses fit which connection is for ``slipjump check`` to say."""
-    models: list[type[BaseModel]] = [AgentSettings, LoopSettings]
+    models: list[type[BaseModel]] = [AgentSettings, LoopSettings, LoopList]
     read = [kind for kind in KINDS if kind.roles]
     models += [model for kind in KINDS for model in (kind.options, kind.target)] + [kind.tag for kind in read]
     refs, joint = models_json_schema([(model, "validation") for model in models])
@@ -33,6 +34,12 @@ def json_schema() -> dict[str, Any]:
         "additionalProperties": False,
     }
     loop["publish"]["items"] = {"anyOf": [refs[kind.target, "validation"] for kind in KINDS]}
+    definitions["LoopList"]["properties"]["defaults"] = {
+        **definitions["LoopSettings"],
+        "properties": {**loop, "tags": {"type": "object"}},  # parts of an address may be in the list
+        "required": [],
+        "description": definitions["LoopList"]["properties"]["defaults"]["description"],
+    }
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "slipjump",
@@ -45,7 +52,11 @@ def json_schema() -> dict[str, Any]:
                 "type": "object",
                 "additionalProperties": {"anyOf": [refs[kind.options, "validation"] for kind in KINDS]},
             },
-            "loops": {"type": "array", "minItems": 1, "items": refs[LoopSettings, "validation"]},
+            "loops": {
+                "type": "array",
+                "minItems": 1,
+                "items": {"anyOf": [refs[LoopSettings, "validation"], refs[LoopList, "validation"]]},
+            },
         },
         "$defs": definitions,
     }

@@ -74,6 +74,16 @@ class ModbusTag(Encoding):
         return 1 if self.is_bit else register_count(self.type)
 
 
+def short_tag(text: str) -> dict[str, str]:
+    """Return ``[table] address [type [order]]``, e.g. ``input 100 float32 CDAB``, as an entry of ``tags``."""
+    words = text.split()
+    keys = ["table", "address", "type", "order"]
+    if words[0].isdecimal():
+        del keys[0]
+    last = len(keys) - 1
+    return dict(zip(keys, [*words[:last], *filter(None, [" ".join(words[last:])])], strict=False))
+
+
 class Flag(Options):
     """Where true and false are written: a coil, or a holding register that gets 1 or 0."""
 

@@ -59,6 +59,12 @@ class MqttTag(Options):
         return self
 
 
+def short_tag(text: str) -> dict[str, str]:
+    """Return ``topic`` or ``topic#field``, e.g. ``plant/FIC101#pv``, as an entry of ``tags``."""
+    topic, mark, field = text.partition("#")
+    return {"topic": topic, "field": field} if mark else {"topic": topic}
+
+
 class MqttTarget(Target):
     """Where a loop's alarm is published: its state retained on the topic, events on topic + ``/event``."""
 

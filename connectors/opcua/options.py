@@ -99,6 +99,11 @@ class OpcUaTag(Options):
     node: NodeId
 
 
+def short_tag(text: str) -> dict[str, str]:
+    """Return a node id as an entry of ``tags``."""
+    return {"node": text}
+
+
 class OpcUaTarget(Target):
     """Where a loop's alarm is written; events are not, as a node keeps only the newest."""
 

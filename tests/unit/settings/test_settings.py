@@ -47,7 +47,7 @@ def faults_of(raw):
 def test_the_example_is_right_and_shows_every_bus():
     settings = load_settings(EXAMPLE)
     assert {c.kind for c in settings.connections.values()} == {kind.kind for kind in KINDS}
-    assert [loop.name for loop in settings.loops] == ["FIC101", "LIC205", "TIC310"]
+    assert [loop.name for loop in settings.loops] == ["FIC101", "LIC205", "TIC310", "FIC401", "PIC402"]
     fic101 = settings.loops[0]
     assert fic101.roles == ("pv", "op", "sp", "mv", "mode")
     assert (fic101.hints.acting, fic101.hints.op_range) == ("reverse", (0.0, 100.0))
@@ -114,7 +114,7 @@ def test_every_fault_is_told_at_once_with_its_path(raw):
 
 def test_loops_of_one_name_are_a_fault(raw):
     raw["loops"].append(copy.deepcopy(raw["loops"][0]))
-    assert faults_of(raw) == ["loops: 2 loops are called FIC101"]
+    assert faults_of(raw) == ["loops: 2 loops are called FIC101 (loops.0; loops.1)"]
 
 
 def test_what_only_the_bus_can_judge_is_told_too(raw):
