@@ -1,6 +1,7 @@
 """The configurations printed in the how-tos are valid."""
 
 import re
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -20,3 +21,14 @@ def test_the_how_to_of_each_bus_shows_a_valid_configuration(kind):
     (connection,) = settings.connections.values()
     unset = set(type(connection.options).model_fields) - connection.options.model_fields_set
     assert not unset, "the page shows every option"
+
+
+def test_the_how_to_of_lists_shows_a_valid_one(tmp_path):
+    text = (HOWTO / "many_loops.md").read_text()
+    (block,) = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    rows = re.search(r"\n((?: {4}.*\n){3,})", text)
+    assert rows is not None
+    (tmp_path / "plant_loops.csv").write_text(textwrap.dedent(rows[1]))
+    first, second = settings_of(yaml.safe_load(block), tmp_path).loops
+    assert (first.name, first.op_range, first.tags["sp"].node) == ("FIC101", (0, 100), "ns=2;s=FIC101.SP")
+    assert (second.acting, second.window.seconds) == ("direct", 3000)
