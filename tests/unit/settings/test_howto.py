@@ -26,7 +26,7 @@ def test_the_how_to_of_each_bus_shows_a_valid_configuration(kind):
 def test_the_how_to_of_lists_shows_a_valid_one(tmp_path):
     text = (HOWTO / "many_loops.md").read_text()
     (block,) = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
-    rows = re.search(r"\n((?: {4}.*\n){3,})", text)
+    rows = re.search(r":\n\n((?: {4}.*\n)+)", text)
     assert rows is not None
     (tmp_path / "plant_loops.csv").write_text(textwrap.dedent(rows[1]))
     first, second = settings_of(yaml.safe_load(block), tmp_path).loops
