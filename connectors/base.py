@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 JsonValue = float | int | str | bool | None
 Action = Literal["acknowledge", "shelve", "unshelve", "out_of_service", "in_service"]
@@ -35,20 +35,24 @@ class Sample:
     quality: Quality = Quality.GOOD
     code: int = 0
     """The bus's own status code (OPC UA status, Modbus exception), 0 where it has none."""
+    why: str = ""
+    """Why there is no value, in words for people; empty where there is one."""
 
     @classmethod
     def measured(
         cls, tag: str, time: float, value: float | str, quality: Quality = Quality.GOOD, code: int = 0
     ) -> Sample:
         """Make a sample of what a source sent; text (but for modes), NaN and infinity count as missing."""
-        if tag.endswith(".mode") if isinstance(value, str) else math.isfinite(value):
-            return cls(tag, time, value, quality, code)
-        return cls.missing(tag, time, code)
+        if isinstance(value, str) and not tag.endswith(".mode"):
+            return cls.missing(tag, time, code, f"the text {value[:40]!r} where a number belongs")
+        if isinstance(value, float | int) and not math.isfinite(value):
+            return cls.missing(tag, time, code, f"{value} where a number belongs")
+        return cls(tag, time, value, quality, code)
 
     @classmethod
-    def missing(cls, tag: str, time: float, code: int = 0) -> Sample:
+    def missing(cls, tag: str, time: float, code: int = 0, why: str = "") -> Sample:
         """Make the sample that says: here a value is missing."""
-        return cls(tag, time, math.nan, Quality.BAD, code)
+        return cls(tag, time, math.nan, Quality.BAD, code, why)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +126,28 @@ class Session(Protocol):
 
         Nothing is written but what the configuration names for the publication's subject.
         """
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class TargetReport:
+    """Whether something could be told at one place, as far as that shows before it is."""
+
+    subject: str
+    place: str
+    """In the bus's own words, e.g. ``coil 100``."""
+    problem: str | None = None
+    """Why it could not; None where nothing speaks against it."""
+    remark: str = ""
+    """What only telling it would show."""
+
+
+@runtime_checkable
+class ChecksTargets(Protocol):
+    """A session that can look at the places it publishes to."""
+
+    async def check_targets(self) -> list[TargetReport]:
+        """Look at each, without writing anything; raises ConnectionLostError."""
         ...
 
 

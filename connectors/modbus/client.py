@@ -19,6 +19,16 @@ from connectors.tls import explain
 logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # what it logs, the session raises
 
 ILLEGAL_ADDRESS = 2
+EXCEPTIONS = {
+    1: "it does not know this function",
+    ILLEGAL_ADDRESS: "it has no such address",
+    3: "it does not take this value or this number of registers",
+    4: "it failed",
+    6: "it is busy",
+    10: "the gateway has no way to this unit",
+    11: "the unit behind the gateway does not answer",
+}
+"""Of the Modbus application protocol 1.1b3, 7, told of a device."""
 Request = Callable[..., Awaitable[ModbusPDU]]
 
 
@@ -26,7 +36,8 @@ class DeviceError(Exception):
     """The device answered with a Modbus exception."""
 
     def __init__(self, code: int) -> None:
-        super().__init__(f"Modbus exception {code}")
+        known = f", {EXCEPTIONS[code]}" if code in EXCEPTIONS else ""
+        super().__init__(f"Modbus exception {code}{known}")
         self.code = code
 
 

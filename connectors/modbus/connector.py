@@ -8,7 +8,15 @@ import time
 from collections.abc import AsyncIterator, Mapping
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
-from connectors.base import ConfigError, JsonValue, Publication, RefusedError, Sample, Session
+from connectors.base import (
+    ConfigError,
+    JsonValue,
+    Publication,
+    RefusedError,
+    Sample,
+    Session,
+    TargetReport,
+)
 from connectors.modbus.blocks import Block, plan
 from connectors.modbus.client import ILLEGAL_ADDRESS, DeviceError, ModbusClient, connected
 from connectors.modbus.codec import encode, register_count, unscaled
@@ -67,19 +75,32 @@ class ModbusSession:
             return
         refused: list[str] = []
         for target in self._loops[publication.subject].targets:
-            places: list[tuple[Flag | HoldingRegister, JsonValue]] = [
-                (register, publication.fields.get(name)) for name, register in target.fields.items()
-            ]
-            if target.active is not None:
-                places.append((target.active, bool(publication.fields.get("active"))))
-            for place, value in places:
+            for name, place in _places(target):
+                value = publication.fields.get(name)
                 try:
-                    await self._write(place, value)
+                    await self._write(place, bool(value) if isinstance(place, Flag) else value)
                 except DeviceError as error:
-                    word = "coil" if place.table == "coil" else "holding register"
-                    refused.append(f"{word} {place.address}: {error}")
+                    refused.append(f"{_told(place)}: {error}")
         if refused:
             raise RefusedError("; ".join(refused))
+
+    async def check_targets(self) -> list[TargetReport]:
+        """Read what would be written: whether it is there; raises ConnectionLostError."""
+        places = [
+            (loop, place)
+            for loop, entry in self._loops.items()
+            for target in entry.targets
+            for _, place in _places(target)
+        ]
+        return [await self._look_at(loop, place) for loop, place in places]
+
+    async def _look_at(self, loop: str, place: Flag | HoldingRegister) -> TargetReport:
+        count = register_count(place.type) if isinstance(place, HoldingRegister) else 1
+        try:
+            await self._client.read(place.table, place.address - self._options.address_base, count)
+        except DeviceError as error:
+            return TargetReport(loop, _told(place), str(error))
+        return TargetReport(loop, _told(place), remark="it is there; only writing shows whether it may be")
 
     async def _write(self, place: Flag | HoldingRegister, value: JsonValue) -> None:
         address = place.address - self._options.address_base
@@ -91,6 +112,16 @@ class ModbusSession:
             await self._client.write_registers(address, [int(bool(value))])
         else:
             await self._client.write_coil(address, bool(value))
+
+
+def _places(target: ModbusTarget) -> list[tuple[str, Flag | HoldingRegister]]:
+    """Return field and place of all that a target gets, the flag last."""
+    flag = [] if target.active is None else [("active", target.active)]
+    return [*target.fields.items(), *flag]
+
+
+def _told(place: Flag | HoldingRegister) -> str:
+    return f"{'coil' if place.table == 'coil' else 'holding register'} {place.address}"
 
 
 class LoopPoller:
@@ -105,12 +136,12 @@ class LoopPoller:
     async def poll(self, client: ModbusClient) -> list[Sample]:
         """Return one sample for each tag; none where the source's own time says that nothing is new."""
         values: dict[str, float] = {}
-        refused: dict[str, int] = {}
+        refused: dict[str, DeviceError] = {}
         for block in list(self._blocks):
             try:
                 values |= block.values(await client.read(block.table, block.address, block.count))
             except DeviceError as error:
-                refused |= dict.fromkeys(block.tags, error.code)
+                refused |= dict.fromkeys(block.tags, error)
                 if error.code == ILLEGAL_ADDRESS and len(block.tags) > 1:
                     self._blocks = [b for b in self._blocks if b is not block] + block.split()
         arrival = time.time()
@@ -122,7 +153,7 @@ class LoopPoller:
         refused.pop("time", None)
         tag = self._loop + "."
         return [Sample.measured(tag + role, arrival, value) for role, value in values.items()] + [
-            Sample.missing(tag + role, arrival, code) for role, code in refused.items()
+            Sample.missing(tag + role, arrival, error.code, str(error)) for role, error in refused.items()
         ]
 
 

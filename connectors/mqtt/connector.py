@@ -68,7 +68,7 @@ class MqttSession:
         with _as_connection_lost():
             for topic, code in (await self._refused()).items():
                 for name in self._tags[topic]:
-                    yield Sample.missing(name, time.time(), code)
+                    yield Sample.missing(name, time.time(), code, f"the broker refuses topic {topic}")
             async for message in self._client.messages:
                 reader = self._readers.get(message.topic.value)
                 if reader is None:

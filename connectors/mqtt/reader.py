@@ -30,16 +30,16 @@ class TopicReader:
             return []
         try:
             tree = parse(payload) if any(tag.field for tag in self._tags.values()) else None
-        except MalformedError:
+        except MalformedError as error:
             self.malformed += 1
-            return [Sample.missing(name, self._fallback(tag, arrival)) for name, tag in self._tags.items()]
+            return [self._unreadable(name, tag, arrival, error) for name, tag in self._tags.items()]
         samples = []
         intact = True
         for name, tag in self._tags.items():
             try:
                 samples.append(self._sample(name, tag, tree, payload, arrival, retained=retained))
-            except MalformedError:
-                samples.append(Sample.missing(name, self._fallback(tag, arrival)))
+            except MalformedError as error:
+                samples.append(self._unreadable(name, tag, arrival, error))
                 intact = False
         self.malformed += not intact
         return samples
@@ -53,6 +53,9 @@ class TopicReader:
             self._newest = at
         found = bare(payload) if tag.field is None else value(field(tree, tag.field))
         return Sample.measured(name, at, found, quality)
+
+    def _unreadable(self, name: str, tag: MqttTag, arrival: float, error: MalformedError) -> Sample:
+        return Sample.missing(name, self._fallback(tag, arrival), why=f"the message has {error}")
 
     def _fallback(self, tag: MqttTag, arrival: float) -> float:
         return arrival if tag.time_field is None or math.isnan(self._newest) else self._newest

@@ -18,12 +18,13 @@ from connectors.base import (
     RefusedError,
     Sample,
     Session,
+    TargetReport,
 )
 from connectors.cancellation import obey_cancellation
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
 from connectors.opcua.security import identify, refusal
 from connectors.opcua.subscription import subscription
-from connectors.opcua.values import is_waiting, sample, variant
+from connectors.opcua.values import in_words, is_waiting, no_write, sample, variant
 from connectors.options import LoopTags
 
 logging.getLogger("asyncua").setLevel(
@@ -32,6 +33,9 @@ logging.getLogger("asyncua").setLevel(
 
 _SESSION_TIMEOUT = 60_000
 """How long the server keeps a session that it hears nothing from, ms; its watchdog reads more often."""
+
+_BATCH = 500
+"""Most nodes in one request; servers refuse too many."""
 
 OpcUaLoops = Mapping[str, LoopTags[OpcUaTag, OpcUaTarget]]
 
@@ -82,7 +86,8 @@ class OpcUaSession:
                     refused = await watched.add(wanted)
                     for node in refused.keys() - absent:
                         for name in self._tags[node]:
-                            yield Sample.missing(name, time.time(), refused[node].value)
+                            status = refused[node]
+                            yield Sample.missing(name, time.time(), status.value, in_words(status))
                     absent = set(refused)
                     wanted = list(refused)
                     due = time.monotonic() + self._options.retry
@@ -105,6 +110,27 @@ class OpcUaSession:
                 refused |= await self._write(fields)
         if refused:
             raise RefusedError("; ".join(f"{node}: {status.name}" for node, status in refused.items()))
+
+    async def check_targets(self) -> list[TargetReport]:
+        """Ask for the rights to each node that would be written; raises ConnectionLostError."""
+        places = [
+            (loop, tag.node)
+            for loop, entry in self._loops.items()
+            for target in entry.targets
+            for tag in [*target.fields.values(), *filter(None, [target.active])]
+        ]
+        reports = []
+        for start in range(0, len(places), _BATCH):
+            batch = places[start : start + _BATCH]
+            with _as_connection_lost():
+                answers = await self._client.uaclient.read_attributes(
+                    [ua.NodeId.from_string(node) for _, node in batch], ua.AttributeIds.UserAccessLevel
+                )
+            reports += [
+                TargetReport(loop, node, no_write(answer))
+                for (loop, node), answer in zip(batch, answers, strict=True)
+            ]
+        return reports
 
     async def _write(self, fields: Mapping[str, JsonValue]) -> dict[str, ua.StatusCode]:
         """Write each node's value in the node's own type, all in one request; return what was refused."""

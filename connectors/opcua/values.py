@@ -45,10 +45,31 @@ def sample(tag: str, data: ua.DataValue) -> Sample:
     status = data.StatusCode or ua.StatusCode()
     value = data.Value.Value if data.Value is not None else None
     if not isinstance(value, int | float | str):
-        return Sample.missing(tag, at, status.value)
+        return Sample.missing(tag, at, status.value, _no_value(value, status))
     return Sample.measured(
         tag, at, value if isinstance(value, str) else float(value), quality(status), status.value
     )
+
+
+def _no_value(value: object, status: ua.StatusCode) -> str:
+    if not status.is_good():
+        return in_words(status)
+    return "no value" if value is None else f"a {type(value).__name__} where a number belongs"
+
+
+def in_words(status: ua.StatusCode) -> str:
+    """Return the name of a status and what OPC UA says it means."""
+    return f"{status.name}: {status.doc}"
+
+
+def no_write(rights: ua.DataValue) -> str | None:
+    """Return why a node cannot be written, from its UserAccessLevel; None where it can."""
+    status = rights.StatusCode or ua.StatusCode()
+    if not status.is_good():
+        return in_words(status)
+    level = rights.Value.Value if rights.Value is not None else None
+    writable = isinstance(level, int) and level & (1 << ua.AccessLevel.CurrentWrite)
+    return None if writable else "this user may not write it"
 
 
 def variant(value: JsonValue, kind: ua.VariantType) -> ua.Variant | None:
