@@ -9,8 +9,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 from agent.runtime.outbox import Outbox
-from agent.runtime.refusals import Refusals
-from agent.runtime.supervisor import Health
+from agent.runtime.supervisor import MARGIN, Health
 from connectors.base import (
     ConnectionLostError,
     Connector,
@@ -25,6 +24,8 @@ from connectors.cancellation import obey_cancellation
 LOG = logging.getLogger(__name__)
 OPEN_WITHIN = 30.0
 """s; connectors have shorter limits of their own, this is for those that fail to keep them."""
+PUBLISH_WITHIN = 30.0
+"""s; likewise."""
 CLOSE_WITHIN = 2.0
 """s; a peer that doesn't answer must not hold up the end of the program."""
 
@@ -51,9 +52,7 @@ class Connection:
             data_age: Time without a sample after which the peer counts as gone, s.
             obey: Does what a person asks; None where nobody can ask on this connection.
         """
-        self.health = Health(f"connection {connector.name}")
-        self.refusals = Refusals(connector.name)
-        """Publications that the peer would not take."""
+        self.health = Health(f"connection {connector.name}", about={"connection": connector.name})
         self._connector = connector
         self._outbox = outbox
         self._deliver = deliver
@@ -64,8 +63,10 @@ class Connection:
     async def attempt(self) -> None:
         """Open a fresh session and use it until it fails."""
         name = self._connector.name
+        self.health.expect("open", OPEN_WITHIN + MARGIN)
         try:
             async with _opened(self._connector.session()) as session, asyncio.TaskGroup() as tasks:
+                self.health.expect("open", None)
                 tasks.create_task(self._publish(session), name=f"publish {name}")
                 if self._deliver is None:
                     self.health.works()
@@ -77,6 +78,7 @@ class Connection:
     async def _read(self, session: Session, deliver: Callable[[Sample], None] | None) -> None:
         """Hand on what comes in. Orders are no sign of life of the data: people may be silent for months."""
         clock = asyncio.get_running_loop()
+        self._expect_data()
         try:
             async with asyncio.timeout(None if deliver is None else self._data_age) as silence:
                 async for each in session.samples():
@@ -85,6 +87,7 @@ class Connection:
                             await self._obey(each)
                     elif deliver is not None:
                         silence.reschedule(clock.time() + self._data_age)
+                        self._expect_data()
                         self.health.works()
                         deliver(each)
                     obey_cancellation()
@@ -92,25 +95,33 @@ class Connection:
             raise ConnectionLostError(f"no data for {self._data_age:g} s") from error
         raise ConnectionLostError("the stream of samples ended")
 
+    def _expect_data(self) -> None:
+        if self._deliver is not None:
+            self.health.expect("data", self._data_age + MARGIN)
+
     async def _publish(self, session: Session) -> None:
+        refusals = self._outbox.refusals
         while True:
             try:
-                async with asyncio.timeout_at(self.refusals.due):
+                async with asyncio.timeout_at(refusals.due):
                     publication = await self._outbox.first()
             except TimeoutError:
-                await self._tell(session, self.refusals.next())
-            else:
-                await self._tell(session, publication)
-                self._outbox.remove(publication)
+                publication = refusals.next()
+            await self._tell(session, publication)
             obey_cancellation()
 
     async def _tell(self, session: Session, publication: Publication) -> None:
+        self.health.expect("publish", PUBLISH_WITHIN + MARGIN)
         try:
-            await session.publish(publication)
+            async with asyncio.timeout(PUBLISH_WITHIN):
+                await session.publish(publication)
         except RefusedError as error:
-            self.refusals.add(publication, error)
+            self._outbox.refused(publication, error)
+        except TimeoutError as error:
+            raise ConnectionLostError(f"took nothing within {PUBLISH_WITHIN:.0f} s") from error
         else:
-            self.refusals.settle(publication)
+            self._outbox.taken(publication)
+        self.health.expect("publish", None)
 
 
 @asynccontextmanager

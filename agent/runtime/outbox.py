@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 
 from agent.runtime.change import Change, Waiting
 from agent.runtime.journal import Journal
-from connectors.base import Publication
+from agent.runtime.refusals import Refusals
+from connectors.base import Publication, RefusedError
 
 LOG = logging.getLogger(__name__)
 
@@ -40,6 +41,8 @@ class Outbox:
         """
         self.dropped = 0
         """Publications that were never told, because there were too many."""
+        self.refusals = Refusals(target, journal)
+        """What the peer would not take; all else waits no longer behind it."""
         self._target = target
         self._journal = journal
         self._limit = limit
@@ -50,15 +53,26 @@ class Outbox:
     def __len__(self) -> int:
         return len(self._waiting)
 
+    @property
+    def oldest(self) -> float | None:
+        """When the oldest came that the peer has not taken yet, s UTC; None where it has taken all."""
+        numbers = [entry.sequence for entry in self._waiting.values()]
+        if self.refusals.oldest is not None:
+            numbers.append(self.refusals.oldest)
+        return min(numbers) / 1000 if numbers else None
+
     def restore(self, kept: Mapping[int, Publication]) -> None:
         """Take what the store kept: sequence number -> publication, ascending."""
         for sequence, publication in kept.items():
-            self._waiting[_key(publication)] = _Entry(sequence, publication, late=True)
+            former = self._waiting.pop(publication.key, None)
+            if former is not None:  # a state that had been refused when the next one came
+                self._journal.note(Change(removed=frozenset({former.sequence})))
+            self._waiting[publication.key] = _Entry(sequence, publication, late=True)
             self._filled.set()
 
     def put(self, publication: Publication) -> None:
         """Take one more; the next flush of the journal writes it."""
-        key, sequence = _key(publication), self._journal.next_sequence()
+        key, sequence = publication.key, self._journal.next_sequence()
         former = self._waiting.pop(key, None)
         self._waiting[key] = _Entry(sequence, publication, late=not self._connected)
         self._journal.note(
@@ -74,7 +88,7 @@ class Outbox:
     async def first(self) -> Publication:
         """Wait for the oldest, as it should be sent now; nothing is sent before it is on disk.
 
-        It stays until it is removed.
+        It stays until it is taken or refused.
         """
         self._connected = True
         await self._journal.flush()
@@ -85,11 +99,21 @@ class Outbox:
             if entry in self._waiting.values():
                 return _told(entry)
 
-    def remove(self, publication: Publication) -> None:
-        """Forget it: the peer took it or never will. One that has taken its place meanwhile stays."""
-        entry = self._waiting.get(_key(publication))
-        if entry is not None and entry.publication.id == publication.id:
-            self._forget(_key(publication))
+    def taken(self, publication: Publication) -> None:
+        """Forget it: the peer took it. One that has taken its place meanwhile stays."""
+        if self._entry_of(publication) is not None:
+            self._forget(publication.key)
+        self.refusals.settle(publication)
+
+    def refused(self, publication: Publication, error: RefusedError) -> None:
+        """Put it aside; one that has taken its place meanwhile comes next."""
+        self.refusals.count += 1
+        entry = self._entry_of(publication)
+        if entry is None:
+            self.refusals.again(publication, error)
+        else:
+            self._pop(publication.key)
+            self.refusals.add(entry.sequence, publication, error)
 
     def interrupt(self) -> None:
         """The connection is gone: what waits now and comes until it is back is told late."""
@@ -102,20 +126,26 @@ class Outbox:
         states = (key for key in self._waiting if key[0] == "state")
         key = next(states, None) or next(iter(self._waiting))
         if key[0] != "state":
-            LOG.error("connection %s: too much waits, %s is never told", self._target, key[1])
+            LOG.error(
+                "connection %s: too much waits, %s is never told",
+                self._target,
+                key[1],
+                extra={"event": "dropped", "connection": self._target},
+            )
         self._forget(key)
 
+    def _entry_of(self, publication: Publication) -> _Entry | None:
+        entry = self._waiting.get(publication.key)
+        return entry if entry is not None and entry.publication.id == publication.id else None
+
     def _forget(self, key: tuple[str, str]) -> None:
+        self._journal.note(Change(removed=frozenset({self._pop(key).sequence})))
+
+    def _pop(self, key: tuple[str, str]) -> _Entry:
         entry = self._waiting.pop(key)
-        self._journal.note(Change(removed=frozenset({entry.sequence})))
         if not self._waiting:
             self._filled.clear()
-
-
-def _key(publication: Publication) -> tuple[str, str]:
-    if publication.kind == "state":
-        return ("state", publication.subject)
-    return (publication.kind, publication.id)
+        return entry
 
 
 def _told(entry: _Entry) -> Publication:

@@ -7,6 +7,8 @@ import logging
 from collections import OrderedDict
 from dataclasses import dataclass
 
+from agent.runtime.change import Change
+from agent.runtime.journal import Journal
 from connectors.base import Publication, RefusedError
 
 LOG = logging.getLogger(__name__)
@@ -19,6 +21,8 @@ LIMIT = 1000
 class Refusal:
     """One publication that was not taken, or not all of it."""
 
+    sequence: int
+    """Its number in the store."""
     publication: Publication
     problem: str
     due: float
@@ -26,14 +30,18 @@ class Refusal:
 
 
 class Refusals:
-    """What one connection would not take. A newer state of a subject takes the place of the former."""
+    """What one connection would not take. A newer state of a subject takes the place of the former.
 
-    def __init__(self, connection: str) -> None:
+    It stays in the store until it is taken; after a restart it waits in the outbox like all the rest.
+    """
+
+    def __init__(self, connection: str, journal: Journal) -> None:
         self.count = 0
         """Attempts that were refused."""
         self.dropped = 0
         """Publications that were never taken, because there were too many."""
         self._connection = connection
+        self._journal = journal
         self._waiting: OrderedDict[tuple[str, str], Refusal] = OrderedDict()
 
     def __len__(self) -> int:
@@ -44,25 +52,51 @@ class Refusals:
         """When the next is to be tried again, s of the event loop's clock; None if nothing waits."""
         return min((refusal.due for refusal in self._waiting.values()), default=None)
 
+    @property
+    def oldest(self) -> int | None:
+        """Least sequence number; None if nothing waits."""
+        return min((refusal.sequence for refusal in self._waiting.values()), default=None)
+
     def next(self) -> Publication:
         """Return the one that is due first."""
         return min(self._waiting.values(), key=lambda refusal: refusal.due).publication
 
-    def add(self, publication: Publication, error: RefusedError) -> None:
+    def add(self, sequence: int, publication: Publication, error: RefusedError) -> None:
         """Keep it for later; logged when it was not kept yet, or for another reason."""
-        self.count += 1
         former = self._waiting.pop(publication.key, None)
         if former is None or former.problem != str(error):
             LOG.warning(
-                "connection %s refuses what is told of %s: %s", self._connection, publication.subject, error
+                "connection %s refuses what is told of %s: %s",
+                self._connection,
+                publication.subject,
+                error,
+                extra={"event": "refused", "connection": self._connection, "loop": publication.subject},
             )
+        if former is not None and former.sequence != sequence:
+            self._forget(former)
         due = asyncio.get_running_loop().time() + RETRY
-        self._waiting[publication.key] = Refusal(publication, str(error), due)
+        self._waiting[publication.key] = Refusal(sequence, publication, str(error), due)
         if len(self._waiting) > LIMIT:
-            self._waiting.popitem(last=False)
+            self._forget(self._waiting.popitem(last=False)[1])
             self.dropped += 1
+
+    def again(self, publication: Publication, error: RefusedError) -> None:
+        """Keep on what was tried again in vain."""
+        former = self._waiting.get(publication.key)
+        if former is not None and former.publication.id == publication.id:
+            self.add(former.sequence, publication, error)
 
     def settle(self, publication: Publication) -> None:
         """Forget it: the peer took it, or a newer one."""
-        if self._waiting.pop(publication.key, None) is not None:
-            LOG.info("connection %s takes what is told of %s again", self._connection, publication.subject)
+        refusal = self._waiting.pop(publication.key, None)
+        if refusal is not None:
+            self._forget(refusal)
+            LOG.info(
+                "connection %s takes what is told of %s again",
+                self._connection,
+                publication.subject,
+                extra={"event": "taken", "connection": self._connection, "loop": publication.subject},
+            )
+
+    def _forget(self, refusal: Refusal) -> None:
+        self._journal.note(Change(removed=frozenset({refusal.sequence})))

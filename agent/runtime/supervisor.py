@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import random
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NoReturn, TypeVar
 
@@ -23,6 +23,8 @@ LONGEST_WAIT = 3.0
 """s, unless the configuration says another."""
 LASTED = 10.0
 """Time after which an attempt that fails counts as a success all the same, s: waits start small again."""
+MARGIN = 30.0
+"""Time that a busy machine may take beyond what is agreed, before it counts as a hang, s."""
 E = TypeVar("E", bound=Exception)
 
 
@@ -44,13 +46,28 @@ class Health:
     """What is wrong now, as last logged."""
     told: set[type[ConnectionLostError]] = field(default_factory=set)
     """Kinds of losses that were logged since it worked."""
+    about: Mapping[str, str] = field(default_factory=dict)
+    """What it is about, for the log: {"connection": NAME} or {"loop": NAME}."""
+    signs: dict[str, float] = field(default_factory=dict)
+    """What it does now and may not take for ever -> when it must be done, s of the event loop's clock."""
+
+    def expect(self, sign: str, within: float | None) -> None:
+        """Say that ``sign`` is done, or comes again, within so many seconds; None: nobody waits for it."""
+        if within is None:
+            self.signs.pop(sign, None)
+        else:
+            self.signs[sign] = asyncio.get_running_loop().time() + within
+
+    def overdue(self, now: float) -> str | None:
+        """Return what should have been done by ``now`` (s of the event loop's clock); None where all was."""
+        return next((sign for sign, due in self.signs.items() if due < now), None)
 
     def works(self) -> None:
         """Say that it does what it should; logged when it did not before."""
         if not self.up:
             self.up, self.problem = True, ""
             self.told.clear()
-            LOG.info("%s is up", self.name)
+            LOG.info("%s is up", self.name, extra={"event": "up", **self.about})
 
     def lost(self, error: ConnectionLostError) -> None:
         """Say that its peer is gone; logged once, until it is back.
@@ -61,7 +78,7 @@ class Health:
         if type(error) not in self.told:
             self.told.add(type(error))
             self.problem = str(error)
-            LOG.warning("%s is down: %s", self.name, error)
+            LOG.warning("%s is down: %s", self.name, error, extra={"event": "down", **self.about})
         self._failed()
 
     def failed(self, error: Exception) -> None:
@@ -69,7 +86,12 @@ class Health:
         self.faults += 1
         if self.problem != repr(error):
             self.problem = repr(error)
-            LOG.error("%s failed, which is a fault of this program", self.name, exc_info=error)
+            LOG.error(
+                "%s failed, which is a fault of this program",
+                self.name,
+                exc_info=error,
+                extra={"event": "fault", **self.about},
+            )
         self._failed()
 
     def _failed(self) -> None:
@@ -91,6 +113,7 @@ async def keep_alive(
     clock = asyncio.get_running_loop()
     while True:
         began = clock.time()
+        health.signs.clear()
         try:
             # A task of its own: in Python 3.11 a TaskGroup that fails leaves its task marked as cancelled.
             await asyncio.create_task(work(), name=health.name)
@@ -103,6 +126,8 @@ async def keep_alive(
         if clock.time() - began > LASTED:
             health.attempts = 1
         longest = min(FIRST_WAIT * 2 ** min(health.attempts - 1, 20), longest_wait)
+        health.signs.clear()
+        health.expect("the next attempt", longest + MARGIN)
         await asyncio.sleep(uniform(0, longest))
 
 

@@ -295,7 +295,7 @@ def test_what_a_peer_refuses_holds_up_no_others_and_is_taken_when_it_can(caplog)
     async def scenario():
         task = asyncio.create_task(agent.run())
         await asyncio.sleep(910.0)
-        refusals = agent.connections[0].refusals
+        refusals = agent.outboxes["bus"].refusals
         assert len(agent.outboxes["bus"]) == 0
         assert len(refusals) == 2  # the newest state, and the event of the alarm
         assert 7 < refusals.count < 40  # each new one, and every 30 s one that waits

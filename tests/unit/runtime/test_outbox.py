@@ -19,7 +19,7 @@ async def drained(outbox):
     taken = []
     while len(outbox):
         taken.append(await outbox.first())
-        outbox.remove(taken[-1])
+        outbox.taken(taken[-1])
     return [publication.id for publication in taken]
 
 
@@ -48,7 +48,7 @@ async def test_a_state_that_was_replaced_while_it_was_sent_stays():
     outbox.put(state(1))
     sent = await outbox.first()
     outbox.put(state(2))
-    outbox.remove(sent)
+    outbox.taken(sent)
     assert await drained(outbox) == ["s2"]
 
 
@@ -85,15 +85,15 @@ async def test_only_an_event_that_came_or_waited_without_a_connection_is_histori
     outbox = Outbox("bus", Journal())
     outbox.put(event(1))  # before the first connection
     told = [await outbox.first()]
-    outbox.remove(told[-1])
+    outbox.taken(told[-1])
     for publication in (event(2), event(3), state(1)):
         outbox.put(publication)
     told.append(await outbox.first())
-    outbox.remove(told[-1])
+    outbox.taken(told[-1])
     outbox.interrupt()
     while len(outbox):
         told.append(await outbox.first())
-        outbox.remove(told[-1])
+        outbox.taken(told[-1])
     assert [(each.id, each.fields["historical"]) for each in told] == [
         ("e1", True),
         ("e2", False),
@@ -110,5 +110,5 @@ async def test_the_sequence_rises_also_where_the_clock_is_set_back():
         outbox.put(event(k))
         sent = await outbox.first()
         sequences.append(sent.fields["sequence"])
-        outbox.remove(sent)
+        outbox.taken(sent)
     assert sequences == [1_000_000, 1_000_001, 2_000_000]
