@@ -1,0 +1,49 @@
+"""One agent a state file: two would both publish, and each would forget what the other knows."""
+
+from __future__ import annotations
+
+import fcntl
+import logging
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from connectors.base import ConfigError
+
+LOG = logging.getLogger(__name__)
+
+
+@contextmanager
+def only_agent_of(state: Path) -> Iterator[None]:
+    """Hold the lock of a state file, ``NAME.lock`` beside it; raises ConfigError where another agent does.
+
+    The kernel lets go of it when the process ends, however it ends; the file stays and means nothing by
+    itself. A file of its own, because SQLite loses its locks where a process closes its file once more.
+    """
+    path = state.with_name(f"{state.name}.lock")
+    try:
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    except OSError as error:
+        _cannot_tell(path, error)
+        yield
+        return
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            os.truncate(handle, 0)
+            os.pwrite(handle, f"{os.getpid()}\n".encode(), 0)
+        except BlockingIOError as error:
+            holder = os.pread(handle, 20, 0).decode("ascii", "replace").strip()
+            who = f", process {holder}" if holder.isdigit() else ""
+            raise ConfigError([f"{state}: is used by another agent{who}"]) from error
+        except OSError as error:
+            _cannot_tell(path, error)
+        yield
+    finally:
+        os.close(handle)
+
+
+def _cannot_tell(path: Path, error: OSError) -> None:
+    """As with the state file itself: a disk that does not take it must not stop the agent."""
+    LOG.warning("%s: %s; whether another agent uses the same state cannot be told", path, error.strerror)
