@@ -9,11 +9,14 @@ from agent.settings.models import (
     Settings,
     WindowSettings,
 )
+from agent.settings.service import HistorySettings, HttpSettings
 
 __all__ = [
     "AgentSettings",
     "AlarmSettings",
     "ConnectionSettings",
+    "HistorySettings",
+    "HttpSettings",
     "LoopSettings",
     "Settings",
     "WindowSettings",

@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from agent.alarms import Priority
 from agent.analysis.recording import LoopHints
+from agent.settings.service import HistorySettings, HttpSettings
 from connectors.options import Options, Seconds, Target
 
 Range = tuple[
@@ -32,6 +33,12 @@ class AgentSettings(Options):
     state: Path | None = None
     """File that keeps alarms and what waits to be told over a restart; relative to the configuration file.
     None: its name with the ending .sqlite."""
+    http: HttpSettings | None = None
+    """Where health and metrics are told; None: nowhere."""
+    history: HistorySettings | None = HistorySettings()
+    """What `slipjump history` shows, kept beside `state` with the ending .history.sqlite; None: nothing."""
+    watch_config: bool = False
+    """Whether a change of the configuration file takes effect by itself, as it does after SIGHUP."""
 
 
 class WindowSettings(Options):
@@ -108,6 +115,8 @@ class LoopSettings(Options):
     alarm: AlarmSettings = AlarmSettings()
     publish: tuple[Target, ...] = ()
     """Where its alarm is told."""
+    variables: Mapping[str, str] = {}
+    """Name -> what stands for `{name}` in MQTT topics and the like, besides those of a connection."""
 
     @field_validator("op_range", "pv_range")
     @classmethod
