@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Annotated, Generic, TypeVar
+from dataclasses import dataclass, field
+from typing import Annotated, Generic, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -16,6 +16,10 @@ class Options(BaseModel):
     """A part of the configuration file; an unknown key is a fault. The schema gets the fields' docstrings."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+    def as_guest(self) -> Self:
+        """Return the options of a connection for somebody who only looks, beside an agent that may run."""
+        return self
 
 
 class NoTag(Options):
@@ -41,3 +45,5 @@ class LoopTags(Generic[TagT, TargetT]):
     """Role -> where its value is found."""
     targets: Sequence[TargetT] = ()
     """Where the loop's alarm is told."""
+    variables: Mapping[str, str] = field(default_factory=dict)
+    """Name -> what stands for ``{name}`` in the names of a bus, e.g. topics."""

@@ -61,20 +61,25 @@ def settings_of(raw: object, folder: Path = Path()) -> Settings:
     return settings
 
 
-def connectors_of(settings: Settings) -> tuple[Connector, ...]:
-    """One connector for each connection, not opened; raises ConfigError with the faults of all of them."""
+def connectors_of(settings: Settings, *, guest: bool = False) -> tuple[Connector, ...]:
+    """One connector for each connection, not opened; raises ConfigError with the faults of all of them.
+
+    A ``guest`` only looks: an agent with these settings may run beside it.
+    """
     connectors, faults = [], []
     for name, connection in settings.connections.items():
         loops = {
             loop.name: LoopTags(
                 tags=loop.tags if loop.connection == name else {},
                 targets=[target for target in loop.publish if target.connection == name],
+                variables=loop.variables,
             )
             for loop in settings.loops
             if loop.connection == name or any(target.connection == name for target in loop.publish)
         }
+        options = connection.options.as_guest() if guest else connection.options
         try:
-            connectors.append(_KINDS[connection.kind].open(name, connection.options, loops))
+            connectors.append(_KINDS[connection.kind].open(name, options, loops))
         except ConfigError as error:
             faults += error.faults
     if faults:

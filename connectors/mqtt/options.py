@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from string import Formatter
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from connectors.options import Options, Port, Seconds, Target
 from connectors.secret import Secret
@@ -12,12 +14,27 @@ from connectors.tls import Tls
 
 Topic = Annotated[str, Field(min_length=1, max_length=65_000, pattern=r"^[^+#\x00]+$")]
 """One topic, no wildcards."""
+Level = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^+#/$\s\x00][^+#/\s\x00]*$")]
+"""One level of a topic."""
+Word = Annotated[str, Field(min_length=1, max_length=1000, pattern=r"^[^+#\x00]+$")]
+"""Part of a topic, with slashes or without."""
+
+
+def _told_apart(template: str) -> str:
+    for _, name, how, conversion in Formatter().parse(template):
+        if name is not None and (how or conversion or not name.isidentifier()):
+            raise ValueError("a variable is a name in braces, like {site}")
+    return template
+
+
+Template = Annotated[Topic, AfterValidator(_told_apart)]
+"""A topic with variables in braces."""
 Path = Annotated[str, Field(min_length=1)]
 """Keys of nested JSON objects, or positions in a list, with dots between."""
 
 
-class MqttOptions(Options):
-    """One MQTT broker."""
+class Broker(Options):
+    """One MQTT broker and how to reach it."""
 
     host: str = "127.0.0.1"
     port: Port = 1883
@@ -37,10 +54,33 @@ class MqttOptions(Options):
     """Messages that may wait to be read; more are dropped, with a warning."""
 
     @model_validator(mode="after")
-    def _password_needs_user(self) -> MqttOptions:
+    def _password_needs_user(self) -> Self:
         if self.password is not None and self.user is None:
             raise ValueError("a password needs its user")
         return self
+
+
+class MqttOptions(Broker):
+    """An MQTT broker, and the topics that are told there."""
+
+    client: Level | None = None
+    """Who this is on the broker: its client identifier, and `{client}` in topics; no two may have the same.
+    None: the computer's and the connection's name, and an identifier by chance."""
+    topic: Template = "slipjump/{loop}/alarm"
+    """Where the alarm of a loop is told, if its target names no other. `{loop}` and the names of `variables`
+    stand for their values."""
+    variables: Mapping[str, Word] = {}
+    """Name -> what stands for `{name}` in topics; those of a loop come first."""
+    status: Template | None = "slipjump/{client}/status"
+    """Where it is told, retained, whether this is online; the broker tells if it breaks. None: nowhere."""
+    orders: bool = False
+    """Whether people may acknowledge, shelve and so on by a message to `order_topic`."""
+    order_topic: Template = "{topic}/order"
+    """Where their messages are taken. `{topic}` stands for the topic of the alarm."""
+
+    def as_guest(self) -> Self:
+        """Return the options of somebody who only looks: says no status and takes nobody's name."""
+        return self.model_copy(update={"client": None, "status": None, "orders": False})
 
 
 class MqttTag(Options):
@@ -68,5 +108,5 @@ def short_tag(text: str) -> dict[str, str]:
 class MqttTarget(Target):
     """Where a loop's alarm is published: its state retained on the topic, events on topic + ``/event``."""
 
-    topic: Topic = "slipjump/{loop}/alarm"
-    """``{loop}`` stands for the loop's name."""
+    topic: Template | None = None
+    """`{loop}` and the names of `variables` stand for their values. None: the connection's `topic`."""

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from connectors.base import Quality
-from connectors.mqtt.options import MqttTag, MqttTarget
+from connectors.mqtt.options import MqttTag
 from connectors.mqtt.payload import MalformedError, seconds
 from connectors.mqtt.reader import TopicReader
 
@@ -126,7 +126,3 @@ def test_a_tag_has_one_topic(topic):
 def test_a_bare_value_has_no_time_field():
     with pytest.raises(ValidationError, match="time_field needs field"):
         MqttTag(topic="x", time_field="t")
-
-
-def test_the_alarm_topic_has_a_default():
-    assert MqttTarget(connection="broker").topic == "slipjump/{loop}/alarm"

@@ -6,8 +6,9 @@ import math
 from aiomqtt import Message
 
 from connectors.base import Quality
-from connectors.mqtt.connector import Inbox, MqttSession
-from connectors.mqtt.options import MqttTag
+from connectors.mqtt.client import Inbox
+from connectors.mqtt.connector import MqttConnector, MqttSession
+from connectors.mqtt.options import MqttOptions, MqttTag
 from connectors.options import LoopTags
 
 
@@ -24,13 +25,18 @@ class GrudgingClient:
         yield message("plant/pv", b"1.5")
 
 
+def session_of(client, loop, **options):
+    connector = MqttConnector("plant", MqttOptions(**options), {"FIC101": loop})
+    return MqttSession(client, connector._loops, connector._topics, connector.orders)
+
+
 def message(topic, payload):
     return Message(topic, payload, qos=1, retain=False, mid=1, properties=None)
 
 
 async def test_a_topic_the_broker_refuses_is_told_and_the_others_go_on():
     tags = {"pv": MqttTag(topic="plant/pv"), "op": MqttTag(topic="secret/op")}
-    session = MqttSession(GrudgingClient(), {"FIC101": LoopTags(tags)})
+    session = session_of(GrudgingClient(), LoopTags(tags))
     op, pv = [sample async for sample in session.samples()]
     assert (op.tag, op.quality, op.code) == ("FIC101.op", Quality.BAD, 0x80)
     assert math.isnan(op.value)

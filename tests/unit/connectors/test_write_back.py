@@ -7,8 +7,8 @@ from asyncua import ua
 from connectors.base import Publication
 from connectors.modbus.connector import ModbusSession
 from connectors.modbus.options import ModbusOptions, ModbusTarget
-from connectors.mqtt.connector import MqttSession
-from connectors.mqtt.options import MqttTarget
+from connectors.mqtt.connector import MqttConnector, MqttSession
+from connectors.mqtt.options import MqttOptions, MqttTarget
 from connectors.opcua.connector import OpcUaSession
 from connectors.opcua.options import OpcUaOptions, OpcUaTarget
 from connectors.options import LoopTags
@@ -38,11 +38,13 @@ async def test_modbus():
 async def test_mqtt():
     written = []
 
-    async def write(topic, *_, **__):
-        written.append(topic)
+    async def write(message):
+        written.append(message.topic)
 
-    client = SimpleNamespace(publish=write)
-    await publish(MqttSession(client, {"FIC101": LoopTags({}, [MqttTarget(connection="plant")])}))
+    loops = {"FIC101": LoopTags({}, [MqttTarget(connection="plant")])}
+    connector = MqttConnector("plant", MqttOptions(), loops)
+    client = SimpleNamespace(send=write)
+    await publish(MqttSession(client, loops, connector._topics, connector.orders))
     assert written == ["slipjump/FIC101/alarm", "slipjump/FIC101/alarm/event"]
 
 

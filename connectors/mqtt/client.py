@@ -1,0 +1,186 @@
+"""One MQTT connection: a fresh client, and in plain words why it could not connect."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import ssl
+from collections.abc import AsyncIterator, Iterable, Iterator
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from aiomqtt import Client, Message, MqttCodeError, MqttError, ProtocolVersion, Will
+from paho.mqtt.packettypes import PacketTypes
+from paho.mqtt.properties import Properties
+
+from connectors.base import AccessDeniedError, ConnectionLostError, RefusedError
+from connectors.mqtt.options import Broker
+from connectors.tls import explain, refusal
+
+logging.getLogger("mqtt").setLevel(logging.CRITICAL)  # what it logs, the session raises
+
+_LOG = logging.getLogger(__name__)
+_VERSIONS = {"3.1.1": ProtocolVersion.V311, "5": ProtocolVersion.V5}
+AT_LEAST_ONCE = 1
+_NOT_LET_IN = (0x86, 0x87, 0x8A, 0x8C)
+"""Bad user or password, not authorized, banned, bad method (MQTT 5, 3.2.2.2); those of 3.1.1 become these."""
+
+
+class Inbox(asyncio.Queue[Message]):
+    """Messages that wait to be read; while it is full, new ones are dropped, and that is logged once."""
+
+    _dropped = 0
+
+    def put_nowait(self, item: Message) -> None:
+        """Keep a message, or count it as dropped."""
+        if not self.full():
+            super().put_nowait(item)
+            return
+        if self._dropped == 0:
+            _LOG.warning("topic %s: messages are dropped, the reader is too slow", item.topic)
+        self._dropped += 1
+
+
+class TidySocket(ssl.SSLSocket):
+    """Closes itself where the handshake fails; paho would leave that to the garbage collector."""
+
+    def do_handshake(self, block: bool = False) -> None:  # noqa: FBT001, FBT002 - as ssl calls it
+        """Agree with the broker; raises OSError."""
+        try:
+            super().do_handshake(block)
+        except OSError:
+            self.close()
+            raise
+
+
+@dataclass(frozen=True, slots=True)
+class Outgoing:
+    """A message to the broker, at least once."""
+
+    topic: str
+    payload: bytes
+    retain: bool = False
+    """Whether the broker keeps it for who comes late."""
+    qos: int = AT_LEAST_ONCE
+    content: str = "application/json"
+    """MIME type, told with MQTT 5."""
+    schema: str | None = None
+    """Version of the payload's fields, told with MQTT 5."""
+
+    def will(self, version: str) -> Will:
+        """Return it as what the broker says when we are gone without a word."""
+        properties = self.properties(PacketTypes.WILLMESSAGE) if version == "5" else None
+        return Will(self.topic, self.payload, self.qos, self.retain, properties)
+
+    def properties(self, packet: int = PacketTypes.PUBLISH) -> Properties:
+        """Return what MQTT 5 says of it. It never expires: a consumer that comes late must learn of it."""
+        properties = Properties(packet)
+        properties.ContentType = self.content
+        properties.PayloadFormatIndicator = int(self.content == "application/json")
+        if self.schema is not None:
+            properties.UserProperty = ("schema", self.schema)
+        return properties
+
+
+class StrictClient(Client):
+    """aiomqtt's, which keeps it to itself where a broker answers that it does not take a message (MQTT 5)."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401 - all that aiomqtt takes
+        super().__init__(*args, **kwargs)
+        self._speaks_5 = kwargs.get("protocol") is ProtocolVersion.V5
+        self._one_at_a_time = asyncio.Lock()
+        self._refusal: str | None = None
+
+    async def send(self, message: Outgoing) -> None:
+        """Publish and return when the broker has it; raises ConnectionLostError, RefusedError."""
+        properties = message.properties() if self._speaks_5 else None
+        async with self._one_at_a_time:
+            self._refusal = None
+            with as_connection_lost():
+                await self.publish(
+                    message.topic,
+                    message.payload,
+                    qos=message.qos,
+                    retain=message.retain,
+                    properties=properties,
+                )
+            if self._refusal is not None:
+                raise RefusedError(f"topic {message.topic}: {self._refusal}")
+
+    def _on_publish(self, client: Any, userdata: Any, mid: int, reason_code: Any, properties: Any) -> None:  # noqa: ANN401
+        if reason_code.is_failure:
+            self._refusal = str(reason_code)
+        super()._on_publish(client, userdata, mid, reason_code, properties)
+
+
+@asynccontextmanager
+async def connected(
+    options: Broker, identifier: str | None = None, will: Outgoing | None = None
+) -> AsyncIterator[StrictClient]:
+    """Connect a fresh client; raises ConnectionLostError, AccessDeniedError.
+
+    Args:
+        options: Where and how.
+        identifier: Name of the client to the broker, which lets go of a former one of that name.
+        will: What the broker says when the connection breaks.
+    """
+    peer = f"MQTT broker at {options.host}:{options.port}: "
+    tls = None if options.tls is None else options.tls.context()
+    if tls is not None:
+        tls.sslsocket_class = TidySocket
+    password = None if options.password is None else options.password.read("password")
+    client = StrictClient(
+        options.host,
+        options.port,
+        identifier=identifier,
+        will=None if will is None else will.will(options.version),
+        username=options.user,
+        password=password,
+        tls_context=tls,
+        protocol=_VERSIONS[options.version],
+        timeout=options.timeout,
+        keepalive=options.keepalive,
+        queue_type=Inbox,
+        max_queued_incoming_messages=options.queue,
+    )
+    with as_connection_lost():
+        async with AsyncExitStack() as stack:
+            try:
+                await stack.enter_async_context(client)
+            except MqttError as error:
+                why = _denial(error, options)
+                if why is None and tls is not None:
+                    why = await explain(options.host, options.port, tls, options.timeout)
+                if why is not None:
+                    raise AccessDeniedError(peer + why) from error
+                raise ConnectionLostError(f"{peer}{error}") from error
+            yield client
+
+
+async def subscribe(client: Client, topics: Iterable[str]) -> dict[str, int]:
+    """Subscribe to all topics; return those the broker does not allow, with its reason code."""
+    topics = list(topics)
+    if not topics:
+        return {}
+    with as_connection_lost():
+        reasons = await client.subscribe([(topic, AT_LEAST_ONCE) for topic in topics])
+    codes = [getattr(reason, "value", reason) for reason in reasons]
+    return {topic: code for topic, code in zip(topics, codes, strict=True) if code >= 0x80}
+
+
+def _denial(error: MqttError, options: Broker) -> str | None:
+    """Return what the user must change; None if the broker was only not there."""
+    if isinstance(error, MqttCodeError) and getattr(error.rc, "value", None) in _NOT_LET_IN:
+        who = "anonymous clients" if options.user is None else f"user {options.user}"
+        return f"it does not let {who} in ({error}); check user and password"
+    return refusal(error.__context__, options.host)  # aiomqtt hides the cause of its errors there
+
+
+@contextmanager
+def as_connection_lost() -> Iterator[None]:
+    """Tell the library's errors in our words."""
+    try:
+        yield
+    except (MqttError, OSError) as error:
+        raise ConnectionLostError(str(error)) from error
