@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import json
+import math
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from agent.cli.columns import aligned
 from agent.cli.errors import BAD_INPUT
 
 if TYPE_CHECKING:
@@ -20,32 +24,67 @@ def check(
     config: Annotated[Path, typer.Argument(metavar="CONFIG.yaml", show_default=False)],
     *,
     connect: Annotated[
-        bool, typer.Option("--connect", help="Open each connection and read one value of every tag.")
+        bool, typer.Option("--connect", help="Open each connection, read every tag, look at every target.")
     ] = False,
     within: Annotated[
-        float, typer.Option(min=0.1, max=3600, metavar="SECONDS", help="How long --connect waits.")
+        float, typer.Option(min=0.1, max=3600, metavar="SECONDS", help="How long --connect waits for values.")
     ] = 10.0,
+    watch: Annotated[
+        float,
+        typer.Option(min=0, max=3600, metavar="SECONDS", help="How long it listens on for what moves."),
+    ] = 5.0,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object a line.")] = False,
 ) -> None:
-    """Say what run would do with a configuration, or everything that is wrong with it."""
+    """Say what run would do with a configuration, or everything that is wrong with it. Writes nothing."""
     from agent.settings import load_settings
 
     settings = load_settings(config)
-    for line in _plan(settings):
-        typer.echo(line)
     if not connect:
+        for line in _plan_json(settings) if as_json else _plan(settings):
+            typer.echo(line)
         return
+    findings = _probed(settings, within, watch)
+    for line in map(_json, findings) if as_json else _report(settings, findings):
+        typer.echo(line)
+    if any(finding.problems for finding in findings):
+        sys.exit(BAD_INPUT)
+
+
+def _probed(settings: Settings, within: float, watch: float) -> tuple[Finding, ...]:
+    from rich.console import Console
+
     from agent.runtime.probe import probe
 
-    findings = asyncio.run(probe(settings, within))
-    for finding in findings:
-        typer.echo(_told(finding))
-    if any(finding.problem for finding in findings):
-        sys.exit(BAD_INPUT)
+    tags = sum(len(loop.roles) for loop in settings.loops)
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        return asyncio.run(probe(settings, within, watch))
+    with console.status(f"reading {tags} tags on {len(settings.connections)} connections"):
+        return asyncio.run(probe(settings, within, watch))
 
 
 def _plan(settings: Settings) -> list[str]:
     lines = [f"{name}: {entry.kind}, {entry.options}" for name, entry in settings.connections.items()]
     return [*lines, *(_loop(loop) for loop in settings.loops)]
+
+
+def _plan_json(settings: Settings) -> list[str]:
+    connections = [
+        {"what": "connection", "connection": name, "kind": entry.kind}
+        for name, entry in settings.connections.items()
+    ]
+    loops = [
+        {
+            "what": "loop",
+            "loop": loop.name,
+            "connection": loop.connection,
+            "ts": loop.ts,
+            "roles": loop.roles,
+            "publish": [target.connection for target in loop.publish],
+        }
+        for loop in settings.loops
+    ]
+    return [json.dumps(each) for each in (*connections, *loops)]
 
 
 def _loop(loop: LoopSettings) -> str:
@@ -60,10 +99,67 @@ def _loop(loop: LoopSettings) -> str:
     return f"{loop.name}: {read}, windows of {length}, {alarm}"
 
 
-def _told(finding: Finding) -> str:
-    subject = finding.tag or finding.connection
-    if finding.problem is not None:
-        return f"{subject}: {finding.problem}"
-    if finding.sample is None:
-        return f"{subject}: is there"
-    return f"{subject}: {finding.sample.value} ({finding.sample.quality.name.lower()})"
+def _report(settings: Settings, findings: Sequence[Finding]) -> list[str]:
+    """Return what is told of connections, then a table of tags, one of targets, and the sum of it."""
+    connections = [
+        f"{each.connection} ({settings.connections[each.connection].kind}): {_says(each) or 'is there'}"
+        for each in findings
+        if each.what == "connection"
+    ]
+    tags = [_tag_row(each) for each in findings if each.what == "tag"]
+    targets = [
+        [each.loop, each.connection, each.place, _says(each) or "ok"]
+        for each in findings
+        if each.what == "target"
+    ]
+    lines = connections
+    if tags:
+        lines += ["", *aligned([["LOOP", "TAG", "VALUE", "QUALITY", "AGE", ""], *tags])]
+    if targets:
+        lines += ["", *aligned([["LOOP", "TELLS", "PLACE", ""], *targets])]
+    bad = sum(bool(each.problems) for each in findings)
+    doubtful = sum(bool(each.remarks) for each in findings)
+    return [
+        *lines,
+        "",
+        f"{len(tags)} tags, {len(targets)} targets: {bad} with a problem, {doubtful} to look at",
+    ]
+
+
+def _tag_row(finding: Finding) -> list[str]:
+    from agent.runtime.plausibility import duration
+
+    reading = finding.reading
+    if reading is None:
+        return [finding.loop, finding.place, "", "", "", _says(finding)]
+    value = reading.sample.value
+    told = value if isinstance(value, str) else "" if math.isnan(value) else f"{value:.6g}"
+    age = f"-{duration(-reading.age)}" if reading.age <= -0.05 else duration(abs(reading.age))
+    return [
+        finding.loop,
+        finding.place,
+        told,
+        reading.sample.quality.name.lower(),
+        age,
+        _says(finding) or "ok",
+    ]
+
+
+def _says(finding: Finding) -> str:
+    return "; ".join((*finding.problems, *finding.remarks))
+
+
+def _json(finding: Finding) -> str:
+    fields: dict[str, object] = {"what": finding.what, "connection": finding.connection}
+    if finding.what != "connection":
+        fields |= {"loop": finding.loop, "role" if finding.what == "tag" else "place": finding.place}
+    if finding.what == "tag":
+        reading = finding.reading
+        value = None if reading is None else reading.sample.value
+        fields |= {
+            "value": None if isinstance(value, float) and not math.isfinite(value) else value,
+            "quality": None if reading is None else reading.sample.quality.name.lower(),
+            "code": None if reading is None else reading.sample.code,
+            "age_s": None if reading is None else round(reading.age, 3),
+        }
+    return json.dumps(fields | {"problems": finding.problems, "remarks": finding.remarks})

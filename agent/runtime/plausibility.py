@@ -1,0 +1,102 @@
+"""Whether the value of a tag can be what the configuration says it is: unit, clock, mode, movement."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from agent.settings import LoopSettings
+from connectors.base import Quality, Sample
+
+BEYOND = 0.1
+"""How far a value may be outside its range, in parts of the span: NAMUR NE 43 lets transmitters go 3 %."""
+CLOCK = 5.0
+"""s that a source's clock may be ahead of this machine's."""
+OLD = 60.0
+"""s; older values are told, and so are those older than ten samples."""
+STILL = 3
+"""Samples without a change that are told of PV, which carries noise."""
+_RANGES = {"pv": "pv_range", "sp": "pv_range", "op": "op_range"}
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What was heard of a tag while somebody listened."""
+
+    sample: Sample
+    """The newest one."""
+    heard: float
+    """When it arrived, s UTC."""
+    first: Sample
+    changed: bool = False
+    """Whether any was of another value than the first."""
+
+    @property
+    def age(self) -> float:
+        """How old the newest was when it arrived, s; negative if the source's clock is ahead."""
+        return self.heard - self.sample.time
+
+    def followed_by(self, sample: Sample, heard: float) -> Reading:
+        """Return the reading after one more sample."""
+        changed = self.changed or not _same(sample.value, self.first.value)
+        return Reading(sample, heard, self.first, changed)
+
+
+def problems(reading: Reading, role: str, loop: LoopSettings) -> tuple[str, ...]:
+    """Return what must be put right before the loop can be watched."""
+    sample = reading.sample
+    if sample.quality is Quality.BAD:
+        return (sample.why or f"bad quality, code {sample.code:#x}",)
+    found = []
+    limits = getattr(loop, _RANGES[role]) if role in _RANGES else None
+    if limits is not None and isinstance(sample.value, float | int):
+        margin = BEYOND * (limits[1] - limits[0])
+        if not limits[0] - margin <= sample.value <= limits[1] + margin:
+            low, high = limits
+            found.append(
+                f"outside {_RANGES[role]} {low:g} to {high:g}: are address, type, byte order and unit right?"
+            )
+    if reading.changed and sample.time == reading.first.time:
+        found.append("its value changes and its source time stands: its clock is stale")
+    if reading.age < -CLOCK:
+        found.append(f"its clock is {duration(-reading.age)} ahead of this machine's")
+    return tuple(found)
+
+
+def remarks(reading: Reading, role: str, loop: LoopSettings, watched: float) -> tuple[str, ...]:
+    """Return what may be right, and should be known; ``watched``: how long was listened, s."""
+    sample = reading.sample
+    if sample.quality is Quality.BAD:
+        return ()
+    found = []
+    if sample.quality is Quality.UNCERTAIN:
+        found.append(
+            f"uncertain quality, code {sample.code:#x}" if sample.code else "uncertain quality: a kept value"
+        )
+    if reading.age > max(OLD, 10 * loop.ts):
+        why = (
+            "its clock is behind, or it comes late"
+            if reading.changed
+            else "nothing new since, or its clock stands"
+        )
+        found.append(f"its source time is {duration(reading.age)} old: {why}")
+    if role == "mode" and not loop.is_automatic(sample.value):
+        words = ", ".join(str(value) for value in loop.automatic)
+        found.append(f"is none of {words}: not automatic, such windows are not judged")
+    if role == "pv" and not reading.changed and watched >= STILL * loop.ts:
+        found.append(f"constant: did not change in {duration(watched)}")
+    return tuple(found)
+
+
+def duration(seconds: float) -> str:
+    """Return a time as people say it, e.g. ``12 s``, ``3.5 h``."""
+    for unit, size in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.1f} s"
+
+
+def _same(one: float | str, other: float | str) -> bool:
+    if isinstance(one, str) or isinstance(other, str):
+        return one == other
+    return one == other or (math.isnan(one) and math.isnan(other))
