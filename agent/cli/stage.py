@@ -71,7 +71,14 @@ async def on_stage(
             for source in loops
         ]
         connections = {server.name: server.connection_settings() for server in servers.values()}
-        agent = Agent(settings_of({"connections": connections, "loops": entries}), executor, on_diagnosis)
+        settings = settings_of(
+            {
+                "agent": {"clock_error": None},  # plants and recordings have a time of their own
+                "connections": connections,
+                "loops": entries,
+            }
+        )
+        agent = Agent(settings, executor, on_diagnosis)
         tasks = await stack.enter_async_context(asyncio.TaskGroup())
         playing = tasks.create_task(_play(sources, servers, speed, agent), name="players")
         stage = Stage(agent, playing)

@@ -19,6 +19,7 @@ from agent.runtime.journal import Journal
 from agent.runtime.orders import Orders
 from agent.runtime.outbox import Outbox
 from agent.runtime.pipeline import Diagnose, LoopPipeline
+from agent.runtime.source_clock import SourceClock
 from agent.runtime.supervisor import Health, keep_alive
 from agent.runtime.workers import Executor
 from agent.settings import Settings, connectors_of
@@ -81,6 +82,7 @@ class Agent:
         self._clock = clock
         self.journal = Journal(settings.agent.state, clock)
         self.outboxes = {connector.name: Outbox(connector.name, self.journal) for connector in connectors}
+        limit = settings.agent.clock_error
         self._pipelines = {
             loop.name: LoopPipeline(
                 loop,
@@ -89,6 +91,7 @@ class Agent:
                 on_diagnosis,
                 diagnose,
                 self.journal,
+                None if limit is None else SourceClock(loop.name, limit, clock),
             )
             for loop in settings.loops
         }

@@ -16,6 +16,7 @@ from agent.analysis.stiction.online import OnlineShapes
 from agent.runtime.change import Change
 from agent.runtime.journal import Journal
 from agent.runtime.outbox import Outbox
+from agent.runtime.source_clock import SourceClock
 from agent.runtime.trigger import trigger
 from agent.runtime.window import RollingWindow
 from agent.runtime.workers import Executor
@@ -40,8 +41,11 @@ class LoopPipeline:
         on_diagnosis: Callable[[Diagnosis], None] | None = None,
         diagnose: Diagnose = diagnose,
         journal: Journal | None = None,
+        clock: SourceClock | None = None,
     ) -> None:
         self.settings = settings
+        self.clock = clock
+        """Which times are believed; None: all."""
         self.window = RollingWindow(settings)
         delay = Delay(settings.alarm.on_delay, settings.alarm.off_delay)
         self.alarm = Alarm(settings.name, settings.alarm.priority, delay)
@@ -61,7 +65,8 @@ class LoopPipeline:
 
     def push(self, sample: Sample, arrival: float) -> None:
         """Take a sample that arrived at ``arrival`` (monotonic, s)."""
-        window = self.window.push(sample, arrival)
+        counts = sample if self.clock is None else self.clock.checked(sample, arrival)
+        window = None if counts is None else self.window.push(counts, arrival)
         if window is None:
             return
         self._shapes.follow(window)

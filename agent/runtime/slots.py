@@ -47,6 +47,11 @@ class SlotRing:
         """Slot of the newest value, ``NEVER`` before the first."""
         return int(self._slots[self._next - 1])
 
+    @property
+    def known(self) -> bool:
+        """Whether the newest value is one, and not that it is missing."""
+        return bool(np.isfinite(self._values[self._next - 1]))
+
     def put(self, time: float, slot: int, value: float) -> Taken:
         """Take a value of source time ``time`` (s UTC); what is not newer than the last one is dropped."""
         if time <= self.time:

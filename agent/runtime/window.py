@@ -35,6 +35,8 @@ LATEST = 150
 OPC UA server keeps 100 values a node between two notifications unless told otherwise."""
 CLOCK_SET_BACK = 60
 """Samples in a row from the past after which the source's clock was set back, and time starts anew."""
+AT_PACE, FEWEST_AT_PACE = 1.0, 5
+"""It was set back as well if samples from the past tick on as the wall does, so long (s) and so many."""
 TOLD_TOGETHER = 1.5
 """Samples without any report that make a gap where all roles are told together."""
 
@@ -72,6 +74,8 @@ class RollingWindow:
         self._due_at: int | None
         """Last slot of the next window; None before PV and OP are both known."""
         self._backward_run: int
+        self._backward_from: tuple[float, float]
+        """Source time and arrival of the first of that run, s."""
         self._start_anew()
 
     @property
@@ -97,8 +101,11 @@ class RollingWindow:
             self._origin = sample.time
             for earlier in self._before_pv.values():
                 self.push(earlier, arrival)
-        slot = round((sample.time - self._origin) / self._settings.ts)
-        taken = ring.put(sample.time, slot, self._value(sample))
+        time = sample.time
+        if sample.quality is Quality.BAD and time < ring.time and ring.known:
+            time = ring.time + self._settings.ts  # by another clock: nothing is known from now on
+        slot = round((time - self._origin) / self._settings.ts)
+        taken = ring.put(time, slot, self._value(sample))
         if taken is not Taken.NEW:
             return self._dropped(sample, taken, arrival)
         self._backward_run = 0
@@ -126,12 +133,22 @@ class RollingWindow:
             self.counters.duplicates += 1
             return None
         self.counters.backward += 1
+        if sample.quality is Quality.BAD:
+            return None  # it may have another clock than values have
+        if self._backward_run == 0:
+            self._backward_from = (sample.time, arrival)
         self._backward_run += 1
-        if self._backward_run < CLOCK_SET_BACK:
+        if self._backward_run < CLOCK_SET_BACK and not self._ticks(sample, arrival):
             return None
         self.counters.clock_steps += 1
         self._start_anew()
         return self.push(sample, arrival)
+
+    def _ticks(self, sample: Sample, arrival: float) -> bool:
+        """Return whether the samples from the past tick on as the wall does: nobody sends history so."""
+        ticked, passed = sample.time - self._backward_from[0], arrival - self._backward_from[1]
+        enough = self._backward_run >= FEWEST_AT_PACE and passed >= AT_PACE
+        return enough and abs(ticked - passed) <= 0.5 * passed
 
     def _value(self, sample: Sample) -> float:
         if sample.quality is Quality.BAD:

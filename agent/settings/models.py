@@ -28,6 +28,9 @@ class AgentSettings(Options):
     """Processes that quantify; one core each."""
     data_age: Seconds = 60.0
     """Time without any sample after which a connection is opened anew, s."""
+    clock_error: Seconds | None = 86400.0
+    """Difference from this machine's clock from which the time that a source gives is absurd, s: then time is
+    taken from here. None: it is always believed."""
     longest_wait: Seconds = 3.0
     """Longest wait between two attempts at a connection that is down, s; the first waits are shorter."""
     state: Path | None = None

@@ -63,6 +63,7 @@ async def test_from_the_plant_to_the_alarm(bus):
         one_window = {"window": {"seconds": 300.0, "hop": 1.0}, "alarm": {"on_delay": 1}}
         settings = settings_of(
             {
+                "agent": {"clock_error": None},
                 "connections": {server.name: server.connection_settings()},
                 "loops": [{**server.loop_settings(loop, 1.0), **one_window} for loop in LOOPS],
             }

@@ -78,7 +78,7 @@ def agent_of(
     buses = [bus] if scada is None else [bus, scada]
     options = {"seconds": 400.0, "hop": 0.25, "publish": (Target(connection=buses[-1].name),)} | loop_options
     settings = Settings(
-        agent=AgentSettings(longest_wait=longest_wait),
+        agent=AgentSettings(longest_wait=longest_wait, clock_error=None),
         connections={each.name: ConnectionSettings("fake", Options()) for each in buses},
         loops=tuple(loop_settings(name, **options) for name in loops),
     )
