@@ -1,6 +1,6 @@
 """The YAML file as models; reports every fault at once, each with its path."""
 
-from agent.settings.load import connectors_of, load_settings, settings_of
+from agent.settings.load import connectors_of, load_settings, settings_of, tags_on
 from agent.settings.models import (
     AgentSettings,
     AlarmSettings,
@@ -23,4 +23,5 @@ __all__ = [
     "connectors_of",
     "load_settings",
     "settings_of",
+    "tags_on",
 ]

@@ -68,15 +68,7 @@ def connectors_of(settings: Settings, *, guest: bool = False) -> tuple[Connector
     """
     connectors, faults = [], []
     for name, connection in settings.connections.items():
-        loops = {
-            loop.name: LoopTags(
-                tags=loop.tags if loop.connection == name else {},
-                targets=[target for target in loop.publish if target.connection == name],
-                variables=loop.variables,
-            )
-            for loop in settings.loops
-            if loop.connection == name or any(target.connection == name for target in loop.publish)
-        }
+        loops = tags_on(settings, name)
         options = connection.options.as_guest() if guest else connection.options
         try:
             connectors.append(_KINDS[connection.kind].open(name, options, loops))
@@ -85,6 +77,19 @@ def connectors_of(settings: Settings, *, guest: bool = False) -> tuple[Connector
     if faults:
         raise ConfigError(faults)
     return tuple(connectors)
+
+
+def tags_on(settings: Settings, connection: str) -> dict[str, LoopTags[Any, Any]]:
+    """Return what a connection reads and writes for each loop, by the loop's name, in the file's order."""
+    return {
+        loop.name: LoopTags(
+            tags=loop.tags if loop.connection == connection else {},
+            targets=[target for target in loop.publish if target.connection == connection],
+            variables=loop.variables,
+        )
+        for loop in settings.loops
+        if loop.connection == connection or any(target.connection == connection for target in loop.publish)
+    }
 
 
 def _connections(raw: object, faults: list[str]) -> dict[str, ConnectionSettings]:
