@@ -23,6 +23,7 @@ from connectors.base import (
 from connectors.cancellation import obey_cancellation
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
 from connectors.opcua.security import identify, refusal
+from connectors.opcua.silence import Silence
 from connectors.opcua.subscription import subscription
 from connectors.opcua.values import in_words, is_waiting, no_write, sample, variant
 from connectors.options import LoopTags
@@ -74,16 +75,28 @@ class OpcUaSession:
                 self._tags.setdefault(tag.node, []).append(f"{name}.{role}")
 
     async def samples(self) -> AsyncIterator[Sample]:
-        """Yield every change; a node that is not there is told once and asked for again now and then."""
-        with _as_connection_lost():
+        """Yield every change.
+
+        A node that is not there is told once and asked for again now and then; one that is silent is read.
+        """
+        with as_connection_lost():
             watched = await subscription(self._client, self._options)
-            names = {ua.NodeId.from_string(node): names for node, names in self._tags.items()}
+            nodes = {ua.NodeId.from_string(node): node for node in self._tags}
+            silence = Silence()
             absent: set[str] = set()
             wanted = list(self._tags)
             due = time.monotonic()
             while True:
-                if wanted and time.monotonic() >= due:
+                if time.monotonic() >= due:
+                    wanted += [
+                        node
+                        for node, read in (await watched.read(silence.silent())).items()
+                        if silence.is_lost(node, read)
+                    ]
                     refused = await watched.add(wanted)
+                    for node in wanted:
+                        if node not in refused:
+                            silence.watch(node)
                     for node in refused.keys() - absent:
                         for name in self._tags[node]:
                             status = refused[node]
@@ -93,9 +106,13 @@ class OpcUaSession:
                     due = time.monotonic() + self._options.retry
                 event = await watched.next_change(min(self._options.timeout, self._options.retry))
                 obey_cancellation()
-                if event is not None and not is_waiting(event.data.monitored_item.Value):
-                    for name in names[event.node.nodeid]:
-                        yield sample(name, event.data.monitored_item.Value)
+                if event is None:
+                    continue
+                node, data = nodes[event.node.nodeid], event.data.monitored_item.Value
+                silence.told(node, data)
+                if not is_waiting(data):
+                    for name in self._tags[node]:
+                        yield sample(name, data)
 
     async def publish(self, publication: Publication) -> None:
         """Write a state, the flag last; raises ConnectionLostError, RefusedError."""
@@ -106,7 +123,7 @@ class OpcUaSession:
             fields = {tag.node: publication.fields.get(name) for name, tag in target.fields.items()}
             if target.active is not None:
                 fields[target.active.node] = bool(publication.fields.get("active"))
-            with _as_connection_lost():
+            with as_connection_lost():
                 refused |= await self._write(fields)
         if refused:
             raise RefusedError("; ".join(f"{node}: {status.name}" for node, status in refused.items()))
@@ -122,7 +139,7 @@ class OpcUaSession:
         reports = []
         for start in range(0, len(places), _BATCH):
             batch = places[start : start + _BATCH]
-            with _as_connection_lost():
+            with as_connection_lost():
                 answers = await self._client.uaclient.read_attributes(
                     [ua.NodeId.from_string(node) for _, node in batch], ua.AttributeIds.UserAccessLevel
                 )
@@ -172,7 +189,7 @@ async def connected(options: OpcUaOptions) -> AsyncIterator[Client]:
     """Connect a fresh client; raises ConnectionLostError, AccessDeniedError."""
     client = Client(options.url, timeout=options.timeout, watchdog_intervall=options.timeout)
     client.session_timeout = _SESSION_TIMEOUT
-    with _as_connection_lost(f"OPC UA server at {options.url}: "), ExitStack() as unless_connected:
+    with as_connection_lost(f"OPC UA server at {options.url}: "), ExitStack() as unless_connected:
         unless_connected.callback(client.disconnect_socket)
         await identify(client, options)
         await client.connect()
@@ -184,7 +201,8 @@ async def connected(options: OpcUaOptions) -> AsyncIterator[Client]:
 
 
 @contextmanager
-def _as_connection_lost(peer: str = "") -> Iterator[None]:
+def as_connection_lost(peer: str = "") -> Iterator[None]:
+    """Raise what asyncua and sockets raise as ConnectionLostError or AccessDeniedError of ``peer``."""
     try:
         yield
     except AccessDeniedError as error:

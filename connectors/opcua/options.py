@@ -83,8 +83,8 @@ class OpcUaOptions(Options):
     """Publishing intervals without a change after which the server must say that it is alive."""
     timeout: Seconds = 4.0
     """Longest wait for an answer, s; after that the server counts as gone."""
-    retry: Seconds = 30.0
-    """How often a node that was not found is asked for again, s."""
+    retry: Seconds = 2.0
+    """How often a node that was not found is asked for again, and one that is silent is read, s."""
 
     @model_validator(mode="after")
     def _no_password_in_the_open(self) -> OpcUaOptions:

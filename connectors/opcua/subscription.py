@@ -36,6 +36,7 @@ class NodeSubscription:
 
     def __init__(self, subscription: Subscription, options: OpcUaOptions, silence: float) -> None:
         self._subscription = subscription
+        self._session = subscription.server
         self._options = options
         self._silence = silence
         self._created = time.monotonic()
@@ -52,6 +53,14 @@ class NodeSubscription:
         return {node: status for node, status in refused.items() if node not in plain} | await self._monitor(
             plain, None
         )
+
+    async def read(self, nodes: Sequence[str]) -> dict[str, ua.DataValue]:
+        """Ask for the values of ``nodes``, told or not."""
+        answers: list[ua.DataValue] = []
+        for start in range(0, len(nodes), _BATCH):
+            batch = [ua.NodeId.from_string(node) for node in nodes[start : start + _BATCH]]
+            answers += await self._session.read_attributes(batch, ua.AttributeIds.Value)
+        return dict(zip(nodes, answers, strict=True))
 
     async def next_change(self, timeout: float) -> DataChangeEvent | None:  # noqa: ASYNC109 - not to be cancelled
         """Return the next change, None if there was none for ``timeout`` s; raises ConnectionLostError."""

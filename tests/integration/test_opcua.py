@@ -106,3 +106,44 @@ async def test_an_alarm_the_server_refuses_is_told(node, said):
         async with connector_of(server.connection_settings(), [entry]).session() as session:
             with pytest.raises(RefusedError, match=f"{node}: {said}"):
                 await session.publish(Publication("FIC101", "state", "1", {"active": True}))
+
+
+async def test_a_node_that_is_made_anew_is_found_and_spares_the_others():
+    """asyncua's server forgets who watched a node that was deleted, and says nothing, as others do."""
+    async with serving() as server:
+        connector = connector_of(
+            {**server.connection_settings(), "retry": 0.1}, [server.loop_settings("FIC101", 1.0)]
+        )
+        async with connector.session() as session, Reading(session) as reading:
+            rows = wave("FIC101", 1000, roles=("pv", "op", "mode")).rows()
+            await server.put("FIC101", next(rows))
+            await until(lambda: reading.of("FIC101.pv"))
+            node = ua.NodeId.from_string("ns=2;s=FIC101.PV")
+            aspace = server._server.iserver.aspace
+            for handle, (watched, _) in list(aspace._handle_to_attribute_map.items()):
+                if watched == node:  # as in a server that forgets
+                    aspace.delete_datachange_callback(handle)
+            await server._server.delete_nodes([server._server.get_node(node)])
+            await until(lambda: reading.of("FIC101.pv")[-1].quality is Quality.BAD)
+            assert reading.of("FIC101.pv")[-1].code == ua.StatusCodes.BadNodeIdUnknown
+            await server._server.nodes.objects.add_variable(node, "2:PV", 7.0)
+            await until(lambda: reading.of("FIC101.pv")[-1].value == 7.0)
+            assert len(reading.of("FIC101.op")) == 1  # nothing was opened anew
+
+
+async def test_a_node_that_the_server_forgot_to_report_is_watched_anew():
+    async with serving() as server:
+        connector = connector_of(
+            {**server.connection_settings(), "retry": 0.1}, [server.loop_settings("FIC101", 1.0)]
+        )
+        async with connector.session() as session, Reading(session) as reading:
+            first, second = wave("FIC101", 2, roles=("pv", "op", "mode")).rows()
+            await server.put("FIC101", first)
+            await until(lambda: reading.of("FIC101.pv"))
+            aspace = server._server.iserver.aspace
+            for handle, (watched, _) in list(aspace._handle_to_attribute_map.items()):
+                if watched == ua.NodeId.from_string("ns=2;s=FIC101.PV"):
+                    aspace.delete_datachange_callback(handle)
+            await server.put("FIC101", second)
+            await until(lambda: reading.of("FIC101.pv")[-1].time == second.time)
+            assert [sample.value for sample in reading.of("FIC101.pv")] == [0.0, 1.0]
