@@ -16,7 +16,9 @@ from connectors.mqtt.options import short_tag as mqtt_tag
 from connectors.opcua.connector import OpcUaConnector
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
 from connectors.opcua.options import short_tag as opcua_tag
-from connectors.options import LoopTags, Options, TagT, Target, TargetT
+from connectors.opcua_server.connector import OpcUaServerConnector
+from connectors.opcua_server.options import OpcUaServerOptions, OpcUaServerTarget
+from connectors.options import LoopTags, NoTag, Options, TagT, Target, TargetT
 
 OptionsT = TypeVar("OptionsT", bound=Options)
 ROLES = ("pv", "op", "sp", "mv", "mode")
@@ -48,6 +50,9 @@ KINDS: tuple[ConnectorKind[Any, Any, Any], ...] = (
         "modbus", ModbusOptions, ModbusTag, ModbusTarget, ModbusConnector, (*ROLES, "time"), modbus_tag
     ),
     ConnectorKind("opcua", OpcUaOptions, OpcUaTag, OpcUaTarget, OpcUaConnector, short=opcua_tag),
+    ConnectorKind(
+        "opcua_server", OpcUaServerOptions, NoTag, OpcUaServerTarget, OpcUaServerConnector, roles=()
+    ),
     ConnectorKind("mqtt", MqttOptions, MqttTag, MqttTarget, MqttConnector, short=mqtt_tag),
 )
 

@@ -2,32 +2,16 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
-
 from asyncua import Client, ua
 from asyncua.crypto import security_policies
 from asyncua.crypto.uacrypto import CertProperties, x509_from_der
 from cryptography import x509
-from cryptography.exceptions import UnsupportedAlgorithm
 from cryptography.hazmat.primitives.hashes import SHA256
-from cryptography.hazmat.primitives.serialization import (
-    Encoding,
-    NoEncryption,
-    PrivateFormat,
-    load_der_private_key,
-    load_pem_private_key,
-)
-from cryptography.x509.verification import (
-    Criticality,
-    ExtensionPolicy,
-    PolicyBuilder,
-    Store,
-    VerificationError,
-)
+from cryptography.hazmat.primitives.serialization import Encoding
 
 from connectors.base import AccessDeniedError
+from connectors.opcua.credentials import application_uri, certificate_in, hosts_of, private_key_in, signed_by
 from connectors.opcua.options import Login, OpcUaOptions, Security
-from connectors.secret import Secret, content
 
 _DENIALS = {
     "it does not let this user in; check login": {
@@ -77,7 +61,7 @@ async def identify(client: Client, options: OpcUaOptions) -> None:
 
 
 async def _secure(client: Client, security: Security) -> None:
-    certificate = _certificate("security.certificate", security.certificate)
+    certificate = certificate_in("security.certificate", security.certificate)
     policy = getattr(security_policies, f"SecurityPolicy{security.policy}")
     mode = ua.MessageSecurityMode.SignAndEncrypt
     # anybody may answer this question, which goes out unprotected: only the certificate is believed
@@ -96,11 +80,11 @@ async def _secure(client: Client, security: Security) -> None:
         _same(server, security.server_certificate)
     if security.ca is not None:
         _signed(server, security.ca, str(client.server_url.hostname))
-    client.application_uri = _uri(certificate, security.certificate)
+    client.application_uri = application_uri("security.certificate", security.certificate, certificate)
     await client.set_security(
         policy,
         CertProperties(certificate.public_bytes(Encoding.DER), "der"),
-        CertProperties(_key("security.key", security.key, security.key_password), "der"),
+        CertProperties(private_key_in("security.key", security.key, security.key_password), "der"),
         server_certificate=CertProperties(server.public_bytes(Encoding.DER), "der"),
         mode=mode,
     )
@@ -111,13 +95,15 @@ async def _log_in(client: Client, login: Login) -> None:
         client.set_user(login.user)
         client.set_password(login.password.read("login.password"))
     elif login.certificate is not None and login.key is not None:
-        certificate = _certificate("login.certificate", login.certificate)
+        certificate = certificate_in("login.certificate", login.certificate)
         await client.load_client_certificate(certificate.public_bytes(Encoding.DER), "der")
-        await client.load_private_key(_key("login.key", login.key, login.key_password), extension="der")
+        await client.load_private_key(
+            private_key_in("login.key", login.key, login.key_password), extension="der"
+        )
 
 
 def _same(server: x509.Certificate, path: str) -> None:
-    expected = _certificate("security.server_certificate", path)
+    expected = certificate_in("security.server_certificate", path)
     if server != expected:
         raise AccessDeniedError(
             f"it shows another certificate (SHA-256 {server.fingerprint(SHA256()).hex()}) than "
@@ -126,69 +112,10 @@ def _same(server: x509.Certificate, path: str) -> None:
 
 
 def _signed(server: x509.Certificate, path: str, host: str) -> None:
-    """Check signature, time and names; extensions differ too much between makers to insist on them."""
-    try:
-        authorities = x509.load_pem_x509_certificates(content("security.ca", path))
-    except ValueError as error:
-        raise AccessDeniedError(f"security.ca: {path} holds no certificates in PEM") from error
-    builder = PolicyBuilder().store(Store(authorities)).time(datetime.now(UTC))
-    lenient = ExtensionPolicy.permit_all()
-    of_ca = lenient.require_present(x509.BasicConstraints, Criticality.AGNOSTIC, None)
-    verifier = builder.extension_policies(ca_policy=of_ca, ee_policy=lenient).build_client_verifier()
-    try:
-        verifier.verify(server, [])
-    except VerificationError as error:
-        raise AccessDeniedError(f"its certificate is not accepted: {error}; check security.ca") from error
-    if host not in _hosts(server):
+    signed_by("security.ca", path, server)
+    hosts = hosts_of(server)
+    if host not in hosts:
         raise AccessDeniedError(
-            f"its certificate is for {', '.join(_hosts(server)) or 'no host'} and not for {host}; "
+            f"its certificate is for {', '.join(hosts) or 'no host'} and not for {host}; "
             "check url, or name the certificate itself as security.server_certificate"
         )
-
-
-def _names(certificate: x509.Certificate) -> x509.SubjectAlternativeName:
-    try:
-        return certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
-    except x509.ExtensionNotFound:
-        return x509.SubjectAlternativeName([])
-
-
-def _hosts(certificate: x509.Certificate) -> list[str]:
-    names = _names(certificate)
-    hosts = names.get_values_for_type(x509.DNSName)
-    return [host.lower() for host in hosts] + [str(ip) for ip in names.get_values_for_type(x509.IPAddress)]
-
-
-def _uri(certificate: x509.Certificate, path: str) -> str:
-    """Return the application URI, which servers compare with the one that the client tells."""
-    uris = _names(certificate).get_values_for_type(x509.UniformResourceIdentifier)
-    if not uris:
-        raise AccessDeniedError(
-            f"security.certificate: {path} has no application URI in its alternative names"
-        )
-    return uris[0]
-
-
-def _certificate(option: str, path: str) -> x509.Certificate:
-    data = content(option, path)
-    try:
-        return x509.load_pem_x509_certificate(data) if _is_pem(data) else x509.load_der_x509_certificate(data)
-    except ValueError as error:
-        raise AccessDeniedError(f"{option}: {path} holds no certificate") from error
-
-
-def _key(option: str, path: str, secret: Secret | None) -> bytes:
-    """Return a private key in DER and in the open, as asyncua takes it."""
-    data = content(option, path)
-    password = None if secret is None else secret.read(f"{option}_password").encode()
-    try:
-        key = load_pem_private_key(data, password) if _is_pem(data) else load_der_private_key(data, password)
-    except (ValueError, TypeError, UnsupportedAlgorithm) as error:
-        raise AccessDeniedError(
-            f"{option}: {path} holds no private key that {option}_password opens"
-        ) from error
-    return key.private_bytes(Encoding.DER, PrivateFormat.PKCS8, NoEncryption())
-
-
-def _is_pem(data: bytes) -> bool:
-    return data.lstrip().startswith(b"-----BEGIN")

@@ -1,0 +1,133 @@
+"""An OPC UA server of our own as a connector: publications fill it, and people's orders come out."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Mapping
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+
+from asyncua import Server, ua
+
+from connectors.base import Order, Publication, Session, TargetReport
+from connectors.cancellation import obey_cancellation
+from connectors.opcua_server.agent_view import AgentView
+from connectors.opcua_server.commands import Commands
+from connectors.opcua_server.condition import Condition
+from connectors.opcua_server.events import Events
+from connectors.opcua_server.listening import listening, look_after, prepared
+from connectors.opcua_server.loop_nodes import add_alarm_type
+from connectors.opcua_server.loop_view import LoopView
+from connectors.opcua_server.names import NAMESPACE, Names
+from connectors.opcua_server.nodes import add_object, add_reference
+from connectors.opcua_server.options import OpcUaServerOptions, OpcUaServerTarget
+from connectors.options import LoopTags, NoTag
+
+logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # passwords at DEBUG, and every client's faults
+
+_LOOK = 1.0
+"""s between two looks at clients that do not read."""
+
+ServedLoops = Mapping[str, LoopTags[NoTag, OpcUaServerTarget]]
+
+
+class OpcUaServerConnector:
+    """A server that others connect to. Its sessions show what the one before showed."""
+
+    takes_orders = True
+
+    def __init__(self, name: str, options: OpcUaServerOptions, loops: ServedLoops) -> None:
+        self.name = name
+        self._options = options
+        self._loops = loops
+        self._newest: dict[str, Publication] = {}
+
+    def session(self) -> AbstractAsyncContextManager[Session]:
+        """Listen; raises ConnectionLostError where the port is taken, AccessDeniedError."""
+        return self._session()
+
+    @asynccontextmanager
+    async def _session(self) -> AsyncIterator[Session]:
+        server = await prepared(self.name, self._options)
+        session = await served(server, self._options, self._loops, self._newest)
+        async with listening(server, self._options):
+            yield session
+
+
+class OpcUaServerSession:
+    """A server at work."""
+
+    def __init__(
+        self,
+        server: Server,
+        views: Mapping[str, LoopView],
+        agent: AgentView,
+        commands: Commands,
+        newest: dict[str, Publication],
+    ) -> None:
+        """Make it; ``newest`` keeps the last state of each loop for the session that follows."""
+        self._server = server
+        self._views = views
+        self._agent = agent
+        self._commands = commands
+        self._newest = newest
+
+    async def samples(self) -> AsyncIterator[Order]:
+        """Yield what people ask for; raises ConnectionLostError when the server no longer listens."""
+        while True:
+            try:
+                async with asyncio.timeout(_LOOK):
+                    order = await self._commands.orders.get()
+            except TimeoutError:
+                look_after(self._server)
+            else:
+                yield order
+            obey_cancellation()
+
+    async def check_targets(self) -> list[TargetReport]:
+        """Tell where each loop is shown; nothing can speak against it, as the server is ours."""
+        return [TargetReport(loop, f"object {loop} of this server") for loop in self._views]
+
+    async def publish(self, publication: Publication) -> None:
+        """Show it; a loop that the configuration does not name here is left out."""
+        view = self._views.get(publication.subject)
+        if view is None:
+            return
+        if publication.kind == "state":
+            self._newest[publication.subject] = publication
+        await view.show(publication)
+        conditions = (each.condition for each in self._views.values())
+        await self._agent.show(conditions, self._commands.taken)
+
+
+async def served(
+    server: Server, options: OpcUaServerOptions, loops: ServedLoops, newest: dict[str, Publication]
+) -> OpcUaServerSession:
+    """Fill the address space of a server with loops, as their ``newest`` publications tell them."""
+    names = Names(await server.register_namespace(NAMESPACE))
+    above = ua.NodeId(ua.ObjectIds.ObjectsFolder)
+    add_object(
+        server,
+        above,
+        names.folder,
+        names.browse("slipjump"),
+        kind=ua.NodeId(ua.ObjectIds.FolderType),
+        reference=ua.ObjectIds.Organizes,
+        notifies=True,
+    )
+    server_object = ua.NodeId(ua.ObjectIds.Server)
+    add_reference(server, server_object, ua.ObjectIds.HasNotifier, names.folder)
+    await server.get_node(server_object).set_event_notifier([ua.EventNotifier.SubscribeToEvents])
+    add_alarm_type(server, names)
+    events = Events(server, names.folder)
+    views = {
+        loop: LoopView(server, names, events, Condition(loop), options.longest_shelving) for loop in loops
+    }
+    commands = Commands(server, names, views, options.longest_shelving)
+    for loop, view in views.items():
+        await view.build(next((target.unit for target in loops[loop].targets if target.unit), None))
+        if loop in newest:
+            await view.show(newest[loop])
+    agent = AgentView(server, names)
+    await agent.show((view.condition for view in views.values()), 0, told=False)
+    return OpcUaServerSession(server, views, agent, commands, newest)

@@ -1,0 +1,34 @@
+"""Filters of events: as asyncua's, but that a type includes its subtypes (Part 4, 7.7.3).
+
+asyncua 2.1 compares the type alone; a client that asks for every AlarmConditionType would get none of ours.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from asyncua import ua
+from asyncua.server.address_space import AddressSpace
+from asyncua.server.monitored_item_service import WhereClauseEvaluator
+
+
+class Where(WhereClauseEvaluator):  # type: ignore[misc]
+    """One filter."""
+
+    def _eval_el(self, index: int, event: Any) -> Any:  # noqa: ANN401 - asyncua's own
+        element = self.elements[index]
+        if element.FilterOperator == ua.FilterOperator.OfType:
+            wanted = self._eval_op(element.FilterOperands[0], event)
+            return wanted in supertypes(self._aspace, event.EventType)
+        return super()._eval_el(index, event)
+
+
+def supertypes(space: AddressSpace, kind: ua.NodeId) -> list[ua.NodeId]:
+    """Return a type and all above it."""
+    found, subtype = [kind], ua.NodeId(ua.ObjectIds.HasSubtype)
+    while (node := space.get(found[-1])) is not None:
+        above = [r.NodeId for r in node.references if r.ReferenceTypeId == subtype and not r.IsForward]
+        if not above or above[0] in found:
+            break
+        found.append(above[0])
+    return found
