@@ -8,7 +8,7 @@ import ssl
 from collections.abc import AsyncIterator, Iterable, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 from aiomqtt import Client, Message, MqttCodeError, MqttError, ProtocolVersion, Will
 from paho.mqtt.packettypes import PacketTypes
@@ -84,13 +84,25 @@ class Outgoing:
 
 
 class StrictClient(Client):
-    """aiomqtt's, which keeps it to itself where a broker answers that it does not take a message (MQTT 5)."""
+    """aiomqtt's, which keeps two things to itself.
+
+    A broker that answers that it does not take a message (MQTT 5), and one that hangs up while it lets us in.
+    """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401 - all that aiomqtt takes
         super().__init__(*args, **kwargs)
         self._speaks_5 = kwargs.get("protocol") is ProtocolVersion.V5
         self._one_at_a_time = asyncio.Lock()
         self._refusal: str | None = None
+
+    async def __aenter__(self) -> Self:
+        """Connect; raises MqttError."""
+        lost = self._disconnected
+        lost.add_done_callback(_noticed)
+        await super().__aenter__()
+        if self._disconnected is not lost:  # aiomqtt has thrown away that it was lost meanwhile
+            raise MqttError("the broker hung up at once")
+        return self
 
     async def send(self, message: Outgoing) -> None:
         """Publish and return when the broker has it; raises ConnectionLostError, RefusedError."""
@@ -112,6 +124,12 @@ class StrictClient(Client):
         if reason_code.is_failure:
             self._refusal = str(reason_code)
         super()._on_publish(client, userdata, mid, reason_code, properties)
+
+
+def _noticed(future: asyncio.Future[None]) -> None:
+    """Take a loss out of its future, or asyncio tells in the log that nobody did."""
+    if not future.cancelled():
+        future.exception()
 
 
 @asynccontextmanager

@@ -1,0 +1,37 @@
+"""A broker that lets a client in and hangs up at the same moment is lost, not silent."""
+
+import asyncio
+import gc
+
+import pytest
+
+from connectors.base import ConnectionLostError
+from connectors.mqtt.client import connected
+from connectors.mqtt.options import MqttOptions
+
+WELCOME = b"\x20\x02\x00\x00"
+"""CONNACK of MQTT 3.1.1: accepted."""
+
+
+async def listened(options):
+    async with asyncio.timeout(10), connected(options) as client:
+        async for _ in client.messages:
+            pass
+
+
+async def test_it_is_told_and_no_exception_is_left_over():
+    async def hang_up(reader, writer):
+        await reader.read(1000)
+        writer.write(WELCOME)
+        writer.close()
+
+    escaped = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: escaped.append(context))
+    server = await asyncio.start_server(hang_up, "127.0.0.1", 0)
+    options = MqttOptions(port=server.sockets[0].getsockname()[1], timeout=5.0, keepalive=60)
+    for _ in range(20):
+        with pytest.raises(ConnectionLostError):
+            await listened(options)
+    server.close()
+    gc.collect()
+    assert escaped == []
