@@ -19,6 +19,8 @@ from connectors.opcua.options import short_tag as opcua_tag
 from connectors.opcua_server.connector import OpcUaServerConnector
 from connectors.opcua_server.options import OpcUaServerOptions, OpcUaServerTarget
 from connectors.options import LoopTags, NoTag, Options, TagT, Target, TargetT
+from connectors.sparkplug.connector import SparkplugConnector
+from connectors.sparkplug.options import SparkplugOptions, SparkplugTarget
 
 OptionsT = TypeVar("OptionsT", bound=Options)
 ROLES = ("pv", "op", "sp", "mv", "mode")
@@ -54,6 +56,7 @@ KINDS: tuple[ConnectorKind[Any, Any, Any], ...] = (
         "opcua_server", OpcUaServerOptions, NoTag, OpcUaServerTarget, OpcUaServerConnector, roles=()
     ),
     ConnectorKind("mqtt", MqttOptions, MqttTag, MqttTarget, MqttConnector, short=mqtt_tag),
+    ConnectorKind("sparkplug", SparkplugOptions, NoTag, SparkplugTarget, SparkplugConnector, roles=()),
 )
 
 __all__ = ["KINDS", "ROLES", "ConnectorKind", "LoopTags", "Options", "Target"]

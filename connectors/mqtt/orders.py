@@ -52,11 +52,12 @@ class OrderMessage(Options):
             raise ValueError(f"{self.action} has no {' and no '.join(given)}")
         return self
 
-    def end(self, arrival: float) -> float | None:
-        """Return the end of shelving, s UTC; None where nothing is shelved."""
+    def order(self, subject: str, arrival: float) -> Order:
+        """Return what this asks of a subject if it came at ``arrival``, s UTC."""
+        until = None if self.until is None else seconds(self.until)
         if self.minutes is not None:
-            return arrival + 60 * self.minutes
-        return None if self.until is None else seconds(self.until)
+            until = arrival + 60 * self.minutes
+        return Order(subject, self.action, self.by, until, self.alarm)
 
 
 class OrderReader:
@@ -95,7 +96,7 @@ class OrderReader:
         if self._comes_again(loop, message.id):
             self.repeated += 1
             return None
-        return Order(loop, message.action, message.by, message.end(arrival), message.alarm)
+        return message.order(loop, arrival)
 
     def _comes_again(self, loop: str, number: str | None) -> bool:
         if number is None:
