@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import typer
 
 from agent.cli.alarms import alarms
+from agent.cli.browse import browse
 from agent.cli.certificates import certificates
 from agent.cli.check import check
 from agent.cli.compare import compare
@@ -32,6 +33,8 @@ slipjump compare FIC101.csv --auto  (which physical effect is missing)
 
 slipjump replay FIC101.csv --bus mqtt  (a recording through the agent)
 
+slipjump browse opc.tcp://dcs:4840 -o plant.yaml  (find the loops by their names)
+
 slipjump check plant.yaml --connect, then slipjump run plant.yaml
 
 slipjump alarms list --config plant.yaml  (and acknowledge, shelve, out-of-service)
@@ -53,6 +56,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     compare,
     replay,
     run,
+    browse,
     check,
     simulate,
     certificates,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import yaml
-from pydantic import TypeAdapter, ValidationError
 
+from agent.settings.checked import checked
 from agent.settings.loop_list import LoopEntry, LoopList, listed_loops
 from agent.settings.models import AgentSettings, ConnectionSettings, LoopSettings, Settings
 from connectors.base import ConfigError, Connector
@@ -18,7 +18,6 @@ from connectors.options import Options, Target
 
 Kind = ConnectorKind[Any, Any, Any]
 _KINDS: dict[str, Kind] = {kind.kind: kind for kind in KINDS}
-T = TypeVar("T")
 
 
 def load_settings(path: Path) -> Settings:
@@ -49,7 +48,7 @@ def settings_of(raw: object, folder: Path = Path()) -> Settings:
     if not isinstance(raw, Mapping):
         raise ConfigError(["expected a mapping with the keys agent, connections and loops"])
     faults += [f"{key}: unknown key" for key in raw if key not in {"agent", "connections", "loops"}]
-    agent = _checked(AgentSettings, raw.get("agent") or {}, "agent", faults)
+    agent = checked(AgentSettings, raw.get("agent") or {}, "agent", faults)
     connections = _connections(raw.get("connections"), faults)
     kinds = {name: _KINDS.get(str(entry.get("kind"))) for name, entry in _mappings(raw.get("connections"))}
     entries, lists = _entries(raw.get("loops"), kinds, folder, faults)
@@ -107,7 +106,7 @@ def _connections(raw: object, faults: list[str]) -> dict[str, ConnectionSettings
             faults.append(f"{path}.kind: expected one of {', '.join(_KINDS)}, not {entry.get('kind')!r}")
             continue
         rest = {key: value for key, value in entry.items() if key != "kind"}
-        options = _checked(kind.options, rest, path, faults)
+        options = checked(kind.options, rest, path, faults)
         if options is not None:
             connections[str(name)] = ConnectionSettings(kind.kind, options)
     return connections
@@ -128,7 +127,7 @@ def _entries(
             faults.append(f"{path}: expected a mapping with the keys name, connection, ts and tags")
         elif "from" not in entry:
             entries.append(LoopEntry(path, entry))
-        elif (listed := _checked(LoopList, entry, path, faults)) is not None:
+        elif (listed := checked(LoopList, entry, path, faults)) is not None:
             entries += listed_loops(listed, path, folder, shorts, faults)
             lists.append(folder / listed.source)
     return entries, tuple(lists)
@@ -145,7 +144,7 @@ def _loops(
             "tags": _tags(entry.raw, kinds, entry.place, own),
             "publish": _targets(entry.raw, kinds, entry.place, own),
         }
-        loop = _checked(LoopSettings, joined, entry.place, own)
+        loop = checked(LoopSettings, joined, entry.place, own)
         if loop is not None:
             loops.append(loop)
         faults += [entry.told(fault) for fault in own]
@@ -179,8 +178,8 @@ def _tags(
     for role, tag in raw.items():
         if role not in kind.roles:
             faults.append(f"{path}.tags.{role}: expected one of {', '.join(kind.roles)}")
-        elif (checked := _checked(kind.tag, tag, f"{path}.tags.{role}", faults)) is not None:
-            tags[str(role)] = checked
+        elif (found := checked(kind.tag, tag, f"{path}.tags.{role}", faults)) is not None:
+            tags[str(role)] = found
     return tags
 
 
@@ -198,7 +197,7 @@ def _targets(
             faults.append(f"{place}: expected a mapping with a key connection")
             continue
         kind = _kind(entry, kinds, place, faults)
-        if kind is not None and (target := _checked(kind.target, entry, place, faults)) is not None:
+        if kind is not None and (target := checked(kind.target, entry, place, faults)) is not None:
             targets.append(target)
     return tuple(targets)
 
@@ -218,26 +217,3 @@ def _kind(
 def _mappings(raw: object) -> Iterator[tuple[str, Mapping[str, Any]]]:
     if isinstance(raw, Mapping):
         yield from ((str(name), entry) for name, entry in raw.items() if isinstance(entry, Mapping))
-
-
-def _checked(model: type[T], raw: object, path: str, faults: list[str]) -> T | None:
-    """Return the model, or None after adding its faults."""
-    try:
-        return TypeAdapter(model).validate_python(raw)
-    except ValidationError as error:
-        for fault in error.errors(include_url=False):
-            place = ".".join([path, *(str(part) for part in fault["loc"])])
-            faults.append(f"{place}: {_told(fault['type'], fault['msg'])}")
-        return None
-
-
-def _told(kind: str, message: str) -> str:
-    match kind:
-        case "extra_forbidden":
-            return "unknown key"
-        case "missing":
-            return "is missing"
-        case "value_error":
-            return message.removeprefix("Value error, ")
-        case _:
-            return message[0].lower() + message[1:]

@@ -1,0 +1,113 @@
+"""Finds the loops of an OPC UA server by the names of its nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from agent.settings.tag_names import NamedTag, TagGroup, groups_by_convention, groups_by_pattern
+from connectors.opcua.browse import OBJECTS, Bounds, Variable, values, walk
+from connectors.opcua.connector import connected
+from connectors.opcua.options import OpcUaOptions
+
+_RANGE = "EURange"
+"""Property of an analog item with the span of its value (OPC UA Part 8, 5.3.2.3)."""
+
+
+@dataclass(frozen=True, slots=True)
+class FoundLoop:
+    """A loop, as its server has it."""
+
+    name: str
+    by: str
+    """Whose names these are, or the pattern that found it."""
+    nodes: Mapping[str, str]
+    """Role -> node id."""
+    values: Mapping[str, object]
+    """Role -> what the node holds, where that is not bad."""
+    spans: Mapping[str, tuple[float, float]]
+    """Role -> range of its values, where the server tells one."""
+
+    def entry(self, connection: str, ts: float) -> dict[str, object]:
+        """Return its entry in a configuration."""
+        ranges = {f"{role}_range": list(self.spans[role]) for role in ("op", "pv") if role in self.spans}
+        tags = {role: {"node": node} for role, node in self.nodes.items()}
+        return {"name": self.name, "connection": connection, "ts": ts, **ranges, "tags": tags}
+
+
+@dataclass(frozen=True, slots=True)
+class LoopSearch:
+    """What a search found."""
+
+    loops: tuple[FoundLoop, ...]
+    nodes: int
+    """Nodes that were seen."""
+    variables: int
+    """Of these, variables."""
+    stopped: str | None
+    """The bound that ended it; None where all was seen."""
+
+
+async def find_loops(
+    options: OpcUaOptions,
+    bounds: Bounds,
+    root: str = OBJECTS,
+    patterns: Mapping[str, str] | None = None,
+    progress: Callable[[int, int], None] = lambda _seen, _waiting: None,
+) -> LoopSearch:
+    """Look at all nodes below ``root`` and read those of the loops; raises ConnectionLostError.
+
+    Args:
+        options: The server.
+        bounds: Where to end.
+        root: Node id to begin at.
+        patterns: Role -> name with one ``*``; None takes the names of common control systems.
+        progress: As in ``walk``.
+    """
+    async with connected(options) as client:
+        walked = await walk(client, bounds, root, progress)
+        tags = [NamedTag(each.node, _names(each)) for each in walked.variables]
+        groups = groups_by_pattern(tags, patterns) if patterns else groups_by_convention(tags)
+        paths = {each.node: each.path for each in walked.variables}
+        below = {each.path[:-1]: each.node for each in walked.variables if each.path[-1] == _RANGE}
+        members = [tag.address for group in groups for tag in group.tags.values()]
+        ranges = {node: below[paths[node]] for node in members if paths[node] in below}
+        held = await values(client, [*members, *ranges.values()])
+    spans = {node: span for node, range_ in ranges.items() if (span := _span(held.get(range_))) is not None}
+    loops = tuple(_found(group, held, spans) for group in groups if _is_numeric(group, held))
+    return LoopSearch(loops, walked.nodes, len(walked.variables), walked.stopped)
+
+
+def _found(
+    group: TagGroup, held: Mapping[str, object], spans: Mapping[str, tuple[float, float]]
+) -> FoundLoop:
+    nodes = {role: tag.address for role, tag in group.tags.items()}
+    return FoundLoop(
+        group.name,
+        group.by,
+        nodes,
+        {role: held[node] for role, node in nodes.items() if node in held},
+        {role: spans[node] for role, node in nodes.items() if node in spans},
+    )
+
+
+def _names(variable: Variable) -> tuple[str, ...]:
+    """Return the names of a node: its path, and the text of its id where it is one."""
+    path = "/".join(variable.path)
+    id_ = variable.node.rpartition("ns=")[2].partition(";")[2] if ";" in variable.node else variable.node
+    return (path, id_.removeprefix("s=")) if id_.startswith("s=") else (path,)
+
+
+def _is_numeric(group: TagGroup, held: Mapping[str, object]) -> bool:
+    """Whether PV and OP may be numbers; those without a value may."""
+    found = [held.get(group.tags[role].address) for role in ("pv", "op")]
+    return all(
+        each is None or (isinstance(each, int | float) and not isinstance(each, bool)) for each in found
+    )
+
+
+def _span(held: object) -> tuple[float, float] | None:
+    low, high = getattr(held, "Low", None), getattr(held, "High", None)
+    if isinstance(low, int | float) and isinstance(high, int | float) and low < high:
+        return float(low), float(high)
+    return None
