@@ -33,7 +33,7 @@ class Announcement:
         return f"{self.alarm.loop}/{self.time:.3f}/{self.kind}/{self.alarm.state}"
 
     def fields(self) -> dict[str, float | str | bool | None]:
-        """Flat values for a bus; None is not known. docs/alarms.md explains each."""
+        """Flat values for a bus; None is not known. docs/payload.md explains each."""
         alarm, found = self.alarm, self.alarm.stiction
         return {
             "schema": SCHEMA,
