@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.results import Diagnosis
     from agent.cli.stage import Stage
-    from agent.runtime.agent import LoopStatus
+    from agent.runtime.status import LoopStatus
     from simulators.scenario import Scenario
 
 

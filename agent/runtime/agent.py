@@ -1,4 +1,4 @@
-"""The daemon: connections and loops wired together, each a task that cannot die."""
+"""The daemon: connections and loops wired together, each a task that cannot die and can be replaced."""
 
 from __future__ import annotations
 
@@ -6,46 +6,35 @@ import asyncio
 import functools
 import logging
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import NoReturn
+from collections.abc import Callable, Collection, Coroutine, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NoReturn
 
-from agent.alarms import State
+from agent.alarms import Alarm, Announcement
 from agent.analysis.diagnose import diagnose
-from agent.analysis.results import Diagnosis, Oscillation
+from agent.analysis.results import Diagnosis
 from agent.runtime.change import Change
 from agent.runtime.connection import Connection
+from agent.runtime.crew import Crew
+from agent.runtime.history import History
+from agent.runtime.history_file import history_path
 from agent.runtime.journal import Journal
 from agent.runtime.orders import Orders
 from agent.runtime.outbox import Outbox
-from agent.runtime.pipeline import Diagnose, LoopPipeline
+from agent.runtime.pipeline import Diagnose, Judged, LoopPipeline, Observer
+from agent.runtime.plan import AT_START, connection_plans, difference
 from agent.runtime.source_clock import SourceClock
-from agent.runtime.supervisor import Health, keep_alive
+from agent.runtime.status import AgentStatus, LoopStatus, connection_status, loop_status
+from agent.runtime.supervisor import MARGIN, Health
 from agent.runtime.workers import Executor
-from agent.settings import Settings, connectors_of
-from connectors.base import Connector, Sample
+from agent.settings import LoopSettings, Settings, connectors_of
+from connectors.base import Connector, Publication, Sample
 from connectors.cancellation import obey_cancellation
 
 LOG = logging.getLogger(__name__)
 LOOK = 0.5
 """Time between two looks for commands and at the end of shelving, s."""
-
-
-@dataclass(frozen=True, slots=True)
-class LoopStatus:
-    """What is known of a loop at this moment."""
-
-    loop: str
-    bus: str
-    """Kind of the connection that it is read from."""
-    samples: int
-    gaps: int
-    """Grid points without PV or OP in the newest window."""
-    data_age: float | None
-    """Time since the newest sample arrived, s; None before the first."""
-    oscillation: Oscillation | None
-    diagnosis: Diagnosis | None
-    alarm: State
+Work = Callable[[], Coroutine[Any, Any, object]]
 
 
 class Agent:
@@ -78,44 +67,101 @@ class Agent:
             clock: Gives the time, s UTC.
         """
         self._settings = settings
-        connectors = connectors_of(settings) if connectors is None else connectors
+        self._executor = executor
+        self._diagnose = diagnose
         self._clock = clock
+        self._observers: list[Observer] = [] if on_diagnosis is None else [_Teller(on_diagnosis)]
+        self._kept: dict[str, Alarm] = {}
+        self._beside: list[tuple[Health, Work]] = []
+        self._crew: Crew | None = None
+        self._reloading = asyncio.Lock()
+        self._pipelines: dict[str, LoopPipeline] = {}
+        self._connections: dict[str, Connection] = {}
         self.journal = Journal(settings.agent.state, clock)
-        self.outboxes = {connector.name: Outbox(connector.name, self.journal) for connector in connectors}
-        limit = settings.agent.clock_error
-        self._pipelines = {
-            loop.name: LoopPipeline(
-                loop,
-                executor,
-                [self.outboxes[name] for name in dict.fromkeys(t.connection for t in loop.publish)],
-                on_diagnosis,
-                diagnose,
-                self.journal,
-                None if limit is None else SourceClock(loop.name, limit, clock),
-            )
-            for loop in settings.loops
-        }
+        self.outboxes: dict[str, Outbox] = {}
+        self.health: dict[str, Health] = {}
+        """How each loop fares."""
         self.orders = Orders(self._pipelines, self.journal, clock)
-        self.connections = [self._connection(connector) for connector in connectors]
-        self.health = {name: Health(f"loop {name}") for name in self._pipelines}
         self.operators = Health("commands of operators")
+        self.history: History | None = None
+        if settings.agent.state is not None and settings.agent.history is not None:
+            self.history = History(history_path(settings.agent.state), settings.agent.history, clock)
+            self._observers.append(self.history)
+            self.accompany(Health("history"), self.history.run)
+        self.accompany(self.operators, self._serve_operators)
+        made = connectors_of(settings) if connectors is None else connectors
+        self._wire({connector.name: connector for connector in made}, settings.loops)
 
-    async def run(self) -> None:
-        """Go on where the last run ended, work until cancelled, then clean up within some seconds."""
+    @property
+    def settings(self) -> Settings:
+        """What it works by now."""
+        return self._settings
+
+    @property
+    def connections(self) -> list[Connection]:
+        """In the order of the settings."""
+        return list(self._connections.values())
+
+    def observe(self, observer: Observer) -> None:
+        """Have ``observer`` told what becomes of every loop."""
+        self._observers.append(observer)
+
+    def accompany(self, health: Health, work: Work) -> None:
+        """Keep other work alive beside, from the start to the end of ``run``."""
+        self._beside.append((health, work))
+
+    async def run(self, ready: Callable[[], None] | None = None) -> None:
+        """Go on where the last run ended, work until cancelled, then clean up within some seconds.
+
+        ``ready`` is called as soon as all of it is at work.
+        """
         await self._resume()
         try:
-            await self._work()
+            async with Crew() as crew:
+                self._crew = crew
+                for health, work in self._beside:
+                    crew.start(health, work)
+                self._start(crew, self._connections, self._pipelines)
+                if ready is not None:
+                    ready()
         finally:
+            self._crew = None
+            if self.history is not None:
+                await self.history.close()
             await self.journal.close()
 
-    async def _work(self) -> None:
-        async with asyncio.TaskGroup() as tasks:
-            tasks.create_task(keep_alive(self._serve_operators, self.operators), name=self.operators.name)
-            for connection in self.connections:
-                work = keep_alive(connection.attempt, connection.health, self._settings.agent.longest_wait)
-                tasks.create_task(work, name=connection.health.name)
-            for name, pipeline in self._pipelines.items():
-                tasks.create_task(keep_alive(pipeline.run, self.health[name]), name=self.health[name].name)
+    async def reload(self, settings: Settings, connectors: Sequence[Connector] | None = None) -> None:
+        """Go over to other settings; what they leave as it is goes on: windows, alarms and sessions.
+
+        Raises:
+            ConfigError: They cannot be; nothing has changed.
+        """
+        made = connectors_of(settings) if connectors is None else connectors
+        async with self._reloading:
+            crew, differs = self._crew, difference(self._settings, settings)
+            if crew is None:
+                return
+            for name in differs.at_start:
+                LOG.warning("agent.%s takes effect when the agent is started anew", name)
+            ends = [self.health[name].name for name in self._pipelines if name in differs.loops]
+            ends += [c.health.name for name, c in self._connections.items() if name in differs.connections]
+            await crew.end(ends)
+            same = {name: getattr(self._settings.agent, name) for name in AT_START}
+            self._settings = replace(settings, agent=settings.agent.model_copy(update=same))
+            self._wire(
+                {each.name: each for each in made if each.name in differs.connections},
+                [loop for loop in settings.loops if loop.name in differs.loops],
+            )
+            self._start(crew, differs.connections, differs.loops)
+            await self.journal.flush()
+        LOG.info(
+            "%d of %d loops and %d of %d connections are new or changed",
+            len(differs.loops & self._pipelines.keys()),
+            len(self._pipelines),
+            len(differs.connections & self._connections.keys()),
+            len(self._connections),
+            extra={"event": "reloaded"},
+        )
 
     def newest(self, loop: str) -> float | None:
         """Newest source time that came in for a loop, s UTC; None before the first sample."""
@@ -127,27 +173,96 @@ class Agent:
 
     def status(self) -> tuple[LoopStatus, ...]:
         """Look at every loop; call it while the agent runs."""
+        return tuple(
+            loop_status(pipeline, self._settings, self.health[name])
+            for name, pipeline in self._pipelines.items()
+        )
+
+    def overview(self) -> AgentStatus:
+        """Look at all there is; call it while the agent runs."""
         now = asyncio.get_running_loop().time()
-        return tuple(self._status(pipeline, now) for pipeline in self._pipelines.values())
+        members = {} if self._crew is None else self._crew.members
+        return AgentStatus(
+            loops=self.status(),
+            connections=tuple(
+                connection_status(
+                    self._connections[name].health, self.outboxes[name], each.kind, self._clock()
+                )
+                for name, each in self._settings.connections.items()
+            ),
+            hung=tuple(
+                f"{name}: {sign}" for name, each in members.items() if (sign := each.overdue(now)) is not None
+            ),
+            faults=sum(health.faults for health, _ in self._beside),
+            store_failures=self.journal.failures,
+            history_dropped=0 if self.history is None else self.history.dropped,
+            orders_taken=self.orders.taken,
+            orders_refused=self.orders.refused,
+            queued=self._executor.queued,
+        )
+
+    def _wire(self, connectors: Mapping[str, Connector], loops: Collection[LoopSettings]) -> None:
+        """Make these connections and loops anew, keep the others that are in the settings, drop all else."""
+        settings = self._settings
+        for name in self.outboxes.keys() - settings.connections.keys():
+            self._never_told(name, self.outboxes.pop(name).emptied())
+        for name in settings.connections:
+            self.outboxes.setdefault(name, Outbox(name, self.journal))
+        changed = {loop.name: self._pipeline(loop) for loop in loops}
+        former = dict(self._pipelines)
+        for name, pipeline in changed.items():
+            if name in former:
+                pipeline.take_over(former[name])
+            elif self._crew is not None:
+                pipeline.resume(self._kept.get(name))
+        self._kept |= {name: pipeline.alarm for name, pipeline in former.items()}
+        self._pipelines.clear()  # the same object still: others look loops up in it
+        self._pipelines |= {loop.name: changed.get(loop.name) or former[loop.name] for loop in settings.loops}
+        self.health = {
+            name: Health(f"loop {name}", about={"loop": name}) if name in changed else self.health[name]
+            for name in self._pipelines
+        }
+        plans = connection_plans(settings)
+        self._connections = {
+            name: self._connection(connectors[name], plan.data_age)
+            if name in connectors
+            else self._connections[name]
+            for name, plan in plans.items()
+        }
+
+    def _start(self, crew: Crew, connections: Collection[str], loops: Collection[str]) -> None:
+        """Start those of these that there are."""
+        for name, connection in self._connections.items():
+            if name in connections:
+                crew.start(connection.health, connection.attempt, self._settings.agent.longest_wait)
+        for name, pipeline in self._pipelines.items():
+            if name in loops:
+                crew.start(self.health[name], pipeline.run)
 
     async def _resume(self) -> None:
         """Take alarms, and what waits to be told, from the store."""
         kept = await self.journal.open()
+        self._kept = dict(kept.alarms)
         for name, pipeline in self._pipelines.items():
-            pipeline.resume(kept.alarms.get(name))
-        for name, outbox in self.outboxes.items():
-            outbox.restore({n: each.publication for n, each in kept.waiting.items() if each.target == name})
-        homeless = {n: each for n, each in kept.waiting.items() if each.target not in self.outboxes}
-        for each in homeless.values():
-            LOG.warning(
-                "no connection is called %s any more: %s is never told", each.target, each.publication.id
-            )
-        self.journal.note(Change(removed=frozenset(homeless)))
+            pipeline.resume(self._kept.get(name))
+        for name in {each.target for each in kept.waiting.values()}:
+            waiting = {n: each.publication for n, each in kept.waiting.items() if each.target == name}
+            if name in self.outboxes:
+                self.outboxes[name].restore(waiting)
+            else:
+                self._never_told(name, waiting)
         await self.journal.flush()
+
+    def _never_told(self, connection: str, waiting: Mapping[int, Publication]) -> None:
+        """Give up what waits for a connection that is gone from the settings."""
+        for publication in waiting.values():
+            LOG.warning("no connection is called %s any more: %s is never told", connection, publication.id)
+        self.journal.note(Change(removed=frozenset(waiting)))
 
     async def _serve_operators(self) -> NoReturn:
         """Obey what people left in the store, and end shelving in time."""
         while True:
+            self.operators.expect("look", MARGIN)
             for told in await self.journal.commands():
                 pipeline = self._pipelines.get(told.loop)
                 if pipeline is None or told.command is None:
@@ -162,35 +277,46 @@ class Agent:
             obey_cancellation()
             await asyncio.sleep(LOOK)
 
-    def _status(self, pipeline: LoopPipeline, now: float) -> LoopStatus:
-        window, settings, diagnosis = pipeline.window, pipeline.settings, pipeline.diagnosis
-        return LoopStatus(
-            loop=settings.name,
-            bus=self._settings.connections[settings.connection].kind,
-            samples=window.counters.samples,
-            gaps=window.counters.missing,
-            data_age=None if window.arrival is None else now - window.arrival,
-            oscillation=None if diagnosis is None else diagnosis.oscillation,
-            diagnosis=diagnosis,
-            alarm=pipeline.alarm.state,
+    def _pipeline(self, loop: LoopSettings) -> LoopPipeline:
+        limit = self._settings.agent.clock_error
+        return LoopPipeline(
+            loop,
+            self._executor,
+            [self.outboxes[name] for name in dict.fromkeys(target.connection for target in loop.publish)],
+            self._observers,
+            self._diagnose,
+            self.journal,
+            None if limit is None else SourceClock(loop.name, limit, self._clock),
         )
 
-    def _connection(self, connector: Connector) -> Connection:
-        read = [p for p in self._pipelines.values() if p.settings.connection == connector.name]
+    def _connection(self, connector: Connector, data_age: float) -> Connection:
+        name, outbox = connector.name, self.outboxes[connector.name]
+
+        def read() -> list[LoopPipeline]:
+            return [each for each in self._pipelines.values() if each.settings.connection == name]
 
         def deliver(sample: Sample) -> None:
             pipeline = self._pipelines.get(sample.tag.rpartition(".")[0])
             if pipeline is not None:
                 pipeline.push(sample, asyncio.get_running_loop().time())
 
-        outbox = self.outboxes[connector.name]
-
         def interrupted() -> None:
             outbox.interrupt()
-            for pipeline in read:
+            for pipeline in read():
                 pipeline.window.interrupt()
 
-        slowest = max((p.settings.ts for p in read), default=0.0)
-        data_age = max(self._settings.agent.data_age, 5 * slowest)
-        obey = functools.partial(self.orders.obey, connector.name) if connector.takes_orders else None
-        return Connection(connector, outbox, deliver if read else None, interrupted, data_age, obey)
+        obey = functools.partial(self.orders.obey, name) if connector.takes_orders else None
+        return Connection(connector, outbox, deliver if read() else None, interrupted, data_age, obey)
+
+
+class _Teller:
+    """Tells diagnoses to a function."""
+
+    def __init__(self, on_diagnosis: Callable[[Diagnosis], None]) -> None:
+        self._on_diagnosis = on_diagnosis
+
+    def judged(self, judged: Judged) -> None:
+        self._on_diagnosis(judged.diagnosis)
+
+    def announced(self, _: Announcement) -> None:
+        pass

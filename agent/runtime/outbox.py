@@ -115,6 +115,13 @@ class Outbox:
             self._pop(publication.key)
             self.refusals.add(entry.sequence, publication, error)
 
+    def emptied(self) -> dict[int, Publication]:
+        """Give back all that waits, refused or not: sequence number -> publication."""
+        waiting = {entry.sequence: entry.publication for entry in self._waiting.values()}
+        self._waiting.clear()
+        self._filled.clear()
+        return waiting | self.refusals.emptied()
+
     def interrupt(self) -> None:
         """The connection is gone: what waits now and comes until it is back is told late."""
         self._connected = False

@@ -98,5 +98,11 @@ class Refusals:
                 extra={"event": "taken", "connection": self._connection, "loop": publication.subject},
             )
 
+    def emptied(self) -> dict[int, Publication]:
+        """Give back all that waits: sequence number -> publication."""
+        waiting = {refusal.sequence: refusal.publication for refusal in self._waiting.values()}
+        self._waiting.clear()
+        return waiting
+
     def _forget(self, refusal: Refusal) -> None:
         self._journal.note(Change(removed=frozenset({refusal.sequence})))

@@ -14,6 +14,8 @@ from types import TracebackType
 from typing import Protocol, Self, TypeVar
 
 T = TypeVar("T")
+WITHIN = 600.0
+"""s; a diagnosis takes seconds."""
 
 _CONTEXT = multiprocessing.get_context("forkserver")
 """Workers come from a process that has no threads, event loop or sockets; a plain fork would copy ours."""
@@ -22,6 +24,11 @@ _CONTEXT = multiprocessing.get_context("forkserver")
 class Executor(Protocol):
     """Runs a function of values and gives its value."""
 
+    @property
+    def queued(self) -> int:
+        """Calculations that wait for a worker."""
+        ...
+
     async def run(self, function: Callable[..., T], *args: object) -> T:
         """Return ``function(*args)``, or raise what it raises."""
         ...
@@ -29,6 +36,8 @@ class Executor(Protocol):
 
 class InlineExecutor:
     """Runs in the event loop, which stands still meanwhile."""
+
+    queued = 0
 
     async def run(self, function: Callable[..., T], *args: object) -> T:
         """Return ``function(*args)``."""
@@ -44,12 +53,37 @@ class PoolExecutor:
             diagnosis = await executor.run(diagnose, window)
     """
 
-    def __init__(self, workers: int) -> None:
+    def __init__(self, workers: int, within: float = WITHIN) -> None:
+        """Make it.
+
+        Args:
+            workers: Processes, one core each.
+            within: Longest time for one calculation, s; then its worker counts as hung.
+        """
+        self.queued = 0
         self._workers = workers
+        self._within = within
+        self._free = asyncio.Semaphore(workers)
         self._pool = self._new_pool()
 
     async def run(self, function: Callable[..., T], *args: object) -> T:
-        """Return ``function(*args)``; tries once more where a worker died (out of memory, killed)."""
+        """Return ``function(*args)``; raises TimeoutError where that takes too long."""
+        self.queued += 1
+        try:
+            await self._free.acquire()
+        finally:
+            self.queued -= 1
+        try:
+            async with asyncio.timeout(self._within):
+                return await self._run(function, *args)
+        except TimeoutError:
+            self._end_workers()  # those of other calculations are started once more
+            raise
+        finally:
+            self._free.release()
+
+    async def _run(self, function: Callable[..., T], *args: object) -> T:
+        """Try once more where a worker died (out of memory, killed)."""
         pool = self._pool
         try:
             return await asyncio.get_running_loop().run_in_executor(pool, function, *args)
@@ -69,9 +103,13 @@ class PoolExecutor:
     ) -> None:
         """End the workers at once, whatever they do: nobody waits for their answers any more."""
         self._pool.shutdown(wait=False, cancel_futures=True)
+        self._end_workers()
+
+    @staticmethod
+    def _end_workers() -> None:
         for process in multiprocessing.active_children():
             if isinstance(process, _CONTEXT.Process):
-                process.terminate()
+                process.kill()
 
     def _new_pool(self) -> ProcessPoolExecutor:
         return ProcessPoolExecutor(self._workers, mp_context=_CONTEXT, initializer=_prepare)

@@ -70,7 +70,7 @@ async def main(store, peer, task):
     sys.stdout.write("ready\n")
     sys.stdout.flush()
     while task == "work":
-        await pipeline._judge(SimpleNamespace(time=[float(newest_window(pipeline.alarm) + 1)]))
+        await pipeline._judge(SimpleNamespace(time=[float(newest_window(pipeline.alarm) + 1)]), 0.0)
     while len(outbox) and not telling.done():
         await asyncio.wait({telling}, timeout=0.01)
     telling.cancel()

@@ -105,3 +105,15 @@ def running(pid):
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except (FileNotFoundError, ProcessLookupError):
         return False
+
+
+async def test_a_worker_that_hangs_is_replaced():
+    async with PoolExecutor(1) as pool:
+        worker = await pool.run(os.getpid)
+        pool._within = 0.1
+        with pytest.raises(TimeoutError):
+            await pool.run(time.sleep, 1000)
+        pool._within = 60.0  # a busy machine takes its time to start another
+        assert await pool.run(divmod, 7, 2) == (3, 1)
+        assert not running(worker)
+        assert pool.queued == 0
