@@ -10,6 +10,8 @@ from connectors.base import Connector
 from connectors.modbus.connector import ModbusConnector
 from connectors.modbus.options import ModbusOptions, ModbusTag, ModbusTarget
 from connectors.modbus.options import short_tag as modbus_tag
+from connectors.modbus_server.connector import ModbusServerConnector
+from connectors.modbus_server.options import ModbusServerOptions, ModbusServerTarget
 from connectors.mqtt.connector import MqttConnector
 from connectors.mqtt.options import MqttOptions, MqttTag, MqttTarget
 from connectors.mqtt.options import short_tag as mqtt_tag
@@ -50,6 +52,9 @@ class ConnectorKind(Generic[OptionsT, TagT, TargetT]):
 KINDS: tuple[ConnectorKind[Any, Any, Any], ...] = (
     ConnectorKind(
         "modbus", ModbusOptions, ModbusTag, ModbusTarget, ModbusConnector, (*ROLES, "time"), modbus_tag
+    ),
+    ConnectorKind(
+        "modbus_server", ModbusServerOptions, NoTag, ModbusServerTarget, ModbusServerConnector, roles=()
     ),
     ConnectorKind("opcua", OpcUaOptions, OpcUaTag, OpcUaTarget, OpcUaConnector, short=opcua_tag),
     ConnectorKind(

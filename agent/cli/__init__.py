@@ -15,6 +15,7 @@ from agent.cli.compare import compare
 from agent.cli.demo import demo
 from agent.cli.diagnose import diagnose
 from agent.cli.errors import BAD_INPUT, complain
+from agent.cli.registers import registers
 from agent.cli.replay import replay
 from agent.cli.run import run
 from agent.cli.simulate import simulate
@@ -58,6 +59,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     run,
     browse,
     check,
+    registers,
     simulate,
     certificates,
 )

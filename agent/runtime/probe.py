@@ -88,7 +88,7 @@ class _Probe:
         except TimeoutError:
             lost = None if opened else f"unreachable: no answer within {self._within:g} s"
         unread = (
-            "not read: the connection is gone"
+            "not read: the connection is not there"
             if lost
             else f"no value within {self._within:g} s: nobody sends it, or its address is wrong"
         )

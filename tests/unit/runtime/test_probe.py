@@ -133,7 +133,7 @@ async def test_a_connection_that_fails_is_told_once_and_its_tags_briefly(monkeyp
     connection, pv, op, *_ = await probe(settings(), within=30.0)
     assert connection.problems == (told,)
     assert pv.problems == ()
-    assert op.problems == ("not read: the connection is gone",)
+    assert op.problems == ("not read: the connection is not there",)
 
 
 async def test_a_peer_that_is_not_there_and_one_that_never_answers(monkeypatch):

@@ -51,7 +51,7 @@ def test_the_example_is_right_and_shows_every_bus():
     fic101 = settings.loops[0]
     assert fic101.roles == ("pv", "op", "sp", "mv", "mode")
     assert (fic101.hints.acting, fic101.hints.op_range) == ("reverse", (0.0, 100.0))
-    assert [target.connection for target in fic101.publish] == ["unit1", "broker", "scada", "ours"]
+    assert [target.connection for target in fic101.publish] == ["unit1", "broker", "scada", "panel", "ours"]
     assert settings.loops[1].window.shortest == settings.loops[1].window.longest == 3000.0
 
 

@@ -1,0 +1,141 @@
+"""Clients of the server: one request after the other each, and none that can hold up or exhaust the others.
+
+The reason for it: ``docs/decisions/0022-own-modbus-server.md``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import ipaddress
+import logging
+import ssl
+import struct
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+from connectors.base import ConnectionLostError
+from connectors.modbus_server.image import Image
+from connectors.modbus_server.options import ModbusServerOptions
+from connectors.modbus_server.pdu import answer
+
+_LOG = logging.getLogger(__name__)
+_HEADER = struct.Struct(">HHHB")
+"""Transaction, protocol (0), bytes that follow, unit (Modbus Messaging on TCP/IP 1.0b, 3.1)."""
+_LONGEST = 254
+"""Bytes after the length field, the unit's among them."""
+_READ_WITHIN = 10.0
+"""s that a client may take to send a request to its end, and to take its answer."""
+_TARGET_FAILED = 0x0B
+"""Exception: no such unit behind this gateway."""
+
+
+class Clients:
+    """All connections of one server."""
+
+    def __init__(self, options: ModbusServerOptions, image: Image) -> None:
+        self.malformed = 0
+        """Connections that were dropped because they do not speak Modbus."""
+        self.turned_away = 0
+        """Those that may not connect, or were too many."""
+        self._options = options
+        self._image = image
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._told: set[str] = set()
+
+    async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Answer one client until it goes, is silent for too long or speaks nonsense."""
+        task = asyncio.current_task()
+        address = str(writer.get_extra_info("peername")[0])
+        try:
+            if not self._may_connect(address):
+                return
+            if task is not None:
+                self._tasks.add(task)
+            await self._converse(reader, writer, _name(writer, address))
+        except (OSError, asyncio.IncompleteReadError, TimeoutError):
+            pass  # it is gone, and may come again
+        finally:
+            if task is not None:
+                self._tasks.discard(task)
+            writer.transport.abort()
+            with contextlib.suppress(OSError):
+                await writer.wait_closed()
+
+    async def end(self) -> None:
+        """Drop every client."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    async def _converse(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, name: str) -> None:
+        while True:
+            async with asyncio.timeout(self._options.idle):
+                first = await reader.readexactly(1)
+            async with asyncio.timeout(_READ_WITHIN):
+                head = first + await reader.readexactly(_HEADER.size - 1)
+                transaction, protocol, length, unit = _HEADER.unpack(head)
+                if protocol != 0 or not 2 <= length <= _LONGEST:
+                    self.malformed += 1
+                    self._tell(f"{name} does not speak Modbus TCP and is dropped")
+                    return
+                request = await reader.readexactly(length - 1)
+            if self._options.unit in (None, unit):
+                said = answer(request, self._image, name)
+            else:
+                said = bytes([request[0] | 0x80, _TARGET_FAILED])
+            writer.write(_HEADER.pack(transaction, 0, len(said) + 1, unit) + said)
+            async with asyncio.timeout(_READ_WITHIN):
+                await writer.drain()
+
+    def _may_connect(self, address: str) -> bool:
+        allowed = self._options.allow
+        peer = ipaddress.ip_address(address.partition("%")[0])
+        known = not allowed or any(peer in network for network in allowed)
+        if known and len(self._tasks) < self._options.clients:
+            return True
+        self.turned_away += 1
+        why = f"there are {self._options.clients} already" if known else "it is not in allow"
+        self._tell(f"modbus {address} is turned away: {why}")
+        return False
+
+    def _tell(self, what: str) -> None:
+        """Log what happens for the first time; peers can repeat it as often as they like."""
+        if what not in self._told and len(self._told) < 100:
+            self._told.add(what)
+            _LOG.warning("Modbus server: %s", what)
+
+
+@asynccontextmanager
+async def listening(options: ModbusServerOptions, image: Image) -> AsyncIterator[asyncio.Server]:
+    """Let clients come in; raises ConnectionLostError, AccessDeniedError."""
+    tls = None if options.tls is None else options.tls.context()
+    clients = Clients(options, image)
+    try:
+        server = await asyncio.start_server(
+            clients.serve,
+            options.host,
+            options.port,
+            ssl=tls,
+            ssl_handshake_timeout=None if tls is None else _READ_WITHIN,
+            limit=4096,
+        )
+    except OSError as error:
+        place = f"Modbus server: cannot listen on {options.host}:{options.port}"
+        raise ConnectionLostError(f"{place}: {error.strerror or error}") from error
+    try:
+        yield server
+    finally:
+        server.close()
+        await clients.end()
+        await server.wait_closed()
+
+
+def _name(writer: asyncio.StreamWriter, address: str) -> str:
+    """Return who a client is: its address, and the name in its certificate where it showed one."""
+    tls: ssl.SSLObject | None = writer.get_extra_info("ssl_object")
+    shown: dict[str, Any] = (tls.getpeercert() if tls is not None else None) or {}
+    subject = (pair for part in shown.get("subject", ()) for pair in part)
+    names = [str(value) for key, value in subject if key == "commonName"]
+    return " ".join(["modbus", address, *names[:1]])
