@@ -10,6 +10,7 @@ from pathlib import Path
 from benchmarks import (
     diagnosis,
     evidence_weights,
+    fault_matrix,
     hidden_effects,
     lee2008_map,
     oscillation,
@@ -31,6 +32,7 @@ BENCHMARKS = {
     "oscillation": oscillation.run,
     "diagnosis": diagnosis.run,
     "hidden_effects": hidden_effects.run,
+    "fault_matrix": fault_matrix.run,
 }
 ONLY_NAMED = {"evidence_weights": evidence_weights.run}
 """Run only where they are asked for: they set something, and measure nothing."""

@@ -34,6 +34,10 @@ def load_settings(path: Path) -> Settings:
         raise ConfigError([f"{path}: {line}not YAML: {error.problem}"]) from error
     except yaml.YAMLError as error:
         raise ConfigError([f"{path}: not YAML: {' '.join(str(error).split())}"]) from error
+    except RecursionError as error:
+        raise ConfigError([f"{path}: it is nested too deeply"]) from error
+    except ValueError as error:  # a day that no month has, a number with thousands of digits
+        raise ConfigError([f"{path}: a value cannot be read: {error}"]) from error
     try:
         settings = settings_of(raw, path.parent)
     except ConfigError as error:

@@ -9,12 +9,17 @@ from datetime import UTC, datetime
 JsonTree = dict[str, "JsonTree"] | list["JsonTree"] | str | int | float | bool | None
 
 
+LARGEST = 1_000_000
+"""Bytes; no message with the values of some loops is larger, and reading one would hold up all the others."""
+
+
 class MalformedError(ValueError):
     """The payload is not what the configuration says."""
 
 
 def parse(payload: bytes) -> JsonTree:
     """Return the JSON value in a payload; raises MalformedError."""
+    _not_too_large(payload)
     try:
         tree: JsonTree = json.loads(payload)
     except (ValueError, RecursionError) as error:
@@ -24,6 +29,7 @@ def parse(payload: bytes) -> JsonTree:
 
 def bare(payload: bytes) -> float | str:
     """Return the value that is the whole payload: a number, else the text itself; raises MalformedError."""
+    _not_too_large(payload)
     try:
         text = payload.decode().strip()
     except UnicodeDecodeError as error:
@@ -62,20 +68,29 @@ def seconds(tree: JsonTree) -> float:
             return stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp()
         except (ValueError, OverflowError) as error:
             raise MalformedError("no ISO 8601 time") from error
-    if isinstance(tree, bool) or not isinstance(tree, int | float) or not math.isfinite(_float(tree)):
+    if isinstance(tree, bool) or not isinstance(tree, int | float):
         raise MalformedError("no time")
     return _float(tree)
 
 
+def _not_too_large(payload: bytes) -> None:
+    if len(payload) > LARGEST:
+        raise MalformedError(f"{len(payload)} bytes")
+
+
 def _number_if_any(text: str) -> float | str:
     try:
-        return float(text)
+        number = float(text)
     except ValueError:
         return text
+    return _float(number)
 
 
 def _float(number: float) -> float:
     try:
-        return float(number)
+        finite = math.isfinite(number)
     except OverflowError as error:
         raise MalformedError("too large") from error
+    if not finite:
+        raise MalformedError("no finite number")  # JSON has none, but Python reads them
+    return float(number)
