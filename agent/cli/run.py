@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import logging
 import signal
 from pathlib import Path
@@ -10,43 +11,87 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from agent.cli.logs import LogFormat, LogLevel, set_up
+
 if TYPE_CHECKING:
     from agent.analysis.results import Diagnosis
-    from agent.settings import Settings
+    from agent.runtime.agent import Agent
+    from agent.settings import HttpSettings, Settings
 
 LOG = logging.getLogger(__name__)
 
 
-def run(config: Annotated[Path, typer.Argument(metavar="CONFIG.yaml", show_default=False)]) -> None:
-    """Watch the loops of a configuration and publish their alarms, until SIGTERM or Ctrl-C."""
+def run(
+    config: Annotated[Path, typer.Argument(metavar="CONFIG.yaml", show_default=False)],
+    *,
+    log_format: Annotated[
+        LogFormat, typer.Option(help="Lines for people, or a JSON object each.")
+    ] = LogFormat.TEXT,
+    log_level: Annotated[LogLevel, typer.Option(help="The least that is told.")] = LogLevel.INFO,
+) -> None:
+    """Watch the loops of a configuration and publish their alarms, until SIGTERM or Ctrl-C.
+
+    SIGHUP reads the configuration anew; what did not change goes on.
+    """
+    from agent.runtime.lock import only_agent_of
     from agent.settings import load_settings
 
     settings = load_settings(config)
-    logging.basicConfig(format="%(asctime)s %(levelname)s %(message)s", level=logging.INFO)
-    for library in ("asyncua", "pymodbus", "aiomqtt", "mqtt"):
-        logging.getLogger(library).setLevel(logging.CRITICAL)  # what they lose the supervisor tells, once
-    asyncio.run(_until_told(settings))
+    set_up(log_format, log_level)
+    with only_agent_of(settings.agent.state):
+        asyncio.run(_until_told(config, settings))
 
 
-async def _until_told(settings: Settings) -> None:
+async def _until_told(config: Path, settings: Settings) -> None:
     from agent.runtime.agent import Agent
+    from agent.runtime.notify import ServiceManager
+    from agent.runtime.reload import Reloader
+    from agent.runtime.supervisor import Health
+    from agent.runtime.watchdog import watch
     from agent.runtime.workers import PoolExecutor
 
-    told = asyncio.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        asyncio.get_running_loop().add_signal_handler(number, told.set)
+    told, changed, manager = asyncio.Event(), asyncio.Event(), ServiceManager.of()
+    for number, event in ((signal.SIGTERM, told), (signal.SIGINT, told), (signal.SIGHUP, changed)):
+        asyncio.get_running_loop().add_signal_handler(number, event.set)
     async with PoolExecutor(settings.agent.workers) as executor:
-        work = asyncio.create_task(Agent(settings, executor, _log).run(), name="agent")
+        agent = Agent(settings, executor, _log)
+        agent.accompany(Health("configuration"), Reloader(config, agent, manager, changed).run)
+        agent.accompany(Health("watchdog"), functools.partial(watch, agent.hung, manager))
+        if settings.agent.http is not None:
+            _serve_http(agent, settings.agent.http)
+
+        def ready() -> None:
+            LOG.info("%s", agent.summary, extra={"event": "started"})
+            manager.ready(agent.summary)
+
+        work = asyncio.create_task(agent.run(ready), name="agent")
         stop = asyncio.create_task(told.wait(), name="signals")
-        LOG.info("watching %d loops on %d connections", len(settings.loops), len(settings.connections))
         await asyncio.wait({work, stop}, return_when=asyncio.FIRST_COMPLETED)
+        manager.stopping()
         work.cancel()
         stop.cancel()
         await asyncio.wait({work, stop})
-    LOG.info("stopped")
+    LOG.info("stopped", extra={"event": "stopped"})
     if not work.cancelled():
         work.result()  # it never ends by itself: raise what ended it
 
 
+def _serve_http(agent: Agent, settings: HttpSettings) -> None:
+    """Tell health and metrics while the agent works."""
+    from agent.runtime.http import serve
+    from agent.runtime.metrics import Metrics
+    from agent.runtime.supervisor import Health
+
+    metrics, health = Metrics(agent.overview), Health(f"http server on {settings.host} port {settings.port}")
+    agent.observe(metrics)
+    agent.accompany(health, functools.partial(serve, settings, agent.overview, metrics, health.works))
+
+
 def _log(diagnosis: Diagnosis) -> None:
-    LOG.info("%s: %s. %s", diagnosis.loop, diagnosis.verdict, "; ".join(diagnosis.reasons))
+    LOG.info(
+        "%s: %s. %s",
+        diagnosis.loop,
+        diagnosis.verdict,
+        "; ".join(diagnosis.reasons),
+        extra={"event": "diagnosis", "loop": diagnosis.loop},
+    )

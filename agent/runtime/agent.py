@@ -178,10 +178,20 @@ class Agent:
             for name, pipeline in self._pipelines.items()
         )
 
-    def overview(self) -> AgentStatus:
-        """Look at all there is; call it while the agent runs."""
+    @property
+    def summary(self) -> str:
+        """What it watches, in a line."""
+        return f"watching {len(self._pipelines)} loops on {len(self._connections)} connections"
+
+    def hung(self) -> tuple[str, ...]:
+        """Return what should have come back by now and has not, e.g. ``connection unit1: open``."""
         now = asyncio.get_running_loop().time()
         members = {} if self._crew is None else self._crew.members
+        overdue = {name: health.overdue(now) for name, health in members.items()}
+        return tuple(f"{name}: {sign}" for name, sign in overdue.items() if sign is not None)
+
+    def overview(self) -> AgentStatus:
+        """Look at all there is; call it while the agent runs."""
         return AgentStatus(
             loops=self.status(),
             connections=tuple(
@@ -190,9 +200,7 @@ class Agent:
                 )
                 for name, each in self._settings.connections.items()
             ),
-            hung=tuple(
-                f"{name}: {sign}" for name, each in members.items() if (sign := each.overdue(now)) is not None
-            ),
+            hung=self.hung(),
             faults=sum(health.faults for health, _ in self._beside),
             store_failures=self.journal.failures,
             history_dropped=0 if self.history is None else self.history.dropped,
@@ -222,6 +230,10 @@ class Agent:
             name: Health(f"loop {name}", about={"loop": name}) if name in changed else self.health[name]
             for name in self._pipelines
         }
+        if self._crew is not None:
+            for pipeline in self._pipelines.values():
+                if any(target.connection in connectors for target in pipeline.settings.publish):
+                    pipeline.tell_again(self._clock())
         plans = connection_plans(settings)
         self._connections = {
             name: self._connection(connectors[name], plan.data_age)
@@ -251,6 +263,8 @@ class Agent:
                 self.outboxes[name].restore(waiting)
             else:
                 self._never_told(name, waiting)
+        for name in self._kept.keys() & self._pipelines.keys():
+            self._pipelines[name].tell_again(self._clock())
         await self.journal.flush()
 
     def _never_told(self, connection: str, waiting: Mapping[int, Publication]) -> None:
@@ -268,7 +282,13 @@ class Agent:
                 if pipeline is None or told.command is None:
                     LOG.warning("command %d for %s cannot be obeyed", told.number, told.loop)
                 else:
-                    LOG.info("%s: %s by %s", told.loop, told.command.event, told.command.by)
+                    LOG.info(
+                        "%s: %s by %s",
+                        told.loop,
+                        told.command.event,
+                        told.command.by,
+                        extra={"event": "order", "loop": told.loop},
+                    )
                     pipeline.obey(told.command)
                 self.journal.note(Change(taken=frozenset({told.number})))
             for pipeline in self._pipelines.values():

@@ -15,12 +15,16 @@ LOG = logging.getLogger(__name__)
 
 
 @contextmanager
-def only_agent_of(state: Path) -> Iterator[None]:
+def only_agent_of(state: Path | None) -> Iterator[None]:
     """Hold the lock of a state file, ``NAME.lock`` beside it; raises ConfigError where another agent does.
 
     The kernel lets go of it when the process ends, however it ends; the file stays and means nothing by
-    itself. A file of its own, because SQLite loses its locks where a process closes its file once more.
+    itself. A file of its own, because SQLite loses its locks where a process closes its file once more. An
+    agent that keeps nothing (None) needs no lock.
     """
+    if state is None:
+        yield
+        return
     path = state.with_name(f"{state.name}.lock")
     try:
         handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)

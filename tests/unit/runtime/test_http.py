@@ -1,0 +1,179 @@
+"""Health and metrics as Prometheus and people get them: a real server, asked over a socket."""
+
+import asyncio
+import json
+import socket
+import urllib.error
+import urllib.request
+
+import pytest
+from prometheus_client.parser import text_string_to_metric_families
+
+from agent.runtime.http import serve
+from agent.runtime.metrics import Metrics
+from agent.runtime.supervisor import Health, keep_alive
+from agent.settings import HttpSettings, settings_of
+from connectors.base import ConfigError
+from tests.unit.runtime.fake_bus import FakeBus
+from tests.unit.runtime.test_agent import agent_of, stream
+
+
+def free_port():
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
+
+
+def get(port, path, token=None):
+    """Status and body."""
+    headers = {} if token is None else {"Authorization": f"Bearer {token}"}
+    request = urllib.request.Request(f"http://127.0.0.1:{port}{path}", headers=headers)
+    try:
+        with urllib.request.urlopen(request, timeout=30) as answer:  # noqa: S310
+            return answer.status, answer.read().decode()
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.read().decode()
+
+
+async def asked(*question, **options):
+    return await asyncio.to_thread(get, *question, **options)
+
+
+async def until(condition):
+    async with asyncio.timeout(30):
+        while not condition():  # noqa: ASYNC110 - a state of the agent is no event
+            await asyncio.sleep(0.01)
+
+
+async def served(agent, port, token=None, scenario=None):
+    """Run an agent with its server, and a scenario meanwhile."""
+    metrics = Metrics(agent.overview)
+    agent.observe(metrics)
+    health = Health("http")
+    settings = HttpSettings(port=port, token=token)
+    agent.accompany(health, lambda: serve(settings, agent.overview, metrics, health.works))
+    task = asyncio.create_task(agent.run())
+    try:
+        await until(lambda: health.up)
+        return await scenario()
+    finally:
+        task.cancel()
+        await asyncio.wait({task})
+
+
+def numbers(text):
+    """Name and labels -> value."""
+    return {
+        (sample.name, *sample.labels.values()): sample.value
+        for family in text_string_to_metric_families(text)
+        for sample in family.samples
+    }
+
+
+async def test_a_daemon_at_work_is_healthy_and_its_numbers_say_so():
+    bus = FakeBus(stream(["FIC101"], 5000, step=0.002))
+    agent, port = agent_of(bus, quantify="always"), free_port()
+
+    async def scenario():
+        await until(lambda: len(bus.published) >= 4)
+        return [await asked(port, path) for path in ("/health", "/metrics", "/live", "/other")]
+
+    (code, health), (_, text), live, other = await served(agent, port, scenario=scenario)
+    said = json.loads(health)
+    assert (code, said["status"], said["hung"]) == (200, "ok", [])
+    assert said["connections"]["bus"]["up"] is True
+    loop = said["loops"]["FIC101"]
+    assert (loop["data"], loop["verdict"], loop["alarm"]) == ("fresh", "stiction", "unacked_active")
+    assert 0 <= loop["data_age_s"] < 60
+    assert live == (200, "ok\n")
+    assert other[0] == 404
+    value = numbers(text)
+    assert value["slipjump_loop_samples_total", "FIC101"] >= 800
+    assert value["slipjump_diagnoses_total", "FIC101", "stiction"] >= 3
+    assert value["slipjump_fit_seconds_count",] == value["slipjump_window_seconds_count",] >= 3
+    assert value["slipjump_alarms", "unacked_active"] == value["slipjump_loop_alarm_active", "FIC101"] == 1
+    assert value["slipjump_alarm_changes_total", "unacked_active"] == 1
+    assert value["slipjump_connection_up", "bus"] == 1
+    assert value["slipjump_loop_stale", "FIC101"] == value["slipjump_hung",] == 0
+    assert ("process_resident_memory_bytes",) in value
+
+
+async def test_a_plant_that_is_away_is_told_but_is_no_reason_to_start_anew():
+    bus = FakeBus(None)
+    bus.refuses_connection = True
+    agent, port = agent_of(bus), free_port()
+
+    async def scenario():
+        await until(lambda: agent.connections[0].health.losses >= 2)
+        return [await asked(port, path) for path in ("/health", "/live", "/metrics")]
+
+    (code, health), live, (_, text) = await served(agent, port, scenario=scenario)
+    said = json.loads(health)
+    assert (code, said["status"], live) == (503, "degraded", (200, "ok\n"))
+    assert (said["connections"]["bus"]["error"], said["loops"]["FIC101"]["data"]) == ("refused", "none")
+    value = numbers(text)
+    assert (
+        value["slipjump_connection_up", "bus"],
+        value["slipjump_connection_losses_total", "bus"] >= 2,
+    ) == (
+        0,
+        True,
+    )
+    assert ("slipjump_loop_data_age_seconds", "FIC101") not in value  # not known is not zero
+
+
+async def test_who_shows_no_token_learns_nothing_but_that_it_lives(tmp_path):
+    (tmp_path / "token").write_text("s3cret\n")
+    agent, port = agent_of(FakeBus(stream(["FIC101"], 5000))), free_port()
+
+    async def scenario():
+        tokens = (None, "", "s3cre", "s3cret")
+        codes = [(await asked(port, path, token=t))[0] for path in ("/metrics", "/health") for t in tokens]
+        return codes, (await asked(port, "/live"))[0]
+
+    codes, live = await served(agent, port, {"file": str(tmp_path / "token")}, scenario)
+    assert codes[:4] == [401, 401, 401, 200]
+    assert codes[4:7] == [401, 401, 401]
+    assert live == 200
+
+
+async def test_an_address_that_is_taken_is_had_when_it_is_free(caplog):
+    agent = agent_of(FakeBus(None))
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port, health = other.getsockname()[1], Health("http")
+        work = keep_alive(
+            lambda: serve(HttpSettings(port=port), agent.overview, Metrics(agent.overview), health.works),
+            health,
+            0.05,
+        )
+        task = asyncio.create_task(work)
+        await until(lambda: health.losses >= 3)
+    await until(lambda: health.up)
+    assert (await asked(port, "/live"))[0] == 200
+    task.cancel()
+    await asyncio.wait({task})
+    assert caplog.text.count("http is down: cannot listen: Address already in use") == 1
+
+
+@pytest.mark.parametrize(
+    ("http", "fault"),
+    [
+        ({"host": "192.0.2.1"}, "needs a token"),
+        ({"host": "scada.example"}, "needs a token"),
+        ({"host": "::"}, "needs a token"),
+        ({"token": "s3cret"}, "does not belong in this file"),
+        ({"host": "192.0.2.1", "token": {"env": "TOKEN"}}, None),
+        ({"host": "::1"}, None),
+        ({"host": "localhost"}, None),
+    ],
+)
+def test_beyond_this_machine_a_token_is_a_must(http, fault):
+    raw = {"agent": {"http": http}, "connections": {"b": {"kind": "mqtt"}}, "loops": [{}]}
+    with pytest.raises(ConfigError) as caught:
+        settings_of(raw)
+    told = [each for each in caught.value.faults if each.startswith("agent.http")]
+    assert told == [] if fault is None else fault in told[0]
+    assert "s3cret" not in str(caught.value)
