@@ -82,6 +82,7 @@ class SparkplugSession:
         self._orders = orders
         self._in_order = asyncio.Lock()
         """Held while messages are numbered and sent: a birth must not overtake data."""
+        self._subjects = {node.topic("DCMD", device): subject for device, subject in node.subjects.items()}
 
     async def born(self) -> None:
         """Listen for commands, then tell the births; raises ConnectionLostError."""
@@ -112,22 +113,24 @@ class SparkplugSession:
                 await self._client.send(message)
 
     async def _obeyed(self, message: Message) -> list[Order]:
+        topic = message.topic.value
+        if topic != self._node.topic("NCMD") and topic not in self._subjects:
+            return []  # amqtt was seen to send what nobody asked for
         if message.retain:
             self._counts.retained += 1
             if self._counts.retained == 1:
-                _LOG.warning("topic %s: a retained command is not obeyed", message.topic)
+                _LOG.warning("topic %s: a retained command is not obeyed", topic)
             return []
         try:
             metrics = decode(bytes(message.payload)).metrics
-            _, _, verb, _, *device = message.topic.value.split("/")
-            if verb == "DCMD" and self._orders and device[0] in self._node.subjects:
-                return orders(self._node.subjects[device[0]], metrics, time.time())
+            if topic in self._subjects:
+                return orders(self._subjects[topic], metrics, time.time()) if self._orders else []
         except MalformedError as error:
             self._counts.malformed += 1
             if self._counts.malformed == 1:
-                _LOG.warning("topic %s: a command cannot be obeyed: %s", message.topic, error)
+                _LOG.warning("topic %s: a command cannot be obeyed: %s", topic, error)
             return []
-        if verb == "NCMD" and any(each.name == REBIRTH and each.value is True for each in metrics):
+        if any(each.name == REBIRTH and each.value is True for each in metrics):
             await self._births()
         return []
 

@@ -9,7 +9,7 @@ from aiomqtt import Client
 from buses import Reading, connector_of, mosquitto_broker, until
 
 from agent.alarms import Alarm, Announcement
-from connectors.base import Order, Publication
+from connectors.base import ConnectionLostError, Order, Publication
 from connectors.sparkplug.metrics import METRICS, REBIRTH
 from connectors.sparkplug.payload import DataType, Metric, decode, encode
 
@@ -126,6 +126,19 @@ async def test_without_orders_a_host_can_only_ask_for_births(mosquitto, tmp_path
             await command(client, "NCMD", **{REBIRTH: (True, DataType.BOOLEAN)})
             await until(lambda: verbs(heard).count("NBIRTH") == 2)
         assert reading.orders == []
+
+
+async def test_a_killed_broker_is_told(mosquitto, tmp_path):
+    async with (
+        mosquitto_broker(mosquitto, tmp_path) as (port, process),
+        connector(port).session() as session,
+        Reading(session) as reading,
+    ):
+        process.kill()
+        with pytest.raises(ConnectionLostError):
+            await reading.end(within=30.0)
+        with pytest.raises(ConnectionLostError):
+            await session.publish(publication())
 
 
 async def test_a_guest_is_not_born_and_does_not_end_the_node_that_runs(mosquitto, tmp_path):
