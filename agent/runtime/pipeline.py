@@ -127,6 +127,10 @@ class LoopPipeline:
                 self._due.set()
         self.resume(former.alarm)
 
+    def tell_again(self, now: float) -> None:
+        """Tell the state as it stands at ``now``, s UTC: a server of our own begins with nothing."""
+        self._follow(self.alarm, (Announcement("state", self.alarm, now),))
+
     def obey(self, command: Command) -> None:
         """Do what a person decided about the alarm; the next flush of the journal writes it."""
         self._follow(*self.alarm.on_command(command))
