@@ -41,6 +41,8 @@ class Health:
     """Times something happened that should not."""
     attempts: int = 0
     """In a row that did not last."""
+    worked: bool = False
+    """Whether the present attempt ever worked."""
 
     problem: str = ""
     """What is wrong now, as last logged."""
@@ -64,6 +66,7 @@ class Health:
 
     def works(self) -> None:
         """Say that it does what it should; logged when it did not before."""
+        self.worked = True
         if not self.up:
             self.up, self.problem = True, ""
             self.told.clear()
@@ -108,11 +111,12 @@ async def keep_alive(
     """Run ``work`` again and again until cancelled.
 
     Between attempts it waits a random time of up to 0.1 s, 0.2 s, 0.4 s, ..., ``longest_wait`` (full jitter),
-    so that many clients of a server that comes back don't come all at once.
+    so that many clients of a server that comes back don't come all at once. Time in which an attempt waited for
+    a peer that never answered counts as waited.
     """
     clock = asyncio.get_running_loop()
     while True:
-        began = clock.time()
+        began, health.worked = clock.time(), False
         health.signs.clear()
         try:
             # A task of its own: in Python 3.11 a TaskGroup that fails leaves its task marked as cancelled.
@@ -128,7 +132,8 @@ async def keep_alive(
         longest = min(FIRST_WAIT * 2 ** min(health.attempts - 1, 20), longest_wait)
         health.signs.clear()
         health.expect("the next attempt", longest + MARGIN)
-        await asyncio.sleep(uniform(0, longest))
+        waited = 0.0 if health.worked else clock.time() - began
+        await asyncio.sleep(max(uniform(0, longest) - waited, 0.0))
 
 
 def _first(group: BaseExceptionGroup[E]) -> E:

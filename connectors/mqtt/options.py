@@ -48,7 +48,7 @@ class Broker(Options):
     """Of the user."""
     keepalive: Annotated[int, Field(ge=1, le=65535)] = 10
     """Silence after which the broker is asked whether it is there, s; after as long again it is gone."""
-    timeout: Seconds = 5.0
+    timeout: Seconds = 4.0
     """Longest wait for an answer, s."""
     queue: Annotated[int, Field(ge=1)] = 10_000
     """Messages that may wait to be read; more are dropped, with a warning."""
