@@ -15,6 +15,7 @@ from agent.cli.compare import compare
 from agent.cli.demo import demo
 from agent.cli.diagnose import diagnose
 from agent.cli.errors import BAD_INPUT, complain
+from agent.cli.history import history
 from agent.cli.registers import registers
 from agent.cli.replay import replay
 from agent.cli.run import run
@@ -39,6 +40,8 @@ slipjump browse opc.tcp://dcs:4840 -o plant.yaml  (find the loops by their names
 slipjump check plant.yaml --connect, then slipjump run plant.yaml
 
 slipjump alarms list --config plant.yaml  (and acknowledge, shelve, out-of-service)
+
+slipjump history --config plant.yaml --loop FIC101  (what it found, what became of the alarm)
 """
 
 app = typer.Typer(
@@ -60,6 +63,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     browse,
     check,
     registers,
+    history,
     simulate,
     certificates,
 )

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from agent.cli.state_file import ConfigPath, StatePath, state_file
+
 if TYPE_CHECKING:
     from agent.alarms import Alarm
     from agent.runtime.store import Store
@@ -30,12 +32,6 @@ alarms = typer.Typer(
 )
 
 Loop = Annotated[str, typer.Argument(metavar="LOOP", show_default=False)]
-StatePath = Annotated[
-    Path | None, typer.Option("--state", metavar="FILE.sqlite", help="The agent's file (agent.state).")
-]
-ConfigPath = Annotated[
-    Path | None, typer.Option("--config", metavar="CONFIG.yaml", help="Its configuration, which names it.")
-]
 By = Annotated[str, typer.Option("--by", help="Who decides; by default who runs this.", show_default=False)]
 
 
@@ -98,17 +94,13 @@ def return_to_service(loop: Loop, state: StatePath = None, config: ConfigPath = 
 def _store(state: Path | None, config: Path | None) -> Iterator[Store]:
     """Open the agent's file; raises ConfigError where there is none."""
     from agent.runtime.store import Store, StoreError
-    from agent.settings import load_settings
     from connectors.base import ConfigError
 
-    if config is not None and state is None:
-        state = load_settings(config).agent.state
-    if state is None:
-        raise ConfigError(["name the agent's file by --state FILE.sqlite or --config CONFIG.yaml"])
-    if not state.is_file():
-        raise ConfigError([f"{state}: is not there; an agent makes it when it runs"])
+    path = state_file(state, config)
+    if not path.is_file():
+        raise ConfigError([f"{path}: is not there; an agent makes it when it runs"])
     try:
-        store = Store(state, create=False)
+        store = Store(path, create=False)
         try:
             yield store
         finally:

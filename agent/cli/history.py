@@ -1,0 +1,93 @@
+"""``slipjump history``: what an agent found and what became of its alarms."""
+
+from __future__ import annotations
+
+import json
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from agent.cli.state_file import ConfigPath, StatePath, state_file
+
+if TYPE_CHECKING:
+    from agent.runtime.history_file import Entry
+
+LAST = 50
+"""Entries that are shown unless told otherwise."""
+
+
+def history(
+    state: StatePath = None,
+    config: ConfigPath = None,
+    *,
+    loop: Annotated[str | None, typer.Option(metavar="LOOP", help="Of this loop only.")] = None,
+    since: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="From this time on, ISO 8601 (UTC where it does not say)."),
+    ] = None,
+    last: Annotated[int, typer.Option(min=1, max=1_000_000, help="The newest so many.")] = LAST,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object a line.")] = False,
+) -> None:
+    """Show verdicts and changes of alarms, the oldest first. It may run beside the agent."""
+    from agent.runtime.database import StoreError
+    from agent.runtime.history_file import HistoryFile, history_path
+    from connectors.base import ConfigError
+
+    path, start = history_path(state_file(state, config)), None if since is None else _time(since)
+    if not path.is_file():
+        raise ConfigError([f"{path}: is not there; an agent makes it with its first verdict"])
+    try:
+        file = HistoryFile(path, create=False)
+        try:
+            entries = file.read(loop, start, last)
+        finally:
+            file.close()
+    except StoreError as error:
+        raise ConfigError([str(error)]) from error
+    if as_json:
+        for entry in entries:
+            typer.echo(
+                json.dumps({"time": entry.time, "loop": entry.loop, "kind": entry.kind} | entry.content)
+            )
+    else:
+        _show(entries)
+
+
+def _time(text: str) -> float:
+    """Return s UTC."""
+    try:
+        time = datetime.fromisoformat(text)
+    except ValueError as error:
+        raise typer.BadParameter(
+            f"{text!r} is not a time like 2026-11-22T06:00", param_hint="'--since'"
+        ) from error
+    return (time.replace(tzinfo=UTC) if time.tzinfo is None else time).timestamp()
+
+
+def _show(entries: tuple[Entry, ...]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("time (UTC)", "loop", "what", "S", "J", "cause, or who", box=None, padding=(0, 2, 0, 0))
+    for entry in entries:
+        time = f"{datetime.fromtimestamp(entry.time, UTC):%Y-%m-%d %H:%M:%S}"
+        is_alarm = entry.kind == "alarm"
+        what = f"ALARM {entry.content['state']}" if is_alarm else str(entry.content["verdict"])
+        why = entry.content["by"] if is_alarm else entry.content["cause"]
+        table.add_row(
+            time,
+            entry.loop,
+            what.replace("_", " "),
+            _band(entry.content, "s", is_alarm=is_alarm),
+            _band(entry.content, "j", is_alarm=is_alarm),
+            str(why or "").replace("_", " "),
+            style="bold red" if entry.content.get("active") else None,
+        )
+    Console().print(table)
+
+
+def _band(content: dict[str, Any], name: str, *, is_alarm: bool) -> str:
+    """Width in OP units; the buses are told plain numbers, a diagnosis has intervals."""
+    value = content[name] if is_alarm else content["stiction"][name]["value"]
+    return "" if value is None else f"{value:.3g}"
