@@ -111,8 +111,8 @@ async def keep_alive(
     """Run ``work`` again and again until cancelled.
 
     Between attempts it waits a random time of up to 0.1 s, 0.2 s, 0.4 s, ..., ``longest_wait`` (full jitter),
-    so that many clients of a server that comes back don't come all at once. Time in which an attempt waited for
-    a peer that never answered counts as waited.
+    so that many clients of a server that comes back don't come all at once. Time in which an attempt waited
+    for a peer that never answered counts as waited.
     """
     clock = asyncio.get_running_loop()
     while True:
