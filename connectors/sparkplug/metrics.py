@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pydantic import ValidationError
@@ -16,7 +16,7 @@ REBIRTH = "Node Control/Rebirth"
 BD_SEQ = "bdSeq"
 """Metric that tells which death belongs to which birth."""
 
-METRICS: Mapping[str, tuple[str, DataType]] = {
+_FIELDS: Mapping[str, tuple[str, DataType]] = {
     "Alarm/Active": ("active", DataType.BOOLEAN),
     "Alarm/State": ("state", DataType.STRING),
     "Alarm/Id": ("id", DataType.STRING),
@@ -24,27 +24,35 @@ METRICS: Mapping[str, tuple[str, DataType]] = {
     "Alarm/By": ("by", DataType.STRING),
     "Alarm/Until": ("until", DataType.DATE_TIME),
     "Diagnosis/Verdict": ("verdict", DataType.STRING),
-    "Diagnosis/Time": ("time", DataType.DATE_TIME),
     "Stiction/S": ("s", DataType.DOUBLE),
     "Stiction/J": ("j", DataType.DOUBLE),
     "Stiction/f_S": ("f_s", DataType.DOUBLE),
     "Stiction/f_D": ("f_d", DataType.DOUBLE),
     "Health/NE 107": ("ne107", DataType.STRING),
     "Health/Code": ("health", DataType.INT32),
+    "Message/Time": ("time", DataType.DATE_TIME),
     "Message/Id": ("message_id", DataType.STRING),
     "Message/Sequence": ("sequence", DataType.INT64),
     "Message/Schema": ("schema", DataType.INT32),
 }
 """Name of a metric -> field of the payload and its type; docs/payload.md explains each field."""
 
-COMMANDS: Mapping[str, DataType] = {
-    "Alarm/Acknowledge": DataType.BOOLEAN,
-    "Alarm/Shelve Minutes": DataType.DOUBLE,
-    "Alarm/Unshelve": DataType.BOOLEAN,
-    "Alarm/Out of Service": DataType.BOOLEAN,
-    "Alarm/Operator": DataType.STRING,
+OUT_OF_SERVICE = "Alarm/Out of Service"
+"""The one metric that a host both reads and writes."""
+METRICS: Mapping[str, DataType] = {
+    **{name: kind for name, (_, kind) in _FIELDS.items()},
+    OUT_OF_SERVICE: DataType.BOOLEAN,
 }
-"""Metrics that a host may write where orders are taken."""
+"""What is told of a loop."""
+ABOUT_THE_MESSAGE = frozenset(name for name in METRICS if name.startswith("Message/"))
+"""Metrics that are news each time, though nothing may have changed."""
+COMMANDS: Mapping[str, tuple[DataType, JsonValue]] = {
+    "Alarm/Acknowledge": (DataType.BOOLEAN, False),
+    "Alarm/Shelve Minutes": (DataType.DOUBLE, 0.0),
+    "Alarm/Unshelve": (DataType.BOOLEAN, False),
+    "Alarm/Operator": (DataType.STRING, ""),
+}
+"""Metrics that a host may only write, where orders are taken: type, and value while it writes nothing."""
 NOBODY = "Sparkplug host"
 """Who decided, where the command does not name an operator."""
 
@@ -60,19 +68,14 @@ class Told:
 
 def values_of(fields: Mapping[str, JsonValue]) -> dict[str, JsonValue]:
     """Return the fields of a publication by names of metrics."""
-    return {name: fields.get(field) for name, (field, _) in METRICS.items()}
+    values = {name: fields.get(field) for name, (field, _) in _FIELDS.items()}
+    state = fields.get("state")
+    return {**values, OUT_OF_SERVICE: None if state is None else state == "out_of_service"}
 
 
-def commands_at_rest(values: Mapping[str, Told], time: float) -> Iterator[Metric]:
-    """Yield the metrics that a host may write, as they stand while it writes none."""
-    out = "Alarm/State" in values and values["Alarm/State"].value == "out_of_service"
-    for name, kind in COMMANDS.items():
-        rest: dict[str, JsonValue] = {
-            "Alarm/Shelve Minutes": 0.0,
-            "Alarm/Out of Service": out,
-            "Alarm/Operator": "",
-        }
-        yield Metric(name, rest.get(name, False), kind, time)
+def commands_at_rest(time: float) -> list[Metric]:
+    """Return the metrics that a host may only write, as they stand while it writes none."""
+    return [Metric(name, rest, kind, time) for name, (kind, rest) in COMMANDS.items()]
 
 
 def orders(subject: str, metrics: tuple[Metric, ...], arrival: float) -> list[Order]:
@@ -81,7 +84,7 @@ def orders(subject: str, metrics: tuple[Metric, ...], arrival: float) -> list[Or
     ``Alarm/Operator`` says who asks and ``Alarm/Id`` which activation is meant, both for all of the command.
     """
     written = {metric.name: metric.value for metric in metrics}
-    unknown = written.keys() - COMMANDS.keys() - {"Alarm/Id"}
+    unknown = written.keys() - COMMANDS.keys() - {"Alarm/Id", OUT_OF_SERVICE}
     if unknown:
         raise MalformedError(f"nobody can write {', '.join(sorted(unknown))}")
     common = {"by": written.get("Alarm/Operator") or NOBODY, "alarm": written.get("Alarm/Id") or None}
@@ -92,7 +95,7 @@ def orders(subject: str, metrics: tuple[Metric, ...], arrival: float) -> list[Or
         asked.append({"action": "shelve", "minutes": minutes})
     if written.get("Alarm/Unshelve"):
         asked.append({"action": "unshelve"})
-    if (out := written.get("Alarm/Out of Service")) is not None:
+    if (out := written.get(OUT_OF_SERVICE)) is not None:
         asked.append({"action": "out_of_service" if out else "in_service"})
     try:
         messages = [OrderMessage.model_validate({**common, **each}) for each in asked]

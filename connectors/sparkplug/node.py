@@ -9,7 +9,15 @@ from collections.abc import Mapping
 
 from connectors.base import JsonValue, Publication
 from connectors.mqtt.client import Outgoing
-from connectors.sparkplug.metrics import BD_SEQ, METRICS, REBIRTH, Told, commands_at_rest, values_of
+from connectors.sparkplug.metrics import (
+    ABOUT_THE_MESSAGE,
+    BD_SEQ,
+    METRICS,
+    REBIRTH,
+    Told,
+    commands_at_rest,
+    values_of,
+)
 from connectors.sparkplug.payload import CONTENT, DataType, Metric, encode
 
 NAMESPACE = "spBv1.0"
@@ -66,17 +74,18 @@ class EdgeNode:
             unknown = Told(None, now)
             metrics = [
                 Metric(name, told.get(name, unknown).value, kind, told.get(name, unknown).time)
-                for name, (_, kind) in METRICS.items()
+                for name, kind in METRICS.items()
             ]
             if self._writable:
-                metrics += commands_at_rest(told, now)
+                metrics += commands_at_rest(now)
             messages.append(self._numbered("DBIRTH", device, metrics, now))
         return messages
 
     def data(self, publication: Publication, now: float) -> Outgoing | None:
         """Return what has changed with a publication; None where there is nothing to tell.
 
-        An event that is told late has all its values, marked as history: newer ones were told already.
+        The state of a change comes first, so that its event mostly has nothing to add. An event that is told
+        late has all its values, marked as history: newer ones were told already.
         """
         subject, fields = publication.subject, publication.fields
         if subject not in self.devices:
@@ -88,10 +97,12 @@ class EdgeNode:
         if not historical:
             told = self._told[subject]
             values = {name: each for name, each in values.items() if _is_news(told.get(name), each)}
+            if publication.kind == "event" and values.keys() <= ABOUT_THE_MESSAGE:
+                return None
             told |= {name: Told(each, time) for name, each in values.items()}
         if not values:
             return None
-        metrics = [Metric(name, each, METRICS[name][1], time, historical) for name, each in values.items()]
+        metrics = [Metric(name, each, METRICS[name], time, historical) for name, each in values.items()]
         return self._numbered("DDATA", self.devices[subject], metrics, now)
 
     def _numbered(self, verb: str, device: str | None, metrics: list[Metric], now: float) -> Outgoing:

@@ -4,7 +4,7 @@ import pytest
 
 from agent.alarms import Alarm, Announcement
 from connectors.base import Order, Publication
-from connectors.sparkplug.metrics import COMMANDS, METRICS, REBIRTH, orders
+from connectors.sparkplug.metrics import _FIELDS, COMMANDS, METRICS, OUT_OF_SERVICE, REBIRTH, orders
 from connectors.sparkplug.node import EdgeNode
 from connectors.sparkplug.payload import DataType, MalformedError, Metric, decode
 
@@ -48,7 +48,7 @@ def test_births_have_every_metric_with_type_and_time_and_count_from_zero():
 
 
 def test_metrics_hold_every_field_of_the_payload_but_the_loop():
-    fields = {field for field, _ in METRICS.values()}
+    fields = {field for field, _ in _FIELDS.values()}
     assert fields == FIELDS.keys() - {"loop", "historical"}  # the device, and a mark of each metric
 
 
@@ -115,9 +115,20 @@ def test_an_event_told_late_is_history_and_changes_nothing_that_stands():
 
 def test_what_is_out_of_service_says_so_in_the_metric_that_a_host_writes():
     gate = node()
+    assert told(gate.births(NOW)[1])[1][OUT_OF_SERVICE].value is None
+    assert told(tell(gate))[1][OUT_OF_SERVICE].value is False
+    assert told(tell(gate, state="out_of_service"))[1][OUT_OF_SERVICE].value is True
+
+
+def test_an_event_that_adds_nothing_to_its_state_is_not_told_and_a_state_always_is():
+    gate = node()
     gate.births(NOW)
-    tell(gate, state="out_of_service")
-    assert told(gate.births(NOW)[1])[1]["Alarm/Out of Service"].value is True
+    tell(gate, state="shelved", message_id="1", sequence=8)
+    assert tell(gate, "event", state="shelved", message_id="2", sequence=9) is None
+    _, metrics = told(tell(gate, "event", state="normal", message_id="3", sequence=10))
+    assert metrics.keys() == {"Alarm/State", "Message/Id", "Message/Sequence"}
+    _, metrics = told(tell(gate, state="normal", message_id="4", sequence=11, time=6.0))
+    assert metrics.keys() == {"Message/Id", "Message/Sequence", "Message/Time"}
 
 
 def test_of_others_nothing_is_told():
@@ -128,7 +139,8 @@ def test_of_others_nothing_is_told():
 
 def written(**values):
     names = {
-        name.replace("Alarm/", "").replace(" ", "_").lower(): name for name in [*COMMANDS, "Alarm/Id", "X"]
+        name.replace("Alarm/", "").replace(" ", "_").lower(): name
+        for name in [*COMMANDS, OUT_OF_SERVICE, "Alarm/Id", "X"]
     }
     return tuple(Metric(names[key], value) for key, value in values.items())
 
