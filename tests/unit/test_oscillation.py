@@ -77,6 +77,21 @@ def test_noise_of_any_colour_is_no_oscillation(pole):
     assert alarms <= 5
 
 
+def test_a_wave_whose_period_wanders():
+    """Standard deviation 30 % of the period, heights that differ: no line, no regular crossings."""
+    seen = 0
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        cycles = [
+            np.exp(0.5 * rng.normal()) * np.sin(2 * np.pi * np.arange(length) / length)
+            for length in (75 * np.exp(0.3 * rng.normal(size=40))).astype(int).tolist()
+        ]
+        wave = np.concatenate(cycles)[:1500] + 0.1 * rng.normal(size=1500)
+        found = detect_oscillation(window(wave, op=wave))
+        seen += found.detected and 40 < found.period < 150
+    assert seen >= 18
+
+
 def test_a_chirp_oscillates_but_is_not_regular():
     swept = chirp(T, f0=1 / 200, t1=N, f1=1 / 8)
     seen = detect_oscillation(window(swept, op=swept))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from agent.analysis.oscillation.acf_filtered import AcfFiltered, oscillations
 from agent.analysis.oscillation.acf_zero_crossings import AcfZeroCrossings
+from agent.analysis.oscillation.broad_peak import BroadPeak
 from agent.analysis.oscillation.detector import OscillationDetector
 from agent.analysis.oscillation.forsman_stattin import ForsmanStattin, ForsmanStattinMonitor
 from agent.analysis.oscillation.hagglund import HagglundIae, HagglundMonitor
@@ -28,6 +29,7 @@ DETECTORS: tuple[OscillationDetector, ...] = (
     MiaoSeborg(),
     SpectralPeak(),
     AcfFiltered(),
+    BroadPeak(),
 )
 
 
