@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import LoopWindow
 
 
 def warm() -> None:
@@ -23,4 +27,24 @@ def warm() -> None:
             for integrating in (False, True):
                 hints = LoopHints(integrating=integrating, delay=2, order=order)
                 diagnose(LoopWindow("warm", 0.0, 1.0, op, pv, hints=hints), quantifier=quantifier)
+    _warm_workbench(LoopWindow("warm", 0.0, 1.0, op, pv))
     print(f"slipjump: done in {time.perf_counter() - started:.1f} s")  # noqa: T201
+
+
+def _warm_workbench(window: LoopWindow) -> None:
+    """Simulate every effect on every base that it applies to, in the middle of its parameters."""
+    import numpy as np
+
+    from agent.physics.bases import BASES
+    from agent.physics.effects import effects
+    from agent.physics.loop_model import LoopModel
+    from agent.workbench.library import applies
+    from agent.workbench.record import bare_record
+    from agent.workbench.space import space_of
+
+    record = bare_record(window)
+    for base in BASES:
+        own = [effect for effect in effects() if applies(effect, base)]
+        for model in (LoopModel(base), *(LoopModel(base, (effect,)) for effect in own)):
+            space = space_of(model, record.facts)
+            model.columns(record.op, space.values(np.full(len(space), 0.5)), record.facts)

@@ -62,6 +62,8 @@ class Parameter:
     """Searched by its logarithm; ``low`` > 0 then."""
     of_record: bool = False
     """Belongs to one record, not to the loop, like where the valve stands at first: another fits it anew."""
+    natural: bool = False
+    """Nature sets the bounds, not the search, so that the value may well lie at one: a share, a ratio."""
 
 
 class Effect(Protocol):

@@ -44,44 +44,68 @@ class LoopModel:
             own += [(f"{effect.name}.{each.name}", each) for each in effect.parameters(facts)]
         return tuple(own)
 
+    def layout(self, facts: Facts) -> Layout:
+        """Return the model with the place of each number, for many evaluations on one record."""
+        at = count = len(self.base.parameters(facts))
+        pairs = []
+        for effect in self.effects:
+            own = len(effect.parameters(facts))
+            pairs.append((effect, slice(at, at + own)))
+            at += own
+        return Layout(self.base, facts.ts, slice(0, count), tuple(pairs))
+
     def position(self, op: FloatArray, values: FloatArray, facts: Facts) -> FloatArray:
+        """Return the valve position, OP units, (n,), from OP without gaps, (n,)."""
+        return self.layout(facts).position(op, values)
+
+    def columns(self, op: FloatArray, values: FloatArray, facts: Facts) -> FloatArray:
+        """Return the response of gain one, then what disturbances add but for coefficients, (n, 1 + k)."""
+        return self.layout(facts).columns(op, values)
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """A model on a record: which of the values are whose."""
+
+    base: Base
+    ts: float
+    """s."""
+    own: slice
+    """Values of the base."""
+    effects: tuple[tuple[Effect, slice], ...]
+    """Each with its values."""
+
+    def position(self, op: FloatArray, values: FloatArray) -> FloatArray:
         """Return the valve position, OP units, (n,), from OP without gaps, (n,).
 
         Valve effects act in the order of ``CHAIN``, in whichever order they were added.
         """
         position = op
-        pairs = [pair for pair in self._split(values, facts) if pair[0].stage == "valve"]
-        for effect, own in sorted(pairs, key=lambda pair: _place(pair[0])):
-            position = cast("ValveEffect", effect).apply(position, own, facts.ts)
+        valve = [pair for pair in self.effects if pair[0].stage == "valve"]
+        for effect, own in sorted(valve, key=lambda pair: _place(pair[0])):
+            position = cast("ValveEffect", effect).apply(position, values[own], self.ts)
         return position
 
-    def columns(self, op: FloatArray, values: FloatArray, facts: Facts) -> FloatArray:
+    def columns(self, op: FloatArray, values: FloatArray) -> FloatArray:
         """Return the response of gain one, then what disturbances add but for coefficients, (n, 1 + k)."""
-        process = self.base.process(values[: len(self.base.parameters(facts))])
-        pairs = list(self._split(values, facts))
-        for effect, own in pairs:
+        process = self.base.process(values[self.own])
+        for effect, own in self.effects:
             if effect.stage == "process":
-                process = cast("ProcessEffect[object]", effect).change(process, own)  # type: ignore[assignment]
-        response = process.respond(self.position(op, values, facts), facts.ts)
-        for effect, own in pairs:
+                change = cast("ProcessEffect[object]", effect).change
+                process = change(process, values[own])  # type: ignore[assignment]
+        response = process.respond(self.position(op, values), self.ts)
+        for effect, own in self.effects:
             if effect.stage == "sensor":
-                response = cast("SensorEffect", effect).apply(response, own, facts.ts)
-        time = np.asarray(facts.ts * np.arange(len(op)), dtype=np.float64)
+                response = cast("SensorEffect", effect).apply(response, values[own], self.ts)
+        disturbances = [pair for pair in self.effects if pair[0].stage == "disturbance"]
+        if not disturbances:
+            return response[:, np.newaxis]
+        time = np.asarray(self.ts * np.arange(len(op)), dtype=np.float64)
         added = [
-            cast("DisturbanceEffect", effect).columns(time, response, own)
-            for effect, own in pairs
-            if effect.stage == "disturbance"
+            cast("DisturbanceEffect", effect).columns(time, response, values[own])
+            for effect, own in disturbances
         ]
         return np.column_stack((response, *added))
-
-    def _split(self, values: FloatArray, facts: Facts) -> list[tuple[Effect, FloatArray]]:
-        at = len(self.base.parameters(facts))
-        pairs = []
-        for effect in self.effects:
-            count = len(effect.parameters(facts))
-            pairs.append((effect, values[at : at + count]))
-            at += count
-        return pairs
 
 
 def _place(effect: Effect) -> int:

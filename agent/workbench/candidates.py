@@ -7,17 +7,19 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from agent.workbench.decision import LEAST_PERCENT, LEVEL, Decision, judge
+from agent.workbench.fit import residual_of
+from agent.workbench.innovations import tells_more
 from agent.workbench.step import Step, Verdict
+from agent.workbench.where import LEVEL as FOLLOWED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.workbench.fit import Fit
+    from agent.workbench.line_spectrum import LineSpectrum
+    from agent.workbench.record import Record
     from agent.workbench.trial import Tried
     from agent.workbench.where import Failure
-
-REJECTED = 0.05
-"""p of a panel below which the model fails visibly."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,22 +30,38 @@ class AllTried:
     models: Mapping[str, Tried]
     """By the effect that was added."""
 
+    @property
+    def at_bound(self) -> tuple[str, ...]:
+        """Parameters of the effect that was decided for which ran into a bound."""
+        effect = self.decision.effect
+        return () if effect is None else own_at_bound(self.models[effect].fit)
 
-def judged(smaller: Step, models: Mapping[str, Tried], null_p_of: Callable[[Fit], float]) -> AllTried:
+
+def judged(
+    smaller: Step, models: Mapping[str, Tried], record: Record, null_p_of: Callable[[Fit], float]
+) -> AllTried:
     """Judge effects by their held-out errors, and the winner by a simulated null as well.
+
+    An effect must lower the error where it was fitted, too: what helps little there helps elsewhere by luck
+    of the smaller model's folds. And it must lower the innovations, as no answer to the disturbance does.
 
     Args:
         smaller: The model without any of them.
         models: With each, the simplest of a family first.
+        record: What they were fitted to.
         null_p_of: How likely the effect of a fit seems to explain as much where it is not there.
     """
     families = {name: each.fit.model.effects[-1].family for name, each in models.items()}
     losses = {name: each.held_out.losses for name, each in models.items()}
-    # What helps little where it was fitted helps elsewhere by luck of the smaller model's folds.
     enough = (1 - LEAST_PERCENT / 100) * smaller.fit.error
-    null_p = {name: 1.0 for name, each in models.items() if each.fit.error > enough}
+    stopped = [name for name, each in models.items() if own_at_bound(each.fit)]
+    null_p = {
+        name: 1.0
+        for name, each in models.items()
+        if each.fit.error > enough or not _tells_more(smaller.fit, each.fit, record)
+    }
     while True:
-        decision = judge(smaller.held_out.losses, losses, families, null_p)
+        decision = judge(smaller.held_out.losses, losses, families, null_p, stopped)
         if decision.effect is None or decision.kind == "suggested" or decision.effect in null_p:
             break
         null_p[decision.effect] = null_p_of(models[decision.effect].fit)
@@ -52,12 +70,35 @@ def judged(smaller: Step, models: Mapping[str, Tried], null_p_of: Callable[[Fit]
     return AllTried(decision, models)
 
 
-def verdict_of(decision: Decision, failures: Sequence[Failure]) -> Verdict:
-    """Return what a model lacks, as far as its record tells."""
+def _tells_more(smaller: Fit, larger: Fit, record: Record) -> bool:
+    """Whether the last effect explains more than what OP knows of the disturbance.
+
+    A disturbance of its own time knows nothing of OP, so it need only be no worse.
+    """
+    more = len(larger.values) - len(smaller.values)
+    answers = larger.model.effects[-1].stage != "disturbance"
+    return tells_more(residual_of(smaller, record), residual_of(larger, record), more if answers else 0)
+
+
+def own_at_bound(fitted: Fit) -> tuple[str, ...]:
+    """Return the parameters of the last effect of a fit that ran into a bound."""
+    effect = fitted.model.effects[-1].name
+    return tuple(name for name in fitted.at_bound if name.startswith(f"{effect}."))
+
+
+def verdict_of(found: AllTried, failures: Sequence[Failure], lines: LineSpectrum | None) -> Verdict:
+    """Return what a model lacks, as far as its record tells.
+
+    It fails visibly where its residual follows an axis, or holds a wave that comes from outside.
+    """
+    decision = found.decision
     if decision.kind != "none":
-        return Verdict(decision.kind, decision.effect, decision.family, decision.indistinguishable)
-    fails = any(each.p < REJECTED for each in failures)
-    return Verdict("none_of_the_known" if fails else "no_failure_visible")
+        return Verdict(
+            decision.kind, decision.effect, decision.family, decision.indistinguishable, found.at_bound
+        )
+    fails = any(each.p < FOLLOWED for each in failures)
+    waves = lines is not None and lines.from_outside
+    return Verdict("none_of_the_known" if fails or waves else "no_failure_visible")
 
 
 def naming(verdict: Verdict, name: str) -> Verdict:

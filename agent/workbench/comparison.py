@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from agent.workbench.step import Step, Verdict
+
 if TYPE_CHECKING:
     from agent.workbench.decision import Candidate
+    from agent.workbench.line_spectrum import Line
     from agent.workbench.noise_floor import NoiseFloor
-    from agent.workbench.step import Step, Verdict
     from agent.workbench.where import Failure
 
 
@@ -21,12 +23,20 @@ class Comparison:
     """Empty where the recording is not testable."""
     where_it_fails: tuple[Failure, ...]
     """The largest share first."""
+    lines: tuple[Line, ...]
+    """Of the residual's spectrum that come from outside, the highest above the noise first."""
     candidates: tuple[Candidate, ...]
     """The largest reduction first."""
     verdict: Verdict
     noise_floor: NoiseFloor | None
     """None where the recording is not testable."""
     smallest_percent: float | None
-    """Smallest reduction of the held-out error that would have been confirmed; None: none would."""
+    """Smallest reduction of the held-out error that would have been confirmed; None: the held-out
+    blocks are too few to confirm any."""
     reason: str | None
     """In plain words why the recording is not testable."""
+
+
+def not_testable(loop: str, reason: str) -> Comparison:
+    """Return what there is to say of a recording that tells nothing."""
+    return Comparison(loop, (), (), (), (), Verdict("not_testable"), None, None, reason)

@@ -23,6 +23,7 @@ def comparison_json(found: Comparison, recording: str) -> dict[str, object]:
             {"axis": each.axis, "share": _number(each.share), "p": _number(each.p)}
             for each in found.where_it_fails
         ],
+        "waves_from_outside": [{"frequency": _number(each.frequency)} for each in found.lines],
         "candidates": [_candidate(each) for each in found.candidates],
         "verdict": _verdict(found.verdict),
         "noise_floor": {
@@ -54,6 +55,7 @@ def _parameter(each: FittedParameter) -> dict[str, object]:
         "low": _number(each.low),
         "high": _number(each.high),
         "unit": each.unit,
+        "at_bound": each.at_bound,
     }
 
 
@@ -74,6 +76,7 @@ def _verdict(verdict: Verdict) -> dict[str, object]:
         "effect": verdict.effect,
         "family": verdict.family,
         "indistinguishable": list(verdict.indistinguishable),
+        "at_bound": list(verdict.at_bound),
     }
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from agent.workbench.where import LEVEL
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -33,10 +35,13 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     yield "parameters, with 90 % intervals"
     for each in found.steps[-1].parameters:
         unit = "" if each.unit == "1" else f" {each.unit}"
-        yield f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g})"
+        bound = ", at the bound of its search" if each.at_bound else ""
+        yield f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g}){bound}"
     yield "where this model fails: share of the residual, p"
     for panel in found.where_it_fails[:PANELS]:
         yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.3g}"
+    for line in found.lines[:PANELS]:
+        yield f"  a wave of {1 / line.frequency:.4g} s comes from outside: it keeps its own time"
     yield "what would lower the held-out squared error"
     for tried in found.candidates[:CANDIDATES]:
         interval = f"({tried.low:.1f} to {tried.high:.1f})"
@@ -62,15 +67,21 @@ def verdict_words(verdict: Verdict, found: Comparison) -> str:
         return f"{verdict.family} is missing: {verdict.effect}, or {others}, which this record does not tell"
     if verdict.kind == "suggested":
         beside = f"; {others} would explain it as well" if others else ""
+        for name in verdict.at_bound:
+            beside += f"; {name} ran into the bound of its search"
         return f"perhaps {verdict.effect} is missing, but that is not certain{beside}"
     if found.smallest_percent is None:
-        shown = "this record would have shown no effect, however large"
+        shown = "the held-out stretches are too few to confirm any effect"
     else:
-        shown = f"an effect of {found.smallest_percent:.0f} % of the squared error would have been seen"
+        shown = f"an effect of {found.smallest_percent:.0f} % of the squared error would have been confirmed"
     if verdict.kind == "none_of_the_known":
-        worst = found.where_it_fails[0]
-        return (
-            f"something is missing that none of the known effects explains: {100 * worst.share:.0f} % of the "
-            f"residual goes with {worst.axis.replace('_', ' ')}; {shown}"
-        )
+        return f"something is missing that none of the known effects explains: {_where(found)}; {shown}"
     return f"no failure is visible; {shown}"
+
+
+def _where(found: Comparison) -> str:
+    """Return where the newest model fails most clearly."""
+    worst = found.where_it_fails[0] if found.where_it_fails else None
+    if worst is not None and worst.p < LEVEL:
+        return f"{100 * worst.share:.0f} % of the residual goes with {worst.axis.replace('_', ' ')}"
+    return f"a wave of {1 / found.lines[0].frequency:.4g} s from outside is left in the residual"

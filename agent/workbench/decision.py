@@ -5,7 +5,7 @@ Source: reference ``missing_effect.md`` section 4, steps 5 and 6: thresholds 5 %
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -14,7 +14,7 @@ from agent.workbench.holm import holm
 from agent.workbench.paired_blocks import reduction, sign_flip_p
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
 
     from numpy.typing import NDArray
 
@@ -53,7 +53,8 @@ class Decision:
     """``family``: one of the family, it cannot be said which. ``suggested``: not significant, or no better
     than an effect of another family."""
     effect: str | None
-    """Of those that cannot be told apart the simplest of the best one's family; None where there is none."""
+    """Of those that cannot be told apart the simplest of the best one's family, one with a parameter at a
+    bound last; None where there is none."""
     family: str | None
     indistinguishable: tuple[str, ...]
     """The others that cannot be told from the best."""
@@ -69,6 +70,7 @@ def judge(
     losses: Mapping[str, FloatArray],
     families: Mapping[str, str],
     null_p: Mapping[str, float] | None = None,
+    at_bound: Collection[str] = (),
     *,
     rng: np.random.Generator | None = None,
 ) -> Decision:
@@ -85,6 +87,8 @@ def judge(
         families: Of each candidate.
         null_p: p of the simulated null, for candidates whose null lies on a boundary; it must be below
             ``LEVEL`` as well. It is not multiplied by the number of candidates: Holm has paid for the choice.
+        at_bound: Candidates of which a parameter ran into a bound: they stand for something else than what
+            they are named for, or the record does not tell how much of them there is. None is confirmed.
         rng: Of the bootstrap; None: always the same draws.
     """
     draws = np.random.default_rng(0) if rng is None else rng
@@ -105,7 +109,12 @@ def judge(
         best = confirmed[0]
         least = own[best.effect]
         alike = {each.effect for each in confirmed if not _told_apart(least, own[each.effect], draws)}
-        return _of_set(best, [effect for effect in own if effect in alike], families, tuple(ranked))
+        inside = [effect for effect in own if effect in alike and effect not in at_bound]
+        outside = [effect for effect in own if effect in alike and effect in at_bound]
+        if inside and best.effect in at_bound:
+            best = next(each for each in confirmed if each.effect in inside)
+        decided = _of_set(best, inside + outside, families, tuple(ranked))
+        return decided if inside else replace(decided, kind="suggested")
     for each in large:
         if adjusted[each.effect] < SUGGESTED:
             return Decision("suggested", each.effect, each.family, (), (), tuple(ranked))
@@ -125,7 +134,7 @@ def _told_apart(best: FloatArray, other: FloatArray, rng: np.random.Generator) -
 def _of_set(
     best: Candidate, alike: list[str], families: Mapping[str, str], ranked: tuple[Candidate, ...]
 ) -> Decision:
-    """Decide for those that cannot be told apart, the simplest first."""
+    """Decide for those that cannot be told apart, in the order in which they are to be named."""
     family = [effect for effect in alike if families[effect] == best.family]
     rivals = tuple(effect for effect in alike if effect not in family)
     others = (*family[1:], *rivals)

@@ -9,7 +9,7 @@ import numpy as np
 
 from agent.physics.bases.base import StartingBase
 from agent.workbench.projection import nuisance_part, target_of
-from agent.workbench.search import STEP, Round, hypercube, objective_of, searched
+from agent.workbench.search import STEP, Round, best_of, hypercube, objective_of, searched
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -72,17 +72,37 @@ def nested_fit(
     starts: FloatArray | None = None,
     rounds: Sequence[Round] = ROUNDS,
 ) -> Fit:
-    """Fit a model that has one effect more than ``smaller``, its last, to the whole record.
+    """Fit a model that has one effect more than ``smaller``, its last, to the whole record."""
+    points, _ = nested_scan(smaller, model, record, starts, rounds[0][0])
+    return fit_from(model, record, points, rounds)
 
-    The values of ``smaller`` are kept, some of them moved, while those of the new effect are scanned; then
-    all move together.
+
+def nested_scan(
+    smaller: Fit,
+    model: LoopModel,
+    record: Record,
+    starts: FloatArray | None = None,
+    kept: int = ROUNDS[0][0],
+) -> tuple[FloatArray, float]:
+    """Return the best points of the unit cube, (``kept``, k), best first, and the error of the best.
+
+    The values of ``smaller`` are kept, some of them moved, while those of the effect that ``model`` has more
+    are scanned. ``starts`` are values (m, k), own units, to look at besides.
     """
     objective = objective_of(model, record, target_of(record, record.weight, linear=model.base.linear))
     points = nested_starts(smaller, objective.space)
     if starts is not None:
         points = np.vstack((objective.space.at(starts), points))
-    found = searched(objective, points, rounds)
-    return fit_at(model, record, objective.target, objective.space.values(found))
+    best = np.array(best_of(objective, points, kept))
+    return best, objective.error(best[0])
+
+
+def fit_from(model: LoopModel, record: Record, points: FloatArray, rounds: Sequence[Round] = ROUNDS) -> Fit:
+    """Fit a model to the whole record from points (m, k) of the unit cube; all values move together."""
+    objective = objective_of(model, record, target_of(record, record.weight, linear=model.base.linear))
+    return fit_at(
+        model, record, objective.target, objective.space.values(searched(objective, points, rounds))
+    )
 
 
 def nested_starts(smaller: Fit, space: Space) -> FloatArray:
@@ -124,6 +144,11 @@ def fit_at(model: LoopModel, record: Record, target: Target, values: FloatArray)
         pv=explained + drift,
         at_bound=objective.space.at_bound(values),
     )
+
+
+def residual_of(fitted: Fit, record: Record) -> FloatArray:
+    """Return PV less the model, PV units, (n,), NaN where PV counts for nothing."""
+    return np.where(record.weight > 0, record.pv - fitted.pv, np.nan)
 
 
 def contributions(fitted: Fit, record: Record) -> dict[str, FloatArray]:

@@ -15,6 +15,7 @@ import numpy as np
 
 from agent.physics.bases.linear_process import LinearProcess
 from agent.workbench.fit import Fit, refit
+from agent.workbench.record import FEW_CYCLES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -83,8 +84,8 @@ class HeldOut:
 def folds_of(record: Record, base: Fit) -> Folds | str:
     """Return the folds of a record, or in plain words why there are too few blocks.
 
-    Blocks of one to three periods, at least 100 samples, shorter where the record is; blocks with less than
-    half of their samples are left out.
+    Blocks of one to three periods, at least 100 samples, shorter where the record is; of a loop that does not
+    swing they need not hold a period. Blocks with less than half of their samples are left out.
 
     Args:
         record: OP and PV.
@@ -92,7 +93,8 @@ def folds_of(record: Record, base: Fit) -> Folds | str:
     """
     n, period = len(record), record.period
     length = min(max(2 * period, LEAST_BLOCK), n / BLOCKS)
-    length = int(min(max(length, period), n / (FEWEST_BLOCKS + SPARE)))
+    least = period if n > FEW_CYCLES * period else 0.0
+    length = int(min(max(length, least), n / (FEWEST_BLOCKS + SPARE)))
     block = np.minimum(np.arange(n) // length, n // length - 1)  # the last one takes the rest
     known = np.bincount(block, weights=record.weight)
     enough = known >= 0.5 * np.bincount(block)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 MOST_LAGS = 30
 ROWS_A_LAG = 10
 """Samples for each coefficient, at least."""
+TINY = np.finfo(float).tiny
 ROUND_OFF = 1e-10
 """Added to the squares, as a part of them, so that a wave without noise has a solution as well."""
 
@@ -75,3 +76,26 @@ def innovations(residual: FloatArray) -> Innovations | None:
     values = np.full(len(residual), np.nan)
     values[most:][complete] = now - past[:, :kept] @ solved
     return Innovations(values, solved[1:], float(squares[kept - 1] / (count - kept)))
+
+
+def tells_more(smaller: FloatArray, larger: FloatArray, parameters: int) -> bool:
+    """Return whether a larger model lowers the innovations of its residual by more than its size would.
+
+    In closed loop this tells a better model from one that answers to the disturbance. OP holds the
+    controller's reaction to it, so that a wrong effect can lower the free-run error below that of the true
+    model, as a dead band does that hides the small moves of OP. But no effect that is not there lowers the
+    innovations (Ljung, System Identification, 2nd ed., 13.4), but for chance: Schwarz's criterion.
+
+    Args:
+        smaller: Residual of the smaller model, (n,), NaN where there is none.
+        larger: Of the larger one, (n,).
+        parameters: That it has more. 0: it need only be no worse.
+
+    Returns:
+        True where nothing can be said.
+    """
+    before, after = innovations(smaller), innovations(larger)
+    if before is None or after is None:
+        return True
+    count = np.count_nonzero(np.isfinite(before.values))
+    return bool(count * np.log(before.variance / max(after.variance, TINY)) >= parameters * np.log(count))

@@ -29,6 +29,8 @@ FALSE_ALARM = 0.01
 MOST_LINES = 6
 FEWEST_CYCLES = 4
 """Of a line in the record: slower is drift."""
+CERTAIN_CYCLES = 12
+"""Of a line in the record, to be sure that it keeps its own time."""
 CENTRES = 60
 """Frequencies at which the level of the noise is taken."""
 WITHIN = 1.6
@@ -73,6 +75,12 @@ class LineSpectrum:
     threshold: FloatArray
     """Noise passes it anywhere in ``FALSE_ALARM`` of records."""
     lines: tuple[Line, ...]
+
+    @property
+    def from_outside(self) -> tuple[Line, ...]:
+        """Lines that come from outside beyond doubt: slower ones are a slow noise's as well."""
+        least = CERTAIN_CYCLES / FEWEST_CYCLES * float(self.frequency[0])
+        return tuple(each for each in self.lines if each.kind == "coherent" and each.frequency >= least)
 
 
 def line_spectrum(residual: FloatArray, op: FloatArray, ts: float) -> LineSpectrum | None:

@@ -13,8 +13,10 @@ from agent.workbench.resampling import resampled
 if TYPE_CHECKING:
     from agent.workbench.record import Record
 
-DRAWS = 39
-"""Simulations: the smallest p is 1 in 40."""
+DRAWS = 59
+"""Simulations, at most: the smallest p is 1 in 60."""
+ENOUGH = 2
+"""As large as what was seen: p can no longer fall below 0.05."""
 
 
 @dataclass(frozen=True, slots=True)

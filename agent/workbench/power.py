@@ -28,8 +28,8 @@ def smallest_reduction(
 ) -> float | None:
     """Return the smallest reduction of the held-out error, %, that would have been confirmed.
 
-    Injection and recovery on the blocks: the scatter of what the effect changed from block to block is kept,
-    its mean is replaced by a reduction of the same part in every block.
+    Injection and recovery on the blocks: by what factor the effect changed the error of a block scatters from
+    block to block, and that is kept; the mean of the factors is replaced by a reduction of the whole.
 
     Args:
         losses_base: Squared error of each block without the effect, (b,), > 0.
@@ -38,14 +38,14 @@ def smallest_reduction(
         rng: Of the bootstrap.
 
     Returns:
-        None where not even an effect that explains all would have been.
+        None where the blocks are too few to confirm anything: not even an effect that explains all.
     """
-    known = np.isfinite(losses_base) & np.isfinite(losses)
-    base, changed = losses_base[known], (losses - losses_base)[known]
-    scatter = changed - changed.mean()
+    known = np.isfinite(losses_base) & np.isfinite(losses) & (losses_base > 0)
+    base, other_base = losses_base[known], losses[known]
+    scattered = other_base * base.sum() / max(other_base.sum(), np.finfo(float).tiny)
 
     def confirmed(percent: int) -> bool:
-        other = base * (1 - percent / 100) + scatter
+        other = scattered * (1 - percent / 100)
         return candidates * sign_flip_p(base, other) < LEVEL and reduction(base, other, rng).low > 0
 
     at = bisect_left(STEPS, True, key=confirmed)

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 FEWEST_REVERSALS = 8
 """Of OP, beyond its noise: a valve shows itself where it turns (``missing_effect.md`` section 4, step 0)."""
 
+FEW_CYCLES = 8
+"""Of the dominant period in a record, up to which it is doubtful whether the loop swings at all."""
+
 
 @dataclass(frozen=True, slots=True)
 class Record:
@@ -66,7 +69,7 @@ def record_of(window: LoopWindow, *, from_start: bool = False) -> Record | str:
 def bare_record(window: LoopWindow, *, from_start: bool = False) -> Record:
     """Return the record of a window whatever it can tell; OP and PV must have known samples."""
     op, pv = bridge(window.op), bridge(window.pv)
-    period = dominant_period(op)
+    period = period_of(op)
     counts = window.valid & ~after_gaps(window.op, period) & ~after_gaps(window.pv, period)
     if not from_start:
         counts[: int(min(BURN * period, len(op) / 12))] = False
@@ -82,3 +85,16 @@ def bare_record(window: LoopWindow, *, from_start: bool = False) -> Record:
         gain_sign=process_gain_sign(window),
     )
     return Record(window.loop, op, pv, counts.astype(np.float64), facts)
+
+
+def period_of(op: FloatArray) -> float:
+    """Return the dominant period of OP (n,), without gaps, samples.
+
+    Where the record has few cycles of it, it is at most the mean time from a turn to the next but one: of a
+    loop that does not swing the highest line is one of the slowest, and tells nothing.
+    """
+    period = dominant_period(op)
+    turns = significant_reversals(op)
+    if turns == 0 or len(op) > FEW_CYCLES * period:
+        return period
+    return min(period, 2 * len(op) / turns)

@@ -14,14 +14,14 @@ import numpy as np
 from scipy.optimize import least_squares, minimize
 from scipy.stats.qmc import LatinHypercube
 
-from agent.workbench.projection import Solved, Target, solve
+from agent.workbench.projection import Solved, Target, least_error, solve
 from agent.workbench.space import Space, space_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.recording import FloatArray
-    from agent.physics.loop_model import LoopModel
+    from agent.physics.loop_model import Layout, LoopModel
     from agent.workbench.record import Record
 
 Round = tuple[int, float, int]
@@ -36,22 +36,28 @@ class Objective:
 
     model: LoopModel
     record: Record
+    layout: Layout
     target: Target
     space: Space
 
+    def columns(self, at: FloatArray) -> FloatArray:
+        """Return the columns of the model at a point of the unit cube, (k,)."""
+        return self.layout.columns(self.record.op, self.space.values(at))
+
     def solved(self, at: FloatArray) -> Solved:
         """Return the best coefficients at a point of the unit cube, (k,)."""
-        columns = self.model.columns(self.record.op, self.space.values(at), self.record.facts)
-        return solve(columns, self.target)
+        return solve(self.columns(at), self.target)
 
     def error(self, at: FloatArray) -> float:
         """Return the sum of squares, PV units squared."""
-        return self.solved(at).error
+        if self.target.fixed_gain:
+            return self.solved(at).error
+        return least_error(self.columns(at), self.target)
 
 
 def objective_of(model: LoopModel, record: Record, target: Target) -> Objective:
     """Return what the search lowers."""
-    return Objective(model, record, target, space_of(model, record.facts))
+    return Objective(model, record, model.layout(record.facts), target, space_of(model, record.facts))
 
 
 def hypercube(points: int, size: int) -> FloatArray:

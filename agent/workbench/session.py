@@ -9,35 +9,30 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effects import effects as known_effects
-from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.loop_model import LoopModel
+from agent.workbench.automatic import add_all_confirmed
 from agent.workbench.axes import physical_axes
-from agent.workbench.candidates import AllTried, judged, naming, verdict_of
-from agent.workbench.comparison import Comparison
+from agent.workbench.candidates import naming, verdict_of
+from agent.workbench.comparison import Comparison, not_testable
 from agent.workbench.comparison_json import comparison_json
-from agent.workbench.decision import Decision, judge
-from agent.workbench.fit import Fit, contributions, fit
-from agent.workbench.folds import Folds, folds_of, held_out
+from agent.workbench.fit import contributions, fit, residual_of
+from agent.workbench.folds import Folds, folds_of
 from agent.workbench.hooks import Map, Progress, silent
-from agent.workbench.intervals import fitted_parameters
 from agent.workbench.library import applies, base_named, effect_named, library, missing
+from agent.workbench.line_spectrum import LineSpectrum, line_spectrum
 from agent.workbench.noise_floor import noise_floor
-from agent.workbench.null_trial import DRAWS, NullTrial
 from agent.workbench.power import smallest_reduction
 from agent.workbench.record import Record, bare_record, record_of
 from agent.workbench.saved_model import read_saved, saved
-from agent.workbench.simulated_null import simulated_null_p
-from agent.workbench.step import Step, Verdict
-from agent.workbench.trial import Trial, Tried, tried
-from agent.workbench.validation import rmse_on
-from agent.workbench.valve_starts import ValveStart, valve_starts
+from agent.workbench.step import Step, Verdict, step_of
+from agent.workbench.trials import Trials
 from agent.workbench.where import Failure, where_it_fails
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
-
-MOST_EFFECTS = 4
+    from agent.workbench.decision import Decision
+    from agent.workbench.trial import Tried
 
 
 class Workbench:
@@ -74,10 +69,7 @@ class Workbench:
         self.library = library(self.installed, self.base, without)
         self.reason: str | None = None
         """In plain words why nothing can be said about the recording; None where something can."""
-        self._run, self._tell = run, tell
         self._steps: list[Step] = []
-        self._tried_on: dict[tuple[str, ...], AllTried] = {}
-        self._valves: tuple[ValveStart, ...] | None = None
         self._validation = (
             None if validate is None else bare_record(validate, from_start=not self.base.linear)
         )
@@ -91,8 +83,8 @@ class Workbench:
         if isinstance(folds, str):
             self.reason = folds
             return
-        self._record, self._folds = record, folds
-        self._push(self._predicted(fitted), None)
+        self.trials = Trials(window, record, folds, run, tell)
+        self.take(self.trials.predicted(fitted))
 
     @property
     def step(self) -> Step:
@@ -108,12 +100,12 @@ class Workbench:
     @property
     def record(self) -> Record:
         """What the fits see."""
-        return self._record
+        return self.trials.record
 
     @property
     def folds(self) -> Folds:
         """Which samples were held out together."""
-        return self._folds
+        return self.trials.folds
 
     def staircase(self) -> tuple[Step, ...]:
         """Return all steps, the base first; empty where the recording is not testable."""
@@ -121,16 +113,16 @@ class Workbench:
 
     def compare(self) -> dict[str, FloatArray]:
         """Return PV of the newest model, of the base, and what each effect adds, PV units, each (n,)."""
-        added = contributions(self.step.fit, self._record)
+        added = contributions(self.step.fit, self.record)
         return {"model": self.step.fit.pv, "base": self._steps[0].fit.pv, **added}
 
     def residual(self) -> FloatArray:
         """Return PV less the newest model, PV units, (n,), NaN where PV counts for nothing."""
-        return np.where(self._record.weight > 0, self._record.pv - self.step.fit.pv, np.nan)
+        return residual_of(self.step.fit, self.record)
 
     def where_it_fails(self) -> tuple[Failure, ...]:
         """Return the residual of the newest model against each physical axis, the largest share first."""
-        fitted, record = self.step.fit, self._record
+        fitted, record = self.step.fit, self.record
         moved = any(each.stage == "valve" for each in fitted.model.effects)
         axes = physical_axes(
             record.op,
@@ -140,11 +132,27 @@ class Workbench:
             set_point=self.window.sp,
             start=self.window.start,
         )
-        return where_it_fails(self.residual(), axes, self._block, np.random.default_rng(0))
+        return where_it_fails(self.residual(), axes, self.trials.block, np.random.default_rng(0))
+
+    def lines(self) -> LineSpectrum | None:
+        """Return the spectrum of the residual of the newest model, with its lines; None where it has none."""
+        return line_spectrum(self.residual(), self.record.op, self.record.facts.ts)
 
     def candidates(self) -> Decision:
-        """Try each effect that the newest model does not have, refitted with all else, and judge them."""
-        return self._all_tried().decision
+        """Try each effect that the newest model does not have, refitted with all else, and judge them.
+
+        Raises:
+            ValueError: The recording is not testable.
+        """
+        return self.trials.all_on(self.step, self.library).decision
+
+    def effect(self, name: str) -> Effect:
+        """Return the effect of that name, in the library or not.
+
+        Raises:
+            ValueError: There is none; the text lists those that there are.
+        """
+        return effect_named(name, self.installed)
 
     def add(self, name: str) -> Step:
         """Add an effect, refit everything, and return the new step.
@@ -154,20 +162,18 @@ class Workbench:
         Raises:
             ValueError: No such effect; it is in the model, or does not apply to the base.
         """
-        effect = effect_named(name, self.installed)
+        effect = self.effect(name)
         model = self.step.fit.model
         if not applies(effect, self.base):
             raise ValueError(f"{name} does not apply to the base {self.base.name}")
         if effect not in missing(model, [effect]):
             raise ValueError(f"{name} cannot be added to a model with {', '.join(self.step.effects)}")
-        found = self._tried_on.get(self.step.effects)
+        found = self.trials.known(self.step)
         if found is None or name not in found.models:
             family = [each for each in missing(model, self.library) if each.family == effect.family]
-            models = self._tried(family if effect in family else [*family, effect])
-            found = judged(self.step, models, self._null_p)
-        verdict = naming(verdict_of(found.decision, self.where_it_fails()), name)
-        self._push(found.models[name], verdict, added=name)
-        return self.step
+            found = self.trials.judged_on(self.step, family if effect in family else [*family, effect])
+        verdict = verdict_of(found, self.where_it_fails(), self.lines())
+        return self.take(found.models[name], naming(verdict, name), added=name)
 
     def drop(self, name: str) -> Step:
         """Take an effect out, refit everything, and return the new step.
@@ -179,8 +185,7 @@ class Workbench:
             raise ValueError(
                 f"the model has no {name}; it has {', '.join(self.step.effects) or 'no effects'}"
             )
-        self._push(self._without(name), None, dropped=name)
-        return self.step
+        return self.take(self.trials.without(self.step.fit, name), dropped=name)
 
     def undo(self) -> Step:
         """Take back the last step, and return the one before.
@@ -195,20 +200,30 @@ class Workbench:
 
     def auto(self) -> tuple[Step, ...]:
         """Add what is confirmed until nothing more is; after each, test the earlier effects again."""
-        while self._steps and len(self.step.effects) < MOST_EFFECTS:
-            decision = self.candidates()
-            if decision.effect is None or decision.effect in {each.dropped for each in self._steps}:
-                break
-            if decision.kind in {"confirmed", "family"}:
-                self.add(decision.effect)
-            elif not self._add_both(decision):
-                break
-            self._drop_idle()
+        if self._steps:
+            add_all_confirmed(self)
         return self.staircase()
 
+    def take(
+        self,
+        found: Tried,
+        verdict: Verdict | None = None,
+        *,
+        added: str | None = None,
+        dropped: str | None = None,
+    ) -> Step:
+        """Make a model that was tried the newest step, and return it."""
+        step = step_of(found, self.record, self._validation, verdict, added=added, dropped=dropped)
+        self._steps.append(step)
+        return step
+
     def save(self) -> dict[str, object]:
-        """Return the newest model as a mapping of plain values, for YAML or JSON."""
-        return saved(self.window.loop, self.step.fit, self._record.facts)
+        """Return the newest model as a mapping of plain values, for YAML or JSON.
+
+        Raises:
+            ValueError: The recording is not testable.
+        """
+        return saved(self.window.loop, self.step.fit, self.record.facts)
 
     def load(self, mapping: object) -> tuple[Step, ...]:
         """Add the effects of a saved model one after the other, fitted from its values; return all steps.
@@ -221,137 +236,39 @@ class Workbench:
             raise ValueError(f"the saved model is of the loop {model.loop}, not of {self.window.loop}")
         if model.base != self.base.name:
             raise ValueError(f"the saved model has the base {model.base}, not {self.base.name}")
-        effects = [effect_named(name, self.installed) for name in model.effects]
+        effects = [self.effect(name) for name in model.effects]
         for effect in effects:
             larger = replace(self.step.fit.model, effects=(*self.step.fit.model.effects, effect))
-            starts = model.values_of(larger, self._record.facts)[np.newaxis]
-            self._tell(effect.name, len(self.step.effects), len(effects))
-            fitted = fit(larger, self._record, self._record.weight, starts)
-            self._push(self._predicted(fitted), None, added=effect.name)
+            starts = model.values_of(larger, self.record.facts)[np.newaxis]
+            self.trials.tell(effect.name, len(self.step.effects), len(effects))
+            fitted = fit(larger, self.record, self.record.weight, starts)
+            self.take(self.trials.predicted(fitted), added=effect.name)
         return self.staircase()
 
     def comparison(self) -> Comparison:
         """Return all that is known: the staircase, and what is said of the newest model."""
         if not self._steps:
-            return Comparison(self.window.loop, (), (), (), Verdict("not_testable"), None, None, self.reason)
-        all_tried, failures = self._all_tried(), self.where_it_fails()
-        decision, losses = all_tried.decision, self.step.held_out.losses
+            return not_testable(self.window.loop, str(self.reason))
+        tried = self.trials.all_on(self.step, self.library)
+        failures, lines = self.where_it_fails(), self.lines()
+        candidates, losses = tried.decision.candidates, self.step.held_out.losses
         rng = np.random.default_rng(0)
-        best = decision.candidates[0].effect if decision.candidates else None
-        count = len(decision.candidates)
+        smallest = None
+        if candidates:
+            best = tried.models[candidates[0].effect].held_out.losses
+            smallest = smallest_reduction(losses, best, len(candidates), rng)
         return Comparison(
             loop=self.window.loop,
             steps=self.staircase(),
             where_it_fails=failures,
-            candidates=decision.candidates,
-            verdict=verdict_of(decision, failures),
+            lines=() if lines is None else lines.from_outside,
+            candidates=candidates,
+            verdict=verdict_of(tried, failures, lines),
             noise_floor=noise_floor(self.residual(), losses, rng),
-            smallest_percent=None
-            if best is None
-            else smallest_reduction(losses, all_tried.models[best].held_out.losses, count, rng),
+            smallest_percent=smallest,
             reason=None,
         )
 
     def result(self, recording: str | None = None) -> dict[str, object]:
         """Return the comparison as plain values: what ``slipjump compare --json`` prints."""
         return comparison_json(self.comparison(), recording or self.window.loop)
-
-    def _all_tried(self) -> AllTried:
-        key = self.step.effects
-        if key not in self._tried_on:
-            candidates = missing(self.step.fit.model, self.library)
-            self._tried_on[key] = judged(self.step, self._tried(candidates), self._null_p)
-        return self._tried_on[key]
-
-    def _null_p(self, larger: Fit) -> float:
-        """Return how likely an effect seems to explain as much where it is not there."""
-        effect = larger.model.effects[-1]
-        self._tell(f"{effect.name} by chance", 0, 1)
-        trial = NullTrial(self.step.fit, larger, self._record, self._block)
-        return simulated_null_p(trial.seen, trial, DRAWS, self._run)
-
-    @property
-    def _block(self) -> int:
-        return int(np.bincount(self._folds.block[self._folds.block >= 0]).max())
-
-    def _tried(self, candidates: Sequence[Effect]) -> dict[str, Tried]:
-        if self._valves is None and any(isinstance(each, HysteresisEffect) for each in candidates):
-            self._tell("sticking valves", 0, len(candidates))
-            self._valves = valve_starts(self.window)
-        valves = self._valves or ()
-        trials = [Trial(self.step.fit, each, self._record, self._folds, valves) for each in candidates]
-        names = [each.name for each in candidates]
-        models = {}
-        if names:
-            self._tell(names[0], 0, len(names))
-        for done, found in enumerate(self._run(tried, trials)):
-            models[names[done]] = found
-            self._tell(names[min(done + 1, len(names) - 1)], done + 1, len(names))
-        return models
-
-    def _add_both(self, decision: Decision) -> bool:
-        """Add the best effect and a rival that it cannot be told from, if each is confirmed above the other.
-
-        Both are there then; else either explains what the other does. Returns whether there is such a rival.
-        """
-        models = self._all_tried().models
-        for name in decision.rivals:
-            best = models[str(decision.effect)]
-            rival = effect_named(name, self.installed)
-            self._tell(f"{decision.effect} and {name}", 0, 1)
-            both = tried(Trial(best.fit, rival, self._record, self._folds, self._valves or ()))
-            alone = (best, models[name])
-            if all(self._confirmed(each, both) for each in alone):
-                effect = effect_named(str(decision.effect), self.installed)
-                self._push(best, Verdict("confirmed", effect.name, effect.family), added=effect.name)
-                self._push(both, Verdict("confirmed", rival.name, rival.family), added=rival.name)
-                return True
-        return False
-
-    def _confirmed(self, smaller: Tried, larger: Tried) -> bool:
-        name = larger.fit.model.effects[-1].name
-        found = judge(smaller.held_out.losses, {name: larger.held_out.losses}, {name: name})
-        return found.kind == "confirmed"
-
-    def _drop_idle(self) -> None:
-        """Take out earlier effects that reduce the held-out error no more."""
-        for name in self.step.effects[:-1]:
-            self._tell(f"without {name}", 0, 1)
-            rest = self._without(name)
-            family = effect_named(name, self.installed).family
-            again = judge(rest.held_out.losses, {name: self.step.held_out.losses}, {name: family})
-            if again.kind == "none":
-                self._push(rest, None, dropped=name)
-
-    def _without(self, name: str) -> Tried:
-        fitted = self.step.fit
-        pairs = fitted.model.parameters(self._record.facts)
-        kept = np.array([full.partition(".")[0] != name or "." not in full for full, _ in pairs])
-        effects = tuple(each for each in fitted.model.effects if each.name != name)
-        starts = fitted.values[np.newaxis, kept]
-        model = replace(fitted.model, effects=effects)
-        return self._predicted(fit(model, self._record, self._record.weight, starts))
-
-    def _predicted(self, fitted: Fit) -> Tried:
-        return Tried(fitted, held_out(fitted, self._record, self._folds))
-
-    def _push(
-        self, found: Tried, verdict: Verdict | None, *, added: str | None = None, dropped: str | None = None
-    ) -> None:
-        record, fitted = self._record, found.fit
-        counts = record.weight > 0
-        missed = (record.pv - fitted.pv)[counts]
-        spread = float(np.linalg.norm(record.pv[counts] - record.pv[counts].mean()))
-        self._steps.append(
-            Step(
-                added=added,
-                dropped=dropped,
-                fit=fitted,
-                held_out=found.held_out,
-                rmse_fit=float(np.sqrt(np.mean(missed**2))),
-                fit_percent=100 * (1 - float(np.linalg.norm(missed)) / spread),
-                parameters=fitted_parameters(fitted, found.held_out, record),
-                verdict=verdict,
-                rmse_validation=None if self._validation is None else rmse_on(fitted, self._validation),
-            )
-        )

@@ -11,6 +11,10 @@ from typing import Protocol
 
 DRAWS = 199
 """The smallest p is 1 in 200."""
+ENOUGH = 10
+"""Draws as large as what was seen after which no further are needed (Besag and Clifford 1991)."""
+BATCH = 20
+"""Draws between two looks at how many were as large."""
 
 
 class Mapper(Protocol):
@@ -22,7 +26,11 @@ class Mapper(Protocol):
 
 
 def simulated_null_p(
-    seen: float, statistic: Callable[[int], float], draws: int = DRAWS, mapper: Mapper = map
+    seen: float,
+    statistic: Callable[[int], float],
+    draws: int = DRAWS,
+    mapper: Mapper = map,
+    enough: int = ENOUGH,
 ) -> float:
     """Return how likely the statistic is at least ``seen`` where the effect is not there.
 
@@ -31,8 +39,13 @@ def simulated_null_p(
         statistic: The same on a PV that it simulates without the effect from a seed: the model's PV plus
             its residual resampled (``resampling.py``), both models fitted anew. Picklable where the mapper
             is a pool's.
-        draws: Simulations.
+        draws: Simulations, at most.
         mapper: Spreads them.
+        enough: With so many as large as ``seen`` the question is settled, and fewer are drawn.
     """
-    as_large = sum(1 for each in mapper(statistic, range(draws)) if each >= seen)
-    return (1 + as_large) / (1 + draws)
+    drawn = as_large = 0
+    while drawn < draws and as_large < enough:
+        seeds = range(drawn, min(drawn + BATCH, draws))
+        as_large += sum(1 for each in mapper(statistic, seeds) if each >= seen)
+        drawn = seeds.stop
+    return (1 + as_large) / (1 + drawn)

@@ -34,8 +34,8 @@ class Space:
 
     def values(self, at: FloatArray) -> FloatArray:
         """Return the values, own units, of points of the unit cube, (..., k)."""
-        inner = self.low + np.clip(at, 0.0, 1.0) * (self.high - self.low)
-        return np.where(self.log, np.exp(np.where(self.log, inner, 0.0)), inner)
+        inner = self.low + np.minimum(np.maximum(at, 0.0), 1.0) * (self.high - self.low)
+        return np.exp(inner, out=inner, where=self.log)
 
     def at(self, values: FloatArray) -> FloatArray:
         """Return where values, own units, (..., k), lie in the unit cube; the nearest point of it."""
@@ -43,14 +43,19 @@ class Space:
         return np.clip((inner - self.low) / (self.high - self.low), 0.0, 1.0)
 
     def at_bound(self, values: FloatArray) -> tuple[str, ...]:
-        """Return the names of parameters that ran into a bound; where a record begins may lie anywhere."""
+        """Return the names of parameters that ran into a bound of the search: a sign that they mean nothing.
+
+        Where a record begins may lie anywhere, nature's bounds are no sign, and at its null an effect is
+        not there.
+        """
         at = self.at(values)
-        ends = (at < AT_BOUND) | (at > 1 - AT_BOUND)
-        return tuple(
-            name
-            for name, parameter, end in zip(self.names, self.parameters, ends, strict=True)
-            if end and not parameter.of_record
-        )
+        found = []
+        for name, parameter, value in zip(self.names, self.parameters, at.tolist(), strict=True):
+            end = parameter.low if value < AT_BOUND else parameter.high
+            inside = AT_BOUND <= value <= 1 - AT_BOUND
+            if not (inside or parameter.of_record or parameter.natural or end == parameter.null):
+                found.append(name)
+        return tuple(found)
 
 
 def space_of(model: LoopModel, facts: Facts) -> Space:

@@ -5,10 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
+from agent.workbench.intervals import FittedParameter, fitted_parameters
+from agent.workbench.validation import rmse_on
+
 if TYPE_CHECKING:
     from agent.workbench.fit import Fit
     from agent.workbench.folds import HeldOut
-    from agent.workbench.intervals import FittedParameter
+    from agent.workbench.record import Record
+    from agent.workbench.trial import Tried
 
 VerdictKind = Literal[
     "confirmed", "family", "suggested", "none_of_the_known", "no_failure_visible", "not_testable"
@@ -24,6 +30,8 @@ class Verdict:
     family: str | None = None
     indistinguishable: tuple[str, ...] = ()
     """The others that this record cannot tell from ``effect``."""
+    at_bound: tuple[str, ...] = ()
+    """Parameters of ``effect`` that ran into a bound: what it stands for is not confirmed then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,3 +57,29 @@ class Step:
     def effects(self) -> tuple[str, ...]:
         """Names of the model's effects."""
         return tuple(each.name for each in self.fit.model.effects)
+
+
+def step_of(
+    found: Tried,
+    record: Record,
+    validation: Record | None,
+    verdict: Verdict | None = None,
+    *,
+    added: str | None = None,
+    dropped: str | None = None,
+) -> Step:
+    """Return the step to a model that was tried on ``record``, scored on ``validation`` too."""
+    counts = record.weight > 0
+    missed = (record.pv - found.fit.pv)[counts]
+    spread = float(np.linalg.norm(record.pv[counts] - record.pv[counts].mean()))
+    return Step(
+        added=added,
+        dropped=dropped,
+        fit=found.fit,
+        held_out=found.held_out,
+        rmse_fit=float(np.sqrt(np.mean(missed**2))),
+        fit_percent=100 * (1 - float(np.linalg.norm(missed)) / spread),
+        parameters=fitted_parameters(found.fit, found.held_out, record),
+        verdict=verdict,
+        rmse_validation=None if validation is None else rmse_on(found.fit, validation),
+    )

@@ -9,14 +9,25 @@ import numpy as np
 
 from agent.physics.effect import SpottedEffect
 from agent.physics.effects.hysteresis import HysteresisEffect
-from agent.workbench.fit import Fit, nested_fit
+from agent.workbench.fit import Fit, fit_from, nested_scan, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
 from agent.workbench.valve_starts import ValveStart, with_valve
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
     from agent.physics.effect import Effect
+    from agent.physics.loop_model import LoopModel
     from agent.workbench.record import Record
+
+
+@dataclass(frozen=True, slots=True)
+class Screen:
+    """A quick look at an effect: a scan of its values, none of them refined."""
+
+    points: FloatArray
+    """The best ones, of the unit cube of the larger model, best first, (m, k)."""
+    error: float
+    """Of the best one, sum of squares, PV units squared."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +40,8 @@ class Trial:
     folds: Folds
     valves: tuple[ValveStart, ...] = ()
     """That the quantifier found, to start from."""
+    screen: Screen | None = None
+    """Of ``screened``; None: the whole search is done at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,19 +52,28 @@ class Tried:
     held_out: HeldOut
 
 
+def screened(trial: Trial) -> Screen:
+    """Scan the values of the effect; it tells which effects to try first, and where each should begin."""
+    points, error = nested_scan(trial.smaller, _larger(trial), trial.record, _starts(trial))
+    return Screen(points, error)
+
+
 def tried(trial: Trial) -> Tried:
     """Fit the model with the effect, and predict each fold."""
-    model = trial.smaller.model
-    larger = replace(model, effects=(*model.effects, trial.effect))
-    fitted = nested_fit(trial.smaller, larger, trial.record, _starts(trial))
+    screen = trial.screen or screened(trial)
+    fitted = fit_from(_larger(trial), trial.record, screen.points)
     return Tried(fitted, held_out(fitted, trial.record, trial.folds))
+
+
+def _larger(trial: Trial) -> LoopModel:
+    model = trial.smaller.model
+    return replace(model, effects=(*model.effects, trial.effect))
 
 
 def _starts(trial: Trial) -> FloatArray | None:
     effect = trial.effect
     if isinstance(effect, SpottedEffect):
-        residual = np.where(trial.record.weight > 0, trial.record.pv - trial.smaller.pv, np.nan)
-        spots = effect.spotted(residual, trial.record.facts)
+        spots = effect.spotted(residual_of(trial.smaller, trial.record), trial.record.facts)
         return np.hstack((np.tile(trial.smaller.values, (len(spots), 1)), spots))
     if not trial.valves or not isinstance(effect, HysteresisEffect):
         return None

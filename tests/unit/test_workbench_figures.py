@@ -17,12 +17,11 @@ from agent.plots.workbench.report import report_html
 from agent.plots.workbench.residual_panels import residual_panels_figure
 from agent.plots.workbench.spectrum import spectrum_figure
 from agent.plots.workbench.staircase import Stair, staircase_figure
-from agent.workbench.comparison import Comparison
+from agent.workbench.comparison import not_testable
 from agent.workbench.decision import Candidate
 from agent.workbench.independence import independence
 from agent.workbench.line_spectrum import line_spectrum
 from agent.workbench.noise_floor import NoiseFloor
-from agent.workbench.step import Verdict
 from agent.workbench.where import where_it_fails
 from agent.workbench.whiteness import whiteness
 
@@ -30,7 +29,7 @@ N = 1000
 RNG = np.random.default_rng(0)
 OP = 5 * signal.sawtooth(2 * np.pi * np.arange(N) / 50, 0.5)
 RESIDUAL = np.roll(OP**2 / 10, 1) + RNG.normal(size=N)
-NOT_TESTABLE = Comparison("FIC<101>", (), (), (), Verdict("not_testable"), None, None, "OP & PV stand still")
+NOT_TESTABLE = not_testable("FIC<101>", "OP & PV stand still")
 
 
 def labels(axes):

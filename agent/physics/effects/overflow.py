@@ -30,7 +30,7 @@ class Overflow:
         span = facts.pv_high - facts.pv_low
         return (
             Parameter("limit_1", "PV", 0.2 * span, 20 * span, log=True),
-            Parameter("share", "1", 0.0, 1.0),
+            Parameter("share", "1", 0.0, 1.0, natural=True),
             Parameter("limit_2", "PV", facts.pv_high - 0.5 * span, facts.pv_high + 0.05 * span),
         )
 

@@ -34,7 +34,7 @@ class Stiction:
         """Return S, J/S and where the stem first slips."""
         return (
             Parameter("s", "OP", 0.0, facts.op_span, null=0.0),
-            Parameter("j_over_s", "1", 0.0, 1.0),
+            Parameter("j_over_s", "1", 0.0, 1.0, natural=True),
             start_of(facts),
         )
 

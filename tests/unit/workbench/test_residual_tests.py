@@ -117,7 +117,10 @@ def null_ratio(seed, scale=1.0):
 def test_the_simulated_null_counts_what_is_as_large():
     assert simulated_null_p(1e9, null_ratio) == 1 / 200
     assert simulated_null_p(-1.0, null_ratio) == 1.0
-    assert simulated_null_p(np.log(20), null_ratio, 999) == pytest.approx(0.05, abs=0.02)
+    asked = []
+    simulated_null_p(-1.0, lambda seed: asked.append(seed) or 0.0)
+    assert len(asked) < 50  # what is settled is not asked further
+    assert simulated_null_p(np.log(20), null_ratio, 999, enough=999) == pytest.approx(0.05, abs=0.02)
 
 
 def test_the_simulated_null_takes_any_map():

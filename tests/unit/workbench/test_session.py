@@ -48,6 +48,7 @@ def test_the_json_has_every_key_and_no_nan(bench):
         "effect": None,
         "family": None,
         "indistinguishable": [],
+        "at_bound": [],
     }
     assert {each["effect"] for each in found["candidates"]} == {"sensor_lag", "load_step"}
     assert {"axis", "share", "p"} == set(found["where_it_fails"][0])

@@ -1,0 +1,54 @@
+"""Goes on by itself: adds what the record confirms, and takes out what a later effect has made idle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from agent.workbench.decision import judge
+from agent.workbench.step import Verdict
+
+if TYPE_CHECKING:
+    from agent.workbench.decision import Decision
+    from agent.workbench.session import Workbench
+
+MOST_EFFECTS = 4
+
+
+def add_all_confirmed(bench: Workbench) -> None:
+    """Add effects until no more is confirmed; after each, test the earlier ones again."""
+    while len(bench.step.effects) < MOST_EFFECTS:
+        decision = bench.candidates()
+        if decision.effect is None or decision.effect in {each.dropped for each in bench.staircase()}:
+            break
+        if decision.kind in {"confirmed", "family"}:
+            bench.add(decision.effect)
+        elif not _add_both(bench, decision):
+            break
+        _drop_idle(bench)
+
+
+def _add_both(bench: Workbench, decision: Decision) -> bool:
+    """Add the best effect and a rival that it cannot be told from, if the record holds both.
+
+    Returns whether there is such a rival.
+    """
+    found = bench.trials.all_on(bench.step, bench.library)
+    for name in decision.rivals:
+        best, rival = str(decision.effect), bench.effect(name)
+        both = bench.trials.both(found, best, rival)
+        if both is not None:
+            family = bench.effect(best).family
+            bench.take(found.models[best], Verdict("confirmed", best, family), added=best)
+            bench.take(both, Verdict("confirmed", name, rival.family), added=name)
+            return True
+    return False
+
+
+def _drop_idle(bench: Workbench) -> None:
+    """Take out earlier effects that reduce the held-out error no more."""
+    for name in bench.step.effects[:-1]:
+        bench.trials.tell(f"without {name}", 0, 1)
+        rest = bench.trials.without(bench.step.fit, name)
+        losses = {name: bench.step.held_out.losses}
+        if judge(rest.held_out.losses, losses, {name: bench.effect(name).family}).kind == "none":
+            bench.take(rest, dropped=name)

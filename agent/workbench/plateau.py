@@ -1,0 +1,105 @@
+"""How far a parameter of friction can be moved before the record objects: a profile over its neighbourhood.
+
+The error over S and J is a needle beside others. Refits of the folds begin in the one that the whole record
+chose and stay there, so that their scatter alone is too small. Here one parameter is moved outward step by
+step, all others refitted, until the loss of the stretches is clearly above that of the best: an interval by
+inversion of a paired test.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import stats
+from scipy.optimize import minimize
+
+from agent.workbench.paired_blocks import CONFIDENCE, stretches
+from agent.workbench.projection import target_of
+from agent.workbench.search import objective_of
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
+    from agent.workbench.fit import Fit
+    from agent.workbench.record import Record
+    from agent.workbench.search import Objective
+
+OUTWARD = (0.003, 0.01, 0.02, 0.04, 0.07, 0.11, 0.16, 0.24, 0.35, 0.5, 0.7, 1.0)
+"""Distances from the best that are tried, parts of the parameter's range."""
+EVALUATIONS = 25
+"""Of the refit at each, for each parameter that moves."""
+BLOCKS = 28
+"""Into which the record is cut."""
+
+
+def plateau(fitted: Fit, record: Record, name: str) -> tuple[float, float]:
+    """Return the least and the largest value of a parameter that the record cannot tell from the best one.
+
+    Own units. ``name`` is the full one, like ``stiction.s``.
+    """
+    target = target_of(record, record.weight, linear=fitted.model.base.linear)
+    objective = objective_of(fitted.model, record, target)
+    best = objective.space.at(fitted.values)
+    at = objective.space.names.index(name)
+    losses = _losses(objective, best)
+    ends = []
+    for side in (-1.0, 1.0):
+        point, end = best, best[at]
+        for distance in OUTWARD:
+            place = min(max(best[at] + side * distance, 0.0), 1.0)
+            point = _refitted(objective, point, at, place)
+            if not _alike(_losses(objective, point), losses):
+                break
+            end = place
+            if place in (0.0, 1.0):
+                break
+        moved = best.copy()
+        moved[at] = end
+        ends.append(float(objective.space.values(moved)[at]))
+    return min(ends), max(ends)
+
+
+def _refitted(objective: Objective, start: FloatArray, at: int, place: float) -> FloatArray:
+    """Return the best point near ``start`` whose coordinate ``at`` is at ``place``."""
+    moves = np.arange(len(start)) != at
+    point = start.copy()
+    point[at] = place
+
+    def error(others: FloatArray) -> float:
+        point[moves] = others
+        return objective.error(point)
+
+    free = start[moves]
+    step = np.where(free + 0.02 > 1.0, -0.02, 0.02)
+    found = minimize(
+        error,
+        free,
+        method="Nelder-Mead",
+        bounds=[(0.0, 1.0)] * len(free),
+        options={
+            "initial_simplex": np.vstack((free, free + np.diag(step))),
+            "maxfev": EVALUATIONS * len(free),
+            "xatol": 1e-4,
+            "fatol": 0.0,
+        },
+    )
+    point[moves] = found.x
+    return point
+
+
+def _losses(objective: Objective, point: FloatArray) -> FloatArray:
+    squares = objective.solved(point).residual ** 2
+    return stretches(np.array([part.sum() for part in np.array_split(squares, BLOCKS)]))
+
+
+def _alike(losses: FloatArray, best: FloatArray) -> bool:
+    """Whether the losses (s,) of a model are not clearly above the best one's, (s,).
+
+    Where the loss is smooth its rise goes with the square of the distance and its scatter with the distance,
+    so that half the quantile bounds the usual interval.
+    """
+    rise = losses - best
+    count = len(rise)
+    scatter = float(np.std(rise, ddof=1)) / np.sqrt(count)
+    quantile = float(stats.t.ppf(0.5 + CONFIDENCE / 2, count - 1))
+    return bool(rise.mean() <= 0.5 * quantile * scatter)

@@ -1,0 +1,123 @@
+"""Tries effects on top of the models of one recording, each model and effect once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.workbench.candidates import AllTried, judged
+from agent.workbench.decision import LEVEL, judge
+from agent.workbench.fit import fit
+from agent.workbench.folds import held_out
+from agent.workbench.library import missing
+from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
+from agent.workbench.simulated_null import simulated_null_p
+from agent.workbench.trial import Trial, Tried, screened, tried
+from agent.workbench.valve_starts import ValveStart, valve_starts
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import LoopWindow
+    from agent.physics.effect import Effect
+    from agent.workbench.fit import Fit
+    from agent.workbench.folds import Folds
+    from agent.workbench.hooks import Map, Progress
+    from agent.workbench.record import Record
+    from agent.workbench.step import Step
+
+
+@dataclass(slots=True)
+class Trials:
+    """What is asked of a recording, and what was answered."""
+
+    window: LoopWindow
+    record: Record
+    folds: Folds
+    run: Map
+    """Tries effects, perhaps in parallel."""
+    tell: Progress
+    _valves: tuple[ValveStart, ...] | None = None
+    _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
+
+    @property
+    def block(self) -> int:
+        """Samples of the longest held-out block."""
+        return int(np.bincount(self.folds.block[self.folds.block >= 0]).max())
+
+    def known(self, step: Step) -> AllTried | None:
+        """Return what was tried on top of a model; None where nothing was."""
+        return self._done.get(step.effects)
+
+    def all_on(self, step: Step, library: Sequence[Effect]) -> AllTried:
+        """Try each effect of a library that the model does not have, refitted with all else."""
+        if step.effects not in self._done:
+            candidates = missing(step.fit.model, library)
+            self._done[step.effects] = self.judged_on(step, candidates)
+        return self._done[step.effects]
+
+    def judged_on(self, step: Step, effects: Sequence[Effect]) -> AllTried:
+        """Try these effects on top of a model."""
+        models = self._tried(step.fit, effects)
+        return judged(step, models, self.record, lambda larger: self.null_p(step.fit, larger))
+
+    def null_p(self, smaller: Fit, larger: Fit) -> float:
+        """Return how likely the last effect of ``larger`` seems to explain as much where it is not there."""
+        self.tell(f"{larger.model.effects[-1].name} by chance", 0, 1)
+        trial = NullTrial(smaller, larger, self.record, self.block)
+        return simulated_null_p(trial.seen, trial, DRAWS, self.run, ENOUGH)
+
+    def both(self, found: AllTried, name: str, rival: Effect) -> Tried | None:
+        """Return the model with an effect and a rival that it cannot be told from, if each is confirmed.
+
+        Each must lower the held-out error beside the other as an effect must lower that of a model, and more
+        than by chance; else either explains what the other does, and None is returned.
+        """
+        self.tell(f"{name} and {rival.name}", 0, 1)
+        alone = found.models[name], found.models[rival.name]
+        larger = tried(Trial(alone[0].fit, rival, self.record, self.folds, self._valves or ()))
+        for each in alone:
+            decision = judge(each.held_out.losses, {"both": larger.held_out.losses}, {"both": "both"})
+            if decision.kind != "confirmed":
+                return None
+        # The null is one of the last effect, so the model is turned round for the other.
+        turned = tried(
+            Trial(alone[1].fit, alone[0].fit.model.effects[-1], self.record, self.folds, self._valves or ())
+        )
+        pairs = ((alone[0].fit, larger.fit), (alone[1].fit, turned.fit))
+        return larger if all(self.null_p(*pair) < LEVEL for pair in pairs) else None
+
+    def without(self, fitted: Fit, name: str) -> Tried:
+        """Return the model without one of its effects, refitted from the values that it has."""
+        kept = np.array(
+            [
+                full.partition(".")[0] != name or "." not in full
+                for full, _ in fitted.model.parameters(self.record.facts)
+            ]
+        )
+        effects = tuple(each for each in fitted.model.effects if each.name != name)
+        starts = fitted.values[np.newaxis, kept]
+        return self.predicted(
+            fit(replace(fitted.model, effects=effects), self.record, self.record.weight, starts)
+        )
+
+    def predicted(self, fitted: Fit) -> Tried:
+        """Return a fit with its held-out error."""
+        return Tried(fitted, held_out(fitted, self.record, self.folds))
+
+    def _tried(self, smaller: Fit, effects: Sequence[Effect]) -> dict[str, Tried]:
+        """Try effects, the most promising first."""
+        if self._valves is None and any(isinstance(each, HysteresisEffect) for each in effects):
+            self.tell("sticking valves", 0, len(effects))
+            self._valves = valve_starts(self.window)
+        trials = [Trial(smaller, each, self.record, self.folds, self._valves or ()) for each in effects]
+        self.tell("a quick look at each", 0, len(effects))
+        ordered = sorted(zip(self.run(screened, trials), trials, strict=True), key=lambda pair: pair[0].error)
+        names = [each.effect.name for _, each in ordered]
+        models = {}
+        for done, found in enumerate(self.run(tried, [replace(t, screen=s) for s, t in ordered])):
+            models[names[done]] = found
+            self.tell(names[min(done + 1, len(names) - 1)], done + 1, len(names))
+        return {each.name: models[each.name] for each in effects}
