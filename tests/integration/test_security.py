@@ -2,8 +2,10 @@
 
 import asyncio
 import logging
+from dataclasses import replace
 
 import pytest
+import pytest_asyncio
 from asyncua import ua
 from buses import Reading, connector_of, free_port, until
 from secure_peers import HOST, PASSWORD, make_keys, secure_broker, secure_device, secure_server
@@ -13,12 +15,20 @@ from agent.runtime.workers import InlineExecutor
 from agent.settings import settings_of
 from connectors.base import AccessDeniedError, ConnectionLostError, Publication
 
+in_the_loop_of_the_server = pytest.mark.asyncio(loop_scope="module")
 ALARM = Publication("FIC101", "state", "1", {"active": True, "s": 4.0})
 
 
 @pytest.fixture(scope="module")
 def keys(tmp_path_factory):
     return make_keys(tmp_path_factory.mktemp("keys"))
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def guarded(keys):
+    """An OPC UA server that trusts one client and knows two users; starting one takes longer than a test."""
+    async with secure_server(keys) as url:
+        yield url
 
 
 @pytest.fixture
@@ -80,10 +90,9 @@ async def denied(connector):
 @pytest.mark.parametrize("version", ["3.1.1", "5"])
 async def test_mqtt_with_tls_client_certificate_and_password(mosquitto, tmp_path, keys, password, version):
     async with secure_broker(mosquitto, tmp_path, keys, ask=True) as port:
-        connector = mqtt(port, version=version, tls=tls(keys, "client"), user="agent", password=password)
-        async with connector.session() as session, Reading(session) as reading:
-            await until(session._client._client.is_connected)
-            async with connector.session() as plant:
+        known = {"version": version, "tls": tls(keys, "client"), "user": "agent", "password": password}
+        async with mqtt(port, **known).session() as session, Reading(session) as reading:
+            async with mqtt(port, client="plant", **known).session() as plant:
                 await plant._client.publish("pv", "1.5", qos=1, retain=True)
             await until(lambda: reading.samples)
             await session.publish(ALARM)
@@ -148,40 +157,41 @@ async def test_modbus_with_a_wrong_credential(keys, client, ca, server, remedy):
 
 @pytest.mark.parametrize("known_by", ["server_certificate", "ca"])
 @pytest.mark.parametrize("login", ["password", "certificate"])
-async def test_opcua_signed_and_encrypted_with_login(keys, password, known_by, login):
+@in_the_loop_of_the_server
+async def test_opcua_signed_and_encrypted_with_login(guarded, keys, password, known_by, login):
     server = {known_by: f"{keys}/{'server.der' if known_by == 'server_certificate' else 'ca.pem'}"}
     who = {
         "password": {"user": "agent", "password": password},
         "certificate": {"certificate": f"{keys}/client.der", "key": f"{keys}/client-key.pem"},
     }[login]
-    async with secure_server(keys) as url:
-        connector = opcua(url, security=security(keys, **server), login=who)
-        async with connector.session() as session, Reading(session) as reading:
-            await until(lambda: reading.samples)
-            await session.publish(ALARM)
-            await until(lambda: len(reading.samples) == 2)
-    assert [sample.value for sample in reading.samples] == [1.5, 4.0]
+    connector = opcua(guarded, security=security(keys, **server), login=who)
+    async with connector.session() as session, Reading(session) as reading:
+        await until(lambda: reading.samples, within=30.0)
+        before = reading.samples[0].value
+        await session.publish(replace(ALARM, fields={"s": before + 1}))
+        await until(lambda: len(reading.samples) == 2, within=30.0)
+    assert [sample.value for sample in reading.samples] == [before, before + 1]
 
 
-async def test_opcua_with_a_wrong_credential(keys, password, wrong):
+@in_the_loop_of_the_server
+async def test_opcua_with_a_wrong_credential(guarded, keys, password, wrong):
     right = {"user": "agent", "password": password}
-    async with secure_server(keys) as url:
-        said = await denied(opcua(url, security=security(keys), login={"user": "agent", "password": wrong}))
-        assert "check login" in said
-        assert "check login" in await denied(opcua(url, security=security(keys)))  # anonymous
-        stranger = {"certificate": f"{keys}/stranger.pem", "key": f"{keys}/stranger-key.pem"}
-        assert "check login" in await denied(opcua(url, security=security(keys), login=stranger))
-        said = await denied(opcua(url, security=security(keys, "stranger"), login=right))
-        assert "list of trusted clients (BadCertificateUntrusted)" in said
-        other = {"server_certificate": f"{keys}/elsewhere.pem"}
-        said = await denied(opcua(url, security=security(keys, **other), login=right))
-        assert said.startswith(f"OPC UA server at {url}: it shows another certificate (SHA-256 ")
-        assert "check security.ca" in await denied(
-            opcua(url, security=security(keys, ca=f"{keys}/foreign-ca.pem"), login=right)
-        )
-        aes = {**security(keys), "policy": "Aes256Sha256RsaPss"}
-        said = await denied(opcua(url, security=aes, login=right))
-        assert "it offers no Aes256Sha256RsaPss SignAndEncrypt but Basic256Sha256 SignAndEncrypt" in said
+    said = await denied(opcua(guarded, security=security(keys), login={"user": "agent", "password": wrong}))
+    assert "check login" in said
+    assert "check login" in await denied(opcua(guarded, security=security(keys)))  # anonymous
+    stranger = {"certificate": f"{keys}/stranger.pem", "key": f"{keys}/stranger-key.pem"}
+    assert "check login" in await denied(opcua(guarded, security=security(keys), login=stranger))
+    said = await denied(opcua(guarded, security=security(keys, "stranger"), login=right))
+    assert "list of trusted clients (BadCertificateUntrusted)" in said
+    other = {"server_certificate": f"{keys}/elsewhere.pem"}
+    said = await denied(opcua(guarded, security=security(keys, **other), login=right))
+    assert said.startswith(f"OPC UA server at {guarded}: it shows another certificate (SHA-256 ")
+    assert "check security.ca" in await denied(
+        opcua(guarded, security=security(keys, ca=f"{keys}/foreign-ca.pem"), login=right)
+    )
+    aes = {**security(keys), "policy": "Aes256Sha256RsaPss"}
+    said = await denied(opcua(guarded, security=aes, login=right))
+    assert "it offers no Aes256Sha256RsaPss SignAndEncrypt but Basic256Sha256 SignAndEncrypt" in said
 
 
 async def test_opcua_with_a_certificate_for_another_host(keys, password):
@@ -200,15 +210,16 @@ async def test_opcua_server_without_security(keys):
         assert "but None None_; check security.policy" in await denied(opcua(url, security=security(keys)))
 
 
+@in_the_loop_of_the_server
 async def test_the_daemon_goes_on_with_the_rest_and_tells_no_secret(
-    mosquitto, tmp_path, keys, password, wrong, caplog
+    guarded, mosquitto, tmp_path, keys, password, wrong, caplog
 ):
     loop = {"ts": 1.0, "window": {"seconds": 60.0}}
     topics = {"pv": {"topic": "pv"}, "op": {"topic": "op"}}
     nodes = {"pv": {"node": "ns=1;s=PV"}, "op": {"node": "ns=1;s=PV"}}
-    async with secure_broker(mosquitto, tmp_path, keys) as port, secure_server(keys) as url:
+    async with secure_broker(mosquitto, tmp_path, keys) as port:
         broker = {"kind": "mqtt", "host": HOST, "port": port, "tls": tls(keys), "user": "agent"}
-        dcs = {"kind": "opcua", "url": url, "security": security(keys)}
+        dcs = {"kind": "opcua", "url": guarded, "security": security(keys)}
         settings = settings_of(
             {
                 "agent": {"longest_wait": 0.2},
