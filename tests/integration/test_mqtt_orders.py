@@ -13,6 +13,7 @@ from buses import Reading, connector_of, mosquitto_broker, until
 
 from agent.alarms import State
 from agent.runtime.agent import Agent
+from agent.runtime.probe import probe
 from agent.runtime.workers import InlineExecutor
 from agent.settings import settings_of
 from connectors.base import Order, Publication, RefusedError
@@ -87,6 +88,26 @@ async def test_a_client_that_comes_again_before_the_broker_knows_is_online(mosqu
                 await until(lambda: len(said(got)) == 3)
                 told = said(got)
     assert [each["status"] for each in told] == ["online", "offline", "online"]
+
+
+async def test_a_look_at_the_configuration_does_not_disturb_the_agent_that_runs(mosquitto, tmp_path):
+    async with mosquitto_broker(mosquitto, tmp_path) as (port, _):
+        tag = {"topic": "plant", "field": "pv"}
+        settings = settings_of(
+            {
+                "connections": {"plant": {"kind": "mqtt", "port": port, "client": "me", "orders": True}},
+                "loops": [
+                    {"name": "FIC101", "connection": "plant", "ts": 1.0, "tags": {"pv": tag, "op": tag}}
+                ],
+            }
+        )
+        async with listening(port, "slipjump/#") as got, connector(port).session() as session:
+            await session._client.publish("plant", '{"pv": 1.0}', qos=1, retain=True)
+            found = await probe(settings, 10.0)
+            await session.publish(Publication("FIC101", "state", "1", ALARM))
+            await until(lambda: "slipjump/FIC101/alarm" in got)
+            assert [each["status"] for each in said(got)] == ["online"]
+    assert [(each.place, each.problems) for each in found] == [("", ()), ("pv", ()), ("op", ())]
 
 
 async def test_what_mqtt_5_adds(mosquitto, tmp_path):
