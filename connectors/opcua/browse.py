@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from asyncua import Client, ua
 
 from connectors.base import ConnectionLostError, Quality
-from connectors.cancellation import obey_cancellation
+from connectors.opcua.batches import Batches
 from connectors.opcua.connector import as_connection_lost
 from connectors.opcua.values import in_words, quality
 
@@ -17,10 +17,9 @@ OBJECTS = "i=85"
 _SERVER = "i=2253"
 """Where a server tells of itself: nothing of the plant is below."""
 _AT_ONCE = 64
-"""Nodes asked for in one request, fewer where the server refuses so many."""
+"""Nodes looked into between two looks at the bounds."""
 _ANSWERS = 1000
 """Most references of a node in one answer; the rest comes with the next."""
-_TOO_MANY = (ua.StatusCodes.BadTooManyOperations, ua.StatusCodes.BadEncodingLimitsExceeded)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +96,7 @@ class _Walker:
         self._client = client
         self._known = {root, _SERVER}
         self._variables: list[Variable] = []
-        self._at_once = _AT_ONCE
+        self._batches = Batches()
         self.level: list[tuple[str, tuple[str, ...]]] = [(root, ())]
         """Nodes of this level that wait, with their paths."""
         self.below: list[tuple[str, tuple[str, ...]]] = []
@@ -111,18 +110,31 @@ class _Walker:
         return Walk(tuple(self._variables), self.seen, stopped)
 
     async def step(self) -> None:
-        """Look into the next nodes of this level, as many as the server takes at once."""
-        batch = self.level[: self._at_once]
+        """Look into the next nodes of this level."""
+        batch, self.level = self.level[:_AT_ONCE], self.level[_AT_ONCE:]
         with as_connection_lost():
-            answers = await _children(self._client, [node for node, _ in batch])
-        obey_cancellation()
-        if answers is None:
-            self._at_once = max(1, len(batch) // 2)
-            return
-        del self.level[: len(batch)]
+            answers = await self._batches.ask(self._children, [node for node, _ in batch])
         for (_, path), children in zip(batch, answers, strict=True):
             for child in children:
                 self._take(child, path)
+
+    async def _children(self, nodes: list[str]) -> list[list[ua.ReferenceDescription]]:
+        """Return what is below each node, in as many answers as it takes."""
+        wanted = ua.BrowseParameters()
+        wanted.RequestedMaxReferencesPerNode = _ANSWERS
+        wanted.NodesToBrowse = [_description(node) for node in nodes]
+        results = await self._client.uaclient.browse(wanted)
+        found = [list(result.References or []) for result in results]
+        points = {index: result.ContinuationPoint for index, result in enumerate(results)}
+        while left := {index: point for index, point in points.items() if point}:
+            more = ua.BrowseNextParameters()
+            more.ContinuationPoints = list(left.values())
+            results = await self._client.uaclient.browse_next(more)
+            points = {}
+            for index, result in zip(left, results, strict=True):
+                found[index] += result.References or []
+                points[index] = result.ContinuationPoint
+        return found
 
     def _take(self, child: ua.ReferenceDescription, path: tuple[str, ...]) -> None:
         node = child.NodeId.to_string()
@@ -137,41 +149,18 @@ class _Walker:
 
 async def values(client: Client, nodes: Sequence[str]) -> dict[str, object]:
     """Return node -> value, of those that have one that is not bad; raises ConnectionLostError."""
-    found: dict[str, object] = {}
-    for start in range(0, len(nodes), _AT_ONCE):
-        batch = nodes[start : start + _AT_ONCE]
-        with as_connection_lost():
-            answers = await client.uaclient.read_attributes(
-                [ua.NodeId.from_string(node) for node in batch], ua.AttributeIds.Value
-            )
-        for node, answer in zip(batch, answers, strict=True):
-            if answer.Value is not None and quality(answer.StatusCode or ua.StatusCode()) is not Quality.BAD:
-                found[node] = answer.Value.Value
-    return found
 
+    async def read(batch: list[ua.NodeId]) -> list[ua.DataValue]:
+        found: list[ua.DataValue] = await client.uaclient.read_attributes(batch, ua.AttributeIds.Value)
+        return found
 
-async def _children(client: Client, nodes: Sequence[str]) -> list[list[ua.ReferenceDescription]] | None:
-    """Return what is below each node; None if these are too many for the server."""
-    wanted = ua.BrowseParameters()
-    wanted.RequestedMaxReferencesPerNode = _ANSWERS
-    wanted.NodesToBrowse = [_description(node) for node in nodes]
-    try:
-        results = await client.uaclient.browse(wanted)
-    except ua.UaStatusCodeError as error:
-        if error.code in _TOO_MANY and len(nodes) > 1:
-            return None
-        raise
-    found = [list(result.References or []) for result in results]
-    points = {index: result.ContinuationPoint for index, result in enumerate(results)}
-    while left := {index: point for index, point in points.items() if point}:
-        more = ua.BrowseNextParameters()
-        more.ContinuationPoints = list(left.values())
-        results = await client.uaclient.browse_next(more)
-        points = {}
-        for index, result in zip(left, results, strict=True):
-            found[index] += result.References or []
-            points[index] = result.ContinuationPoint
-    return found
+    with as_connection_lost():
+        answers = await Batches().ask(read, [ua.NodeId.from_string(node) for node in nodes])
+    return {
+        node: answer.Value.Value
+        for node, answer in zip(nodes, answers, strict=True)
+        if answer.Value is not None and quality(answer.StatusCode or ua.StatusCode()) is not Quality.BAD
+    }
 
 
 def _description(node: str) -> ua.BrowseDescription:

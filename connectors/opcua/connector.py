@@ -21,6 +21,7 @@ from connectors.base import (
     TargetReport,
 )
 from connectors.cancellation import obey_cancellation
+from connectors.opcua.batches import Batches
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
 from connectors.opcua.security import identify, refusal
 from connectors.opcua.silence import Silence
@@ -34,9 +35,6 @@ logging.getLogger("asyncua").setLevel(
 
 _SESSION_TIMEOUT = 60_000
 """How long the server keeps a session that it hears nothing from, ms; its watchdog reads more often."""
-
-_BATCH = 500
-"""Most nodes in one request; servers refuse too many."""
 
 OpcUaLoops = Mapping[str, LoopTags[OpcUaTag, OpcUaTarget]]
 
@@ -136,18 +134,19 @@ class OpcUaSession:
             for target in entry.targets
             for tag in [*target.fields.values(), *filter(None, [target.active])]
         ]
-        reports = []
-        for start in range(0, len(places), _BATCH):
-            batch = places[start : start + _BATCH]
-            with as_connection_lost():
-                answers = await self._client.uaclient.read_attributes(
-                    [ua.NodeId.from_string(node) for _, node in batch], ua.AttributeIds.UserAccessLevel
-                )
-            reports += [
-                TargetReport(loop, node, no_write(answer))
-                for (loop, node), answer in zip(batch, answers, strict=True)
-            ]
-        return reports
+
+        async def rights(nodes: list[ua.NodeId]) -> list[ua.DataValue]:
+            found: list[ua.DataValue] = await self._client.uaclient.read_attributes(
+                nodes, ua.AttributeIds.UserAccessLevel
+            )
+            return found
+
+        with as_connection_lost():
+            answers = await Batches().ask(rights, [ua.NodeId.from_string(node) for _, node in places])
+        return [
+            TargetReport(loop, node, no_write(answer))
+            for (loop, node), answer in zip(places, answers, strict=True)
+        ]
 
     async def _write(self, fields: Mapping[str, JsonValue]) -> dict[str, ua.StatusCode]:
         """Write each node's value in the node's own type, all in one request; return what was refused."""

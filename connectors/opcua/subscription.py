@@ -15,13 +15,12 @@ from asyncua import Client, ua
 from asyncua.common.subscription import DataChangeEvent, OverflowPolicy, Subscription
 
 from connectors.base import ConnectionLostError
+from connectors.opcua.batches import Batches
 from connectors.opcua.options import OpcUaOptions
 
 _LOG = logging.getLogger(__name__)
 _WAITING = 10_000
 """Most values that may wait to be read."""
-_BATCH = 500
-"""Most nodes in one request; servers refuse too many."""
 _LIFETIME = 60.0
 """How long the server keeps a subscription that nobody reads, s."""
 _NO_FILTER = (
@@ -42,6 +41,7 @@ class NodeSubscription:
         self._created = time.monotonic()
         self._handle = 0
         self._dropped = 0
+        self._reads, self._creates = Batches(), Batches()
         subscription.set_overflow_disconnect_handler(self._count_dropped)
 
     async def add(self, nodes: Sequence[str]) -> dict[str, ua.StatusCode]:
@@ -56,10 +56,7 @@ class NodeSubscription:
 
     async def read(self, nodes: Sequence[str]) -> dict[str, ua.DataValue]:
         """Ask for the values of ``nodes``, told or not."""
-        answers: list[ua.DataValue] = []
-        for start in range(0, len(nodes), _BATCH):
-            batch = [ua.NodeId.from_string(node) for node in nodes[start : start + _BATCH]]
-            answers += await self._session.read_attributes(batch, ua.AttributeIds.Value)
+        answers = await self._reads.ask(self._values, [ua.NodeId.from_string(node) for node in nodes])
         return dict(zip(nodes, answers, strict=True))
 
     async def next_change(self, timeout: float) -> DataChangeEvent | None:  # noqa: ASYNC109 - not to be cancelled
@@ -74,13 +71,15 @@ class NodeSubscription:
             raise ConnectionLostError(f"the server sent nothing for {quiet:.1f} s, not even that it is alive")
         return None
 
+    async def _values(self, nodes: list[ua.NodeId]) -> list[ua.DataValue]:
+        found: list[ua.DataValue] = await self._session.read_attributes(nodes, ua.AttributeIds.Value)
+        return found
+
     async def _monitor(
         self, nodes: Sequence[str], changed: ua.DataChangeFilter | None
     ) -> dict[str, ua.StatusCode]:
         requests = [self._request(node, changed) for node in nodes]
-        answers: list[int | ua.StatusCode] = []
-        for start in range(0, len(requests), _BATCH):
-            answers += await self._subscription.create_monitored_items(requests[start : start + _BATCH])
+        answers = await self._creates.ask(self._subscription.create_monitored_items, requests)
         pairs = zip(nodes, answers, strict=True)
         return {node: answer for node, answer in pairs if isinstance(answer, ua.StatusCode)}
 
