@@ -1,6 +1,8 @@
-"""A loop whose alarm comes and goes as fast as it can, told to a peer: a file. To be killed at any moment.
+"""A loop whose alarm comes and goes as fast as it can, told to a peer. To be killed at any moment.
 
     python -m tests.faults.killed_program STORE PEER work|drain
+
+PEER is a file, or the port of an MQTT broker on this machine.
 
 Window k ends at k seconds; odd ones show stiction, so each window is one event. ``drain``: tells what waits.
 """
@@ -20,6 +22,9 @@ from agent.runtime.pipeline import LoopPipeline
 from agent.runtime.supervisor import keep_alive
 from agent.runtime.workers import InlineExecutor
 from connectors.base import ConnectionLostError
+from connectors.mqtt.connector import MqttConnector
+from connectors.mqtt.options import MqttOptions, MqttTarget
+from connectors.options import LoopTags
 from tests.unit.alarms.test_alarm import diagnosis
 from tests.unit.runtime.loops import loop_settings
 
@@ -52,6 +57,14 @@ def newest_window(alarm):
     return int(float(alarm.id.rpartition("/")[2])) + (not alarm.state.active)
 
 
+def peer_at(place):
+    """The file of this path, or the broker at this port."""
+    if not place.isdecimal():
+        return FilePeer(place)
+    options = MqttOptions(port=int(place), timeout=1.0, keepalive=1)
+    return MqttConnector("peer", options, {"FIC101": LoopTags({}, [MqttTarget(connection="peer")])})
+
+
 async def main(store, peer, task):
     journal = Journal(store)
     outbox = Outbox("peer", journal)
@@ -65,7 +78,7 @@ async def main(store, peer, task):
     kept = await journal.open()
     outbox.restore({number: each.publication for number, each in kept.waiting.items()})
     pipeline.resume(kept.alarms.get("FIC101"))
-    connection = Connection(FilePeer(peer), outbox, None, outbox.interrupt, 60.0)
+    connection = Connection(peer_at(peer), outbox, None, outbox.interrupt, 60.0)
     telling = asyncio.create_task(keep_alive(connection.attempt, connection.health, uniform=lambda *_: 0.0))
     sys.stdout.write("ready\n")
     sys.stdout.flush()
@@ -80,4 +93,4 @@ async def main(store, peer, task):
 
 
 if __name__ == "__main__":
-    asyncio.run(main(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3]))
+    asyncio.run(main(Path(sys.argv[1]), sys.argv[2], sys.argv[3]))

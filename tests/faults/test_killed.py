@@ -11,6 +11,7 @@ import pytest
 from tests.conftest import ROOT
 
 
+@pytest.mark.timeout(240)
 @pytest.mark.parametrize(
     "kills",
     [2, pytest.param(25, marks=[pytest.mark.bench, pytest.mark.timeout(600)])],
