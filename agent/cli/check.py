@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import math
 import sys
 from collections.abc import Sequence
@@ -55,6 +56,7 @@ def _probed(settings: Settings, within: float, watch: float) -> tuple[Finding, .
 
     from agent.runtime.probe import probe
 
+    logging.getLogger("connectors").setLevel(logging.CRITICAL)  # the report tells it, with loop and tag
     tags = sum(len(loop.roles) for loop in settings.loops)
     console = Console(stderr=True)
     if not console.is_terminal:

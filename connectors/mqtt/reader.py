@@ -53,7 +53,7 @@ class TopicReader:
             self._newest = at
         found = bare(payload) if tag.field is None else value(field(tree, tag.field))
         if isinstance(found, str) and not name.endswith(".mode"):
-            raise MalformedError("text where a number belongs")
+            raise MalformedError(f"the text {found[:40]!r} where a number belongs")
         return Sample.measured(name, at, found, quality)
 
     def _unreadable(self, name: str, tag: MqttTag, arrival: float, error: MalformedError) -> Sample:

@@ -98,7 +98,7 @@ async def test_each_fault_of_a_plant_is_told(tmp_path):
     assert problem("F_opcua", "ns=2;s=F1.PV") == "this user may not write it"
     assert problem("F_opcua", "ns=2;s=F1.STICTION") == ""
     assert problem("F_mqtt", "") == ""
-    assert problem("F_mqtt", "op") == "the text 'AUTO' where a number belongs"
+    assert problem("F_mqtt", "op") == "the message has the text 'AUTO' where a number belongs"
     assert abs(found["F_mqtt", "pv"]["age_s"] - 7200) < 60
     assert found["F_mqtt", "pv"]["remarks"][0].startswith("its source time is 2 h old")
     code, out, _ = table
