@@ -2,11 +2,13 @@
 
 import asyncio
 import json
+import re
 import socket
 import urllib.error
 import urllib.request
 
 import pytest
+import yaml
 from prometheus_client.parser import text_string_to_metric_families
 
 from agent.runtime.http import serve
@@ -14,6 +16,7 @@ from agent.runtime.metrics import Metrics
 from agent.runtime.supervisor import Health, keep_alive
 from agent.settings import HttpSettings, settings_of
 from connectors.base import ConfigError
+from tests.conftest import ROOT
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.test_agent import agent_of, stream
 
@@ -156,6 +159,19 @@ async def test_an_address_that_is_taken_is_had_when_it_is_free(caplog):
     task.cancel()
     await asyncio.wait({task})
     assert caplog.text.count("http is down: cannot listen: Address already in use") == 1
+
+
+async def test_the_page_lists_every_metric_and_no_other():
+    metrics = Metrics(agent_of(FakeBus(None)).overview)
+    there = {family.name for family in metrics.registry.collect() if family.name.startswith("slipjump")}
+    there = {name + "_info" if name == "slipjump_build" else name for name in there}
+    page = (ROOT / "docs" / "howto" / "monitoring.md").read_text(encoding="utf-8")
+    rows = [line.split("|")[1] for line in page.splitlines() if line.startswith("| `slipjump_")]
+    listed = [name.removesuffix("_total") for row in rows for name in re.findall(r"`(\w+)`", row)]
+    assert sorted(listed) == sorted(there)
+    rules = yaml.safe_load(re.search(r"```yaml\n(groups:.*?)```", page, re.DOTALL)[1])["groups"][0]["rules"]
+    used = {name for rule in rules for name in re.findall(r"slipjump_\w+", rule["expr"])}
+    assert {name.removesuffix("_total") for name in used} <= there
 
 
 @pytest.mark.parametrize(
