@@ -139,7 +139,7 @@ def _put(node: Any, keys: list[str], value: object) -> None:  # noqa: ANN401 - w
     key: Any = int(keys[0]) if isinstance(node, list) else keys[0]
     former = node[key] if isinstance(node, list) else node.get(key)
     if len(keys) > 1:
-        if not isinstance(former, dict | list):
+        if not isinstance(former, dict) and not _there(former, keys[1:2]):
             node[key] = {}
         _put(node[key], keys[1:], value)
     elif isinstance(former, dict) and isinstance(value, Mapping):

@@ -1,8 +1,12 @@
 """Loops from a CSV list: each line a loop, each fault with its line and column."""
 
+import contextlib
 import json
 
 import pytest
+from hypothesis import HealthCheck, given
+from hypothesis import settings as limits
+from hypothesis import strategies as st
 
 from agent.settings import load_settings
 from connectors.base import ConfigError
@@ -145,3 +149,60 @@ def test_a_list_that_is_not_there(tmp_path):
     path.write_text(json.dumps({"connections": CONNECTIONS, "loops": [{"from": "missing.csv"}]}))
     with pytest.raises(ConfigError, match=r"missing\.csv: cannot be read: No such file"):
         load_settings(path)
+
+
+COLUMNS = [
+    "name",
+    "connection",
+    "ts",
+    "pv",
+    "op",
+    "mode",
+    "time",
+    "op_low",
+    "pv_high",
+    "automatic",
+    "window.seconds",
+]
+COLUMNS += [
+    "op_range.0",
+    "op_range.x",
+    "tags",
+    "tags.pv",
+    "tags.pv.table.x",
+    "publish.0.connection",
+    "automatic.7",
+]
+CELLS = [
+    "",
+    "F1",
+    "dcs",
+    "unit1",
+    "1",
+    "-1",
+    "input 0",
+    "ns=1;s=x",
+    "a#b",
+    "AUTO 1",
+    "0 0 0 0 0 0",
+    "{loop}",
+    "nan",
+    "\u00b2",
+]
+TREES = st.recursive(
+    st.none() | st.floats() | st.sampled_from(["dcs", "{loop}", "input"]),
+    lambda inner: st.lists(inner, max_size=2) | st.dictionaries(st.sampled_from(COLUMNS), inner, max_size=3),
+    max_leaves=6,
+)
+
+
+@limits(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    columns=st.lists(st.sampled_from(COLUMNS), min_size=1, unique=True),
+    cells=st.lists(st.lists(st.sampled_from(CELLS), min_size=20, max_size=20), max_size=3),
+    defaults=st.dictionaries(st.sampled_from([*COLUMNS, "op_range", "publish"]), TREES, max_size=4),
+)
+def test_whatever_is_in_it_is_loaded_or_told(load, columns, cells, defaults):
+    rows = "".join(",".join(row[: len(columns)]) + "\n" for row in cells)
+    with contextlib.suppress(ConfigError):
+        load(defaults, ",".join(columns) + "\n" + rows)
