@@ -103,12 +103,16 @@ class History:
                 await asyncio.get_running_loop().run_in_executor(self._thread, self._write_now, entries)
             except StoreError as error:
                 if not self._problem:
-                    LOG.error("%s; entries wait in memory until it can be written", error)  # noqa: TRY400
+                    LOG.error(  # noqa: TRY400
+                        "%s; entries wait in memory until it can be written",
+                        error,
+                        extra={"event": "history"},
+                    )
                 self._problem = str(error)
                 return False
             if self._problem:
                 self._problem = ""
-                LOG.info("%s is written again", self._path)
+                LOG.info("%s is written again", self._path, extra={"event": "history"})
             for _ in range(len(entries) - (self.dropped - dropped)):
                 self._waiting.popleft()
             if not self._waiting:

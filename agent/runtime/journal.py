@@ -96,7 +96,7 @@ class Journal:
             else:
                 if self._problem:
                     self._problem = ""
-                    LOG.info("%s is written again", self._path)
+                    LOG.info("%s is written again", self._path, extra={"event": "store"})
 
     async def commands(self) -> tuple[Told, ...]:
         """Return the commands that were not obeyed yet, the oldest first."""
@@ -123,4 +123,6 @@ class Journal:
         self.failures += 1
         if not self._problem:
             self._problem = str(error)
-            LOG.error("%s; alarms are kept in memory until it can be written", error)
+            LOG.error(
+                "%s; alarms are kept in memory until it can be written", error, extra={"event": "store"}
+            )

@@ -38,16 +38,17 @@ class Orders:
     async def obey(self, connection: str, order: Order) -> None:
         """Do what an order asks that came over ``connection``, and return when that is on disk."""
         problem = self._obey(order)
+        about = {"event": "order", "connection": connection, "loop": order.subject}
         if problem is None:
             self.taken += 1
-            LOG.info("%s: %s by %r, over %s", order.subject, order.action, order.by, connection)
+            LOG.info("%s: %s by %r, over %s", order.subject, order.action, order.by, connection, extra=about)
             await self._journal.flush()
             return
         self.refused += 1
         told = f"{order.action} of {order.subject!r} by {order.by!r}, over {connection}: {problem}"
         if told != self._problem:
             self._problem = told
-            LOG.warning("%s", told)
+            LOG.warning("%s", told, extra=about)
 
     def _obey(self, order: Order) -> str | None:
         """Hand it to its loop; return why that cannot be."""
