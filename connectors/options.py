@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Generic, Self, TypeVar
@@ -47,3 +48,11 @@ class LoopTags(Generic[TagT, TargetT]):
     """Where the loop's alarm is told."""
     variables: Mapping[str, str] = field(default_factory=dict)
     """Name -> what stands for ``{name}`` in the names of a bus, e.g. topics."""
+
+
+def is_loopback(host: str) -> bool:
+    """Whether what listens on this address is reached from this machine only."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"

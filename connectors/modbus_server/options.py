@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ipaddress
 import ssl
 from typing import Annotated, Self
 
@@ -10,7 +9,7 @@ from pydantic import Field, IPvAnyNetwork, model_validator
 
 from connectors.base import AccessDeniedError
 from connectors.modbus.codec import Order as ByteOrder
-from connectors.options import Options, Port, Seconds, Target
+from connectors.options import Options, Port, Seconds, Target, is_loopback
 from connectors.secret import Secret, content, located
 
 
@@ -80,7 +79,7 @@ class ModbusServerOptions(Options):
 
     @model_validator(mode="after")
     def _safe(self) -> ModbusServerOptions:
-        if not (self.tls or self.allow or self.unprotected or _is_loopback(self.host)):
+        if not (self.tls or self.allow or self.unprotected or is_loopback(self.host)):
             raise ValueError(
                 f"{self.host} is open to other machines: expected tls, allow, or unprotected: true"
             )
@@ -89,10 +88,3 @@ class ModbusServerOptions(Options):
 
 class ModbusServerTarget(Target):
     """A loop that is shown on the server; its place is that among all loops that are shown there."""
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import ipaddress
 from collections.abc import Mapping
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from connectors.options import Options, Port, Seconds, Target
+from connectors.options import Options, Port, Seconds, Target, is_loopback
 from connectors.secret import Secret
 
 
@@ -68,7 +67,7 @@ class OpcUaServerOptions(Options):
 
     @model_validator(mode="after")
     def _safe(self) -> OpcUaServerOptions:
-        if self.security is None and not (self.unprotected or _is_loopback(self.host)):
+        if self.security is None and not (self.unprotected or is_loopback(self.host)):
             raise ValueError(
                 f"{self.host} is open to other machines: expected security, or unprotected: true"
             )
@@ -86,10 +85,3 @@ class OpcUaServerTarget(Target):
 
     unit: Annotated[str, Field(min_length=1, max_length=40)] | None = None
     """Unit of OP, told as that of S, J, FS and FD, e.g. ``%``. None: not told."""
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"

@@ -2,7 +2,6 @@
 
 import asyncio
 import json
-import sys
 from contextlib import asynccontextmanager
 
 import pytest
@@ -16,6 +15,7 @@ from agent.runtime.probe import probe
 from agent.settings import load_settings
 from connectors.base import ConnectionLostError
 from connectors.opcua.browse import Bounds, walk
+from tests.integration.command import slipjump
 
 PLANT = [
     "A1/FIC101/PID1/PV.CV",
@@ -69,19 +69,6 @@ async def serving():
 async def client_of_plant():
     async with serving() as server, Client(f"opc.tcp://127.0.0.1:{server.port}") as client:
         yield client
-
-
-async def slipjump(*words):
-    process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        "-c",
-        "from agent.cli import main; main()",
-        *map(str, words),
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.PIPE,
-    )
-    out, err = await process.communicate()
-    return process.returncode, out.decode(), err.decode()
 
 
 async def test_the_loops_are_found_and_the_configuration_can_be_watched(tmp_path):

@@ -3,7 +3,6 @@
 import asyncio
 import json
 import math
-import sys
 import time
 from contextlib import AsyncExitStack
 
@@ -11,22 +10,9 @@ import yaml
 
 from simulators.plant import Row
 from tests.integration.buses import serving
+from tests.integration.command import slipjump
 
 ROLES = ("pv", "op", "sp", "mode")
-
-
-async def slipjump(*words):
-    """Run the command; return its exit code, stdout and stderr."""
-    process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        "-c",
-        "from agent.cli import main; main()",
-        *map(str, words),
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.PIPE,
-    )
-    out, err = await process.communicate()
-    return process.returncode, out.decode(), err.decode()
 
 
 async def keep_moving(server, loop, values, behind=0.0):

@@ -196,7 +196,7 @@ TREES = st.recursive(
 )
 
 
-@limits(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@limits(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     columns=st.lists(st.sampled_from(COLUMNS), min_size=1, unique=True),
     cells=st.lists(st.lists(st.sampled_from(CELLS), min_size=20, max_size=20), max_size=3),
