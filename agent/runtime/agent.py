@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import functools
 import logging
+import sys
 import time
 from collections.abc import Callable, Collection, Coroutine, Mapping, Sequence
 from dataclasses import replace
@@ -70,7 +71,7 @@ class Agent:
         self._executor = executor
         self._diagnose = diagnose
         self._clock = clock
-        self._observers: list[Observer] = [] if on_diagnosis is None else [_Teller(on_diagnosis)]
+        self._observers: list[Observer] = [_Teller(self._judged, on_diagnosis)]
         self._kept: dict[str, Alarm] = {}
         self._beside: list[tuple[Health, Work]] = []
         self._crew: Crew | None = None
@@ -148,11 +149,18 @@ class Agent:
             await crew.end(ends)
             same = {name: getattr(self._settings.agent, name) for name in AT_START}
             self._settings = replace(settings, agent=settings.agent.model_copy(update=same))
-            self._wire(
-                {each.name: each for each in made if each.name in differs.connections},
-                [loop for loop in settings.loops if loop.name in differs.loops],
-            )
-            self._start(crew, differs.connections, differs.loops)
+            try:
+                self._wire(
+                    {each.name: each for each in made if each.name in differs.connections},
+                    [loop for loop in settings.loops if loop.name in differs.loops],
+                )
+                self._start(crew, differs.connections, differs.loops)
+            finally:
+                error = sys.exception()
+                if isinstance(error, Exception):
+                    crew.abort(
+                        error
+                    )  # what was ended would stay so, in silence: rather start anew as a whole
             await self.journal.flush()
         LOG.info(
             "%d of %d loops and %d of %d connections are new or changed",
@@ -267,6 +275,12 @@ class Agent:
             self._pipelines[name].tell_again(self._clock())
         await self.journal.flush()
 
+    def _judged(self, diagnosis: Diagnosis) -> None:
+        """Note that a loop works again on which the program had failed."""
+        health = self.health.get(diagnosis.loop)
+        if health is not None and health.problem:
+            health.works()
+
     def _never_told(self, connection: str, waiting: Mapping[int, Publication]) -> None:
         """Give up what waits for a connection that is gone from the settings."""
         for publication in waiting.values():
@@ -330,13 +344,14 @@ class Agent:
 
 
 class _Teller:
-    """Tells diagnoses to a function."""
+    """Tells diagnoses to functions."""
 
-    def __init__(self, on_diagnosis: Callable[[Diagnosis], None]) -> None:
-        self._on_diagnosis = on_diagnosis
+    def __init__(self, *tell: Callable[[Diagnosis], None] | None) -> None:
+        self._tell = [each for each in tell if each is not None]
 
     def judged(self, judged: Judged) -> None:
-        self._on_diagnosis(judged.diagnosis)
+        for tell in self._tell:
+            tell(judged.diagnosis)
 
     def announced(self, _: Announcement) -> None:
         pass

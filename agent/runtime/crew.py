@@ -53,6 +53,14 @@ class Crew:
         self._tasks[health.name] = task
         self.members[health.name] = health
 
+    def abort(self, error: Exception) -> None:
+        """End all, and have ``error`` raised where the crew is waited for."""
+
+        async def fail() -> None:
+            raise error
+
+        self._group.create_task(fail(), name="abort")
+
     async def end(self, names: Collection[str]) -> None:
         """End these, and return when they have."""
         tasks = {self._tasks.pop(name) for name in names}

@@ -235,6 +235,7 @@ def test_a_diagnosis_that_fails_does_not_end_its_loop(caplog):
     assert len(seen) == 3
     assert agent.health["FIC101"].faults == 1
     assert "loop FIC101 failed" in caplog.text
+    assert (agent.health["FIC101"].problem, agent.health["FIC101"].up) == ("", True)  # and works again
 
 
 class SlowExecutor:

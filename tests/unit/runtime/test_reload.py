@@ -177,6 +177,23 @@ def test_settings_that_cannot_be_change_nothing():
         settings_of(raw)
 
 
+def test_a_fault_half_way_ends_the_agent_rather_than_a_loop_in_silence():
+    after = plant(A1, A2, ("B1", "b", {"ts": 2.0}), a=Other(), b=Other())
+
+    async def scenario():
+        agent = Agent(BEFORE, InlineExecutor(), connectors=[bus("a", "A1", "A2"), bus("b", "B1")])
+        task = asyncio.create_task(agent.run())
+        await asyncio.sleep(10.0)
+        agent._pipeline = lambda _: 1 / 0
+        with pytest.raises(ZeroDivisionError):
+            await agent.reload(after, connectors=[bus("a"), bus("b", "B1")])
+        with pytest.raises(ExceptionGroup) as ended:
+            await task
+        return ended.value
+
+    assert virtual(scenario()).subgroup(ZeroDivisionError) is not None
+
+
 def test_what_takes_effect_at_the_next_start_only_is_told(caplog):
     after = plant(
         A1, A2, B1, a=Other(), b=Other(), agent=AgentSettings(clock_error=None, workers=3, watch_config=True)
