@@ -41,33 +41,33 @@ class Clients:
         """Those that may not connect, or were too many."""
         self._options = options
         self._image = image
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._open: dict[asyncio.Task[None] | None, asyncio.StreamWriter] = {}
         self._told: set[str] = set()
 
     async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Answer one client until it goes, is silent for too long or speaks nonsense."""
-        task = asyncio.current_task()
+        task: asyncio.Task[None] | None = asyncio.current_task()
         address = str(writer.get_extra_info("peername")[0])
         try:
             if not self._may_connect(address):
                 return
-            if task is not None:
-                self._tasks.add(task)
+            self._open[task] = writer
             await self._converse(reader, writer, _name(writer, address))
         except (OSError, asyncio.IncompleteReadError, TimeoutError):
             pass  # it is gone, and may come again
         finally:
-            if task is not None:
-                self._tasks.discard(task)
+            self._open.pop(task, None)
             writer.transport.abort()
             with contextlib.suppress(OSError):
                 await writer.wait_closed()
 
     async def end(self) -> None:
         """Drop every client."""
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        tasks = [task for task in self._open if task is not None]
+        for writer in self._open.values():
+            writer.transport.abort()  # their tasks end by themselves; streams log those that are cancelled
+        if tasks:
+            await asyncio.wait(tasks)
 
     async def _converse(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, name: str) -> None:
         while True:
@@ -93,7 +93,7 @@ class Clients:
         allowed = self._options.allow
         peer = ipaddress.ip_address(address.partition("%")[0])
         known = not allowed or any(peer in network for network in allowed)
-        if known and len(self._tasks) < self._options.clients:
+        if known and len(self._open) < self._options.clients:
             return True
         self.turned_away += 1
         why = f"there are {self._options.clients} already" if known else "it is not in allow"

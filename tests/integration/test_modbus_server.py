@@ -181,7 +181,7 @@ async def test_who_is_not_allowed_and_which_unit_is_meant():
         assert (await client.read_holding_registers(0, count=1, device_id=1)).exception_code == 0x0B
 
 
-async def test_a_port_that_is_taken_and_one_that_is_free_again():
+async def test_a_port_that_is_taken_and_one_that_is_free_again(caplog):
     port = free_port()
     async with connector_of(port=port).session():
         with pytest.raises(ConnectionLostError, match=f"cannot listen on 127.0.0.1:{port}"):
@@ -194,6 +194,7 @@ async def test_a_port_that_is_taken_and_one_that_is_free_again():
         assert await within(reader.read()) == b""  # nobody is left behind
     writer.close()
     assert not listens(port)
+    assert [record.message for record in caplog.records if record.name == "asyncio"] == []
 
 
 @pytest.mark.parametrize(
