@@ -42,7 +42,8 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
         yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.3g}"
     for line in found.lines[:PANELS]:
         yield f"  a wave of {1 / line.frequency:.4g} s comes from outside: it keeps its own time"
-    yield "what would lower the held-out squared error"
+    if found.candidates:
+        yield "what would lower the held-out squared error"
     for tried in found.candidates[:CANDIDATES]:
         interval = f"({tried.low:.1f} to {tried.high:.1f})"
         yield f"  {tried.effect:28}{tried.error_reduction_percent:>9.1f} %  {interval}  p = {tried.p:.3g}"
@@ -70,7 +71,9 @@ def verdict_words(verdict: Verdict, found: Comparison) -> str:
         for name in verdict.at_bound:
             beside += f"; {name} ran into the bound of its search"
         return f"perhaps {verdict.effect} is missing, but that is not certain{beside}"
-    if found.smallest_percent is None:
+    if not found.candidates:
+        shown = "no further effect was tried"
+    elif found.smallest_percent is None:
         shown = "the held-out stretches are too few to confirm any effect"
     else:
         shown = f"an effect of {found.smallest_percent:.0f} % of the squared error would have been confirmed"

@@ -57,13 +57,19 @@ def record_of(window: LoopWindow, *, from_start: bool = False) -> Record | str:
 
     ``from_start``: PV counts from the first sample on, for a model that has where it starts as a parameter.
     """
-    closing = [each.reason for each in gates(window, detect_oscillation(window)) if "model" in each.closes]
-    if closing:
-        return "; ".join(closing)
+    closed = closed_by(window)
+    if closed is not None:
+        return closed
     reversals = significant_reversals(window.op)
     if reversals < FEWEST_REVERSALS:
         return f"OP turns only {reversals} times, at least {FEWEST_REVERSALS} are needed"
     return bare_record(window, from_start=from_start)
+
+
+def closed_by(window: LoopWindow) -> str | None:
+    """Return in plain words why no model can be fitted to or scored on a window; None where one can."""
+    closing = [each.reason for each in gates(window, detect_oscillation(window)) if "model" in each.closes]
+    return "; ".join(closing) or None
 
 
 def bare_record(window: LoopWindow, *, from_start: bool = False) -> Record:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -66,6 +67,10 @@ def read_saved(mapping: object) -> SavedModel:
         raise ValueError("no saved model: loop and base must be names")  # noqa: TRY004 - text of a file
     if not isinstance(effects, list) or not all(isinstance(each, str) for each in effects):
         raise ValueError("no saved model: effects must be a list of names")
-    if not isinstance(values, Mapping) or not all(isinstance(each, (int, float)) for each in values.values()):
-        raise ValueError("no saved model: parameters must be numbers")
+    if not isinstance(values, Mapping) or not all(_finite(each) for each in values.values()):
+        raise ValueError("no saved model: parameters must be finite numbers")
     return SavedModel(loop, base, tuple(effects), {str(name): float(each) for name, each in values.items()})
+
+
+def _finite(value: object) -> bool:
+    return isinstance(value, (int, float)) and math.isfinite(value)

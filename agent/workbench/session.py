@@ -22,7 +22,7 @@ from agent.workbench.library import applies, base_named, effect_named, library, 
 from agent.workbench.line_spectrum import LineSpectrum, line_spectrum
 from agent.workbench.noise_floor import noise_floor
 from agent.workbench.power import smallest_reduction
-from agent.workbench.record import Record, bare_record, record_of
+from agent.workbench.record import Record, bare_record, closed_by, record_of
 from agent.workbench.saved_model import read_saved, saved
 from agent.workbench.step import Step, Verdict, step_of
 from agent.workbench.trials import Trials
@@ -61,7 +61,7 @@ class Workbench:
             tell: Is told what is tried.
 
         Raises:
-            ValueError: No such base, effect or family.
+            ValueError: No such base, effect or family, or nothing can be scored on ``validate``.
         """
         self.window = window
         self.base = base_named(base)
@@ -70,9 +70,7 @@ class Workbench:
         self.reason: str | None = None
         """In plain words why nothing can be said about the recording; None where something can."""
         self._steps: list[Step] = []
-        self._validation = (
-            None if validate is None else bare_record(validate, from_start=not self.base.linear)
-        )
+        self._validation = None if validate is None else self._other(validate)
         record = record_of(window, from_start=not self.base.linear)
         if isinstance(record, str):
             self.reason = record
@@ -162,18 +160,38 @@ class Workbench:
         Raises:
             ValueError: No such effect; it is in the model, or does not apply to the base.
         """
-        effect = self.effect(name)
-        model = self.step.fit.model
-        if not applies(effect, self.base):
-            raise ValueError(f"{name} does not apply to the base {self.base.name}")
-        if effect not in missing(model, [effect]):
-            raise ValueError(f"{name} cannot be added to a model with {', '.join(self.step.effects)}")
+        effect = self._addable(name)
         found = self.trials.known(self.step)
         if found is None or name not in found.models:
+            model = self.step.fit.model
             family = [each for each in missing(model, self.library) if each.family == effect.family]
             found = self.trials.judged_on(self.step, family if effect in family else [*family, effect])
         verdict = verdict_of(found, self.where_it_fails(), self.lines())
         return self.take(found.models[name], naming(verdict, name), added=name)
+
+    def _other(self, window: LoopWindow) -> Record:
+        """Return another recording of the loop.
+
+        Raises:
+            ValueError: Nothing can be scored on it; the text says why.
+        """
+        closed = closed_by(window)
+        if closed is not None:
+            raise ValueError(f"{window.loop} cannot validate anything: {closed}")
+        return bare_record(window, from_start=not self.base.linear)
+
+    def _addable(self, name: str) -> Effect:
+        """Return the effect of that name if the newest model may have it.
+
+        Raises:
+            ValueError: No such effect; it is in the model, or does not apply to the base.
+        """
+        effect = self.effect(name)
+        if not applies(effect, self.base):
+            raise ValueError(f"{name} does not apply to the base {self.base.name}")
+        if effect not in missing(self.step.fit.model, [effect]):
+            raise ValueError(f"{name} cannot be added to a model with {', '.join(self.step.effects)}")
+        return effect
 
     def drop(self, name: str) -> Step:
         """Take an effect out, refit everything, and return the new step.
@@ -236,13 +254,15 @@ class Workbench:
             raise ValueError(f"the saved model is of the loop {model.loop}, not of {self.window.loop}")
         if model.base != self.base.name:
             raise ValueError(f"the saved model has the base {model.base}, not {self.base.name}")
-        effects = [self.effect(name) for name in model.effects]
-        for effect in effects:
+        for name in model.effects:
+            self.effect(name)  # told before anything is fitted
+        for name in model.effects:
+            effect = self._addable(name)
             larger = replace(self.step.fit.model, effects=(*self.step.fit.model.effects, effect))
             starts = model.values_of(larger, self.record.facts)[np.newaxis]
-            self.trials.tell(effect.name, len(self.step.effects), len(effects))
+            self.trials.tell(name, len(self.step.effects), len(model.effects))
             fitted = fit(larger, self.record, self.record.weight, starts)
-            self.take(self.trials.predicted(fitted), added=effect.name)
+            self.take(self.trials.predicted(fitted), added=name)
         return self.staircase()
 
     def comparison(self) -> Comparison:

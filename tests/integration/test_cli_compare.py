@@ -83,14 +83,69 @@ def test_what_does_not_exist_is_one_line(slipjump, recording, words, expected):
     assert len([line for line in err.splitlines() if "compiling" not in line]) == 1
 
 
-def test_a_record_that_tells_nothing_is_no_failure(slipjump, tmp_path):
-    file = tmp_path / "still.csv"
-    rows = [f"{t},50,{20 + 0.1 * (t % 7)}" for t in range(400)]
-    file.write_text("time,OP,PV\n" + "\n".join(rows) + "\n")
+MODEL = {
+    "kind": "slipjump model",
+    "loop": "FIC7",
+    "base": "fopdt",
+    "effects": ["deadband"],
+    "parameters": {"delay": 1.0, "tau": 8.0, "deadband.s": 3.0, "deadband.start": 0.0},
+}
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("kind: [slipjump\n  model: {", "expected ',' or ']'"),
+        ("- deadband", "no saved model: 'kind: slipjump model' is not there"),
+        (MODEL | {"loop": "FIC8"}, "of the loop FIC8, not of FIC7"),
+        (MODEL | {"effects": ["fairy"]}, "no effect 'fairy'; there are deadband"),
+        (MODEL | {"effects": ["overflow"]}, "overflow does not apply to the base fopdt"),
+        (MODEL | {"parameters": {"delay": 1.0, "tau": 8.0}}, "no value of deadband.s"),
+        (MODEL | {"parameters": {"delay": float("nan")}}, "parameters must be finite numbers"),
+    ],
+    ids=["broken", "list", "other loop", "unknown effect", "other base", "missing value", "not a number"],
+)
+def test_a_model_that_cannot_be_loaded_is_one_line(slipjump, recording, tmp_path, text, expected):
+    file = tmp_path / "model.yaml"
+    file.write_text(text if isinstance(text, str) else yaml.safe_dump(text))
+    code, out, err = slipjump("compare", recording, "--load", file, *QUICK)
+    assert (code, out) == (2, "")
+    assert "model.yaml" in err
+    assert expected in err
+    assert len([line for line in err.splitlines() if "compiling" not in line]) == 1
+
+
+def rows_of(kind):
+    t = np.arange(20 if kind == "short" else 400)
+    op = 30 + 0.05 * t if kind == "ramp" else 50 + 0 * t if kind == "still" else 50 + 5 * np.sin(t / 6)
+    pv = 20 + 2 * np.sin((t - 6) / 6)
+    return [
+        f"{at},{u:.3f},{'Bad' if kind == 'gaps' else format(y, '.3f')}"
+        for at, u, y in zip(t, op, pv, strict=True)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("kind", "reason"),
+    [
+        ("short", "only 20 samples"),
+        ("gaps", "only 0 samples"),
+        ("ramp", "OP turns only 0 times"),
+        ("still", "OP does not move"),
+    ],
+)
+def test_a_record_that_tells_nothing_is_no_failure(slipjump, recording, tmp_path, kind, reason):
+    file = tmp_path / f"{kind}.csv"
+    file.write_text("time,OP,PV\n" + "\n".join(rows_of(kind)) + "\n")
     code, out, _ = slipjump("compare", file, "--auto", "--json")
     assert code == 0
     found = json.loads(out)
     assert found["verdict"]["kind"] == "not_testable"
+    assert reason in found["reason"]
     assert found["steps"] == []
     code, out, _ = slipjump("compare", file, "--add", "stiction")
     assert (code, "not testable" in out) == (0, True)
+    if kind in {"short", "gaps"}:
+        code, out, err = slipjump("compare", recording, "--validate", file, *QUICK)
+        assert (code, out) == (2, "")
+        assert f"{kind} cannot validate anything: {reason}" in err

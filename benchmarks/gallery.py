@@ -1,0 +1,157 @@
+"""What `compare --auto` finds missing in real recordings: table and pictures of docs/workbench/gallery.md."""
+
+from __future__ import annotations
+
+import csv
+import multiprocessing
+import os
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from rich.console import Console
+from rich.progress import track
+
+from agent.analysis.diagnose import without_impossible
+from agent.analysis.recording import LoopHints
+from agent.cli.recordings import loop_window
+from agent.plots.axes import MEASURED, MODEL, VALVE, legend_above, tidy
+from agent.plots.time_units import time_of
+from agent.workbench.comparison import Comparison
+from agent.workbench.comparison_text import verdict_words
+from agent.workbench.session import Workbench
+from benchmarks.markdown import table
+from benchmarks.options import Options
+from benchmarks.recordings_folder import ROOT, recordings_folder
+from connectors.recording import read_recording
+
+SHOWN = (
+    "CHEM1",
+    "CHEM10",
+    "CHEM11",
+    "CHEM12",
+    "CHEM13",
+    "PAP2",
+    "PAP4",
+    "2411_FIC20102_53",
+    "2411_FIC20102_47",
+    "2111_FIC46005_15",
+    "2411_AIC90201_38",
+    "2411_FIC90204_55",
+    "2111_PIC10201_35",
+    "RHT_FIC11502_69",
+    "2411_LIC10201_56",
+)
+"""Loops of the index: all of the ISDB, and of the refinery some of each kind and label."""
+PAGE = ROOT / "docs" / "workbench" / "gallery.md"
+PICTURES = ROOT / "docs" / "pictures"
+BEGIN, END = "<!-- by python -m benchmarks gallery -->\n", "<!-- end -->"
+PERIODS = 12.0
+"""Of OP that a picture shows, from the middle of the record."""
+DPI = 75
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """One recording, and what was found."""
+
+    loop: str
+    label: str
+    base: str
+    effects: tuple[str, ...]
+    alike: tuple[str, ...]
+    fit_percent: tuple[float, float]
+    """Of the base and of the last model, like the next."""
+    held_out: tuple[float, float]
+    """RMSE, PV units."""
+    words: str
+    """The verdict on the last model."""
+
+    def row(self) -> tuple[object, ...]:
+        """Return the line of the table."""
+        if not self.base:
+            return (f"`{self.loop}`", self.label, "", "", "", "", self.words)
+        found = ", ".join(f"`{each}`" for each in self.effects) or "nothing"
+        beside = f" (or {', '.join(self.alike)})" if self.alike else ""
+        first, last = self.held_out
+        fell = f"{first:.3g} to {last:.3g}" if self.effects else f"{first:.3g}"
+        fit = f"{self.fit_percent[0]:.0f} to {self.fit_percent[1]:.0f}"
+        return (
+            f"`{self.loop}`",
+            self.label.replace("_", " "),
+            self.base,
+            found + beside,
+            fell,
+            fit if self.effects else f"{self.fit_percent[0]:.0f}",
+            self.words.replace("_", " "),
+        )
+
+
+def run(_options: Options) -> None:
+    """Write table and pictures into the docs, and print the table."""
+    folder = recordings_folder()
+    if folder is None:
+        print("No recordings folder (SLIPJUMP_DATA): there is nothing to show.\n")
+        return
+    with (folder / "index.csv").open(encoding="utf-8", newline="") as file:
+        index = {row["loop"]: row for row in csv.DictReader(file)}
+    jobs = [
+        (folder / index[name]["file"], index[name]["label"], index[name]["integrating"]) for name in SHOWN
+    ]
+    context = multiprocessing.get_context("forkserver")
+    cores = len(os.sched_getaffinity(0))
+    with ProcessPoolExecutor(cores, mp_context=context) as pool:
+        found = pool.map(shown, *zip(*jobs, strict=True))
+        rows = [each.row() for each in track(found, "gallery", len(jobs), console=Console(stderr=True))]
+    columns = ("recording", "label", "base", "missing", "held-out RMSE", "fit %", "what the last model lacks")
+    text = table("### What was found", columns, rows)
+    print(text)
+    if PAGE.exists():
+        before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
+        after = rest.partition(END)[2]
+        PAGE.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
+
+
+def shown(file: Path, label: str, integrating: str) -> Shown:
+    """Let the workbench go through one recording, and draw what it found."""
+    window = without_impossible(loop_window(read_recording(file), LoopHints()))
+    bench = Workbench(window, "integrator" if integrating == "True" else "fopdt")
+    steps = bench.auto()
+    found = bench.comparison()
+    if not steps:
+        return Shown(file.stem, label, "", (), (), (0, 0), (0, 0), f"not testable: {found.reason}")
+    if bench.step.effects:
+        picture(bench, found).savefig(PICTURES / f"gallery_{file.stem}.png", dpi=DPI)
+    first, last = steps[0], steps[-1]
+    alike = {other for step in steps if step.verdict for other in step.verdict.indistinguishable}
+    return Shown(
+        loop=file.stem,
+        label=label,
+        base=bench.base.name,
+        effects=last.effects,
+        alike=tuple(sorted(alike)),
+        fit_percent=(first.fit_percent, last.fit_percent),
+        held_out=(first.held_out.rmse, last.held_out.rmse),
+        words=verdict_words(found.verdict, found),
+    )
+
+
+def picture(bench: Workbench, found: Comparison) -> Figure:
+    """Draw some periods of PV with the base and the last model."""
+    record, steps = bench.record, found.steps
+    count = min(len(record), int(PERIODS * record.period))
+    part = slice((len(record) - count) // 2, (len(record) + count) // 2)
+    time, unit = time_of(len(record), record.facts.ts)
+    figure = Figure(figsize=(9.0, 2.8), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(time[part], np.where(record.weight > 0, record.pv, np.nan)[part], color=MEASURED, label="PV")
+    axes.plot(time[part], steps[0].fit.pv[part], color=VALVE, linewidth=1.0, label=bench.base.name)
+    name = f"with {', '.join(bench.step.effects)}"
+    axes.plot(time[part], steps[-1].fit.pv[part], color=MODEL, linewidth=1.0, label=name)
+    axes.set_ylabel(f"{found.loop}, PV units")
+    axes.set_xlabel(f"time ({unit})")
+    tidy(axes)
+    legend_above(axes, columns=3)
+    return figure
