@@ -12,7 +12,7 @@ from connectors.base import Action, ConnectionLostError, Order
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.test_agent import agent_of, stream, virtual, worked
 
-RAISED = 399.0 + 1.7e9
+RAISED = 39.0 + 1.7e9
 """End of the first window, s UTC, which raises the alarm."""
 
 
@@ -20,13 +20,14 @@ def ask(action, until=None, alarm=None, loop="FIC101", by="jane"):
     return Order(loop, action, by, until, alarm)
 
 
-def ordered(*orders, longer=520.0):
+def ordered(*orders, longer=60.0):
     """The agent and its bus after an alarm came, and people then asked for these over another bus."""
+    data = stream(["FIC101"], 45)
 
     async def scenario():
-        plant = FakeBus(stream(["FIC101"], 500))
-        scada = FakeBus(lambda _: [450.0, *orders], name="scada", takes_orders=True)
-        agent = agent_of(plant, scada=scada)
+        plant = FakeBus(lambda session: data(0) if session == 0 else ())
+        scada = FakeBus(lambda _: [50.0, *orders], name="scada", takes_orders=True)
+        agent = agent_of(plant, scada=scada, seconds=40.0, quantify="always")
         agent.orders._clock = lambda: 1.8e9
         status = await worked(agent, longer)
         return agent, scada, status[0].alarm
@@ -81,7 +82,7 @@ def test_an_order_without_sense_is_counted_and_told_once(order, why, caplog):
 
 
 def test_people_may_be_silent_and_the_bus_is_still_read():
-    agent, scada, state = ordered(1800.0, ask("acknowledge"), longer=2300.0)
+    agent, scada, state = ordered(3600.0, ask("acknowledge"), longer=3700.0)
     assert state is State.ACKED_ACTIVE
     assert len(scada.opened) == 1
     assert agent.connections[1].health.up
