@@ -27,6 +27,8 @@ async def watch(hung: Callable[[], tuple[str, ...]], manager: ServiceManager) ->
         now = set(hung())
         for each in sorted(now - told):
             LOG.error("%s hangs, which is a fault of this program", each, extra={"event": "hung"})
+        for each in sorted(told - now):
+            LOG.info("%s has come back", each, extra={"event": "up"})
         told = now
         if not now:
             manager.alive()
