@@ -90,6 +90,26 @@ def test_a_rival_of_another_family_keeps_it_a_suggestion():
     assert found.rivals == found.indistinguishable == ("sinusoid",)
 
 
+def test_a_parameter_at_a_bound_is_no_confirmation():
+    rng = np.random.default_rng(1)
+    base = base_losses(rng)
+    losses = {"deadband": less(rng, base, 60), "decoy": less(rng, base, 0)}
+    assert judged(base, losses).kind == "confirmed"
+    found = judged(base, losses, at_bound=["deadband"])
+    assert (found.kind, found.effect) == ("suggested", "deadband")
+
+
+def test_of_two_alike_the_one_inside_its_bounds_is_named():
+    rng = np.random.default_rng(2)
+    base = base_losses(rng)
+    best = less(rng, base, 60)
+    losses = {"deadband": less(rng, best, -1, 0.02), "stiction": best}
+    found = judged(base, losses, at_bound=["stiction"])
+    assert (found.kind, found.effect, found.indistinguishable) == ("family", "deadband", ("stiction",))
+    found = judged(base, losses, at_bound=["deadband"])
+    assert (found.kind, found.effect, found.indistinguishable) == ("family", "stiction", ("deadband",))
+
+
 def test_an_effect_too_small_to_matter_is_none():
     rng = np.random.default_rng(4)
     base = base_losses(rng)

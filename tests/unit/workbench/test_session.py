@@ -118,6 +118,21 @@ def test_nothing_is_missing_where_nothing_is():
     assert bench.step.effects == ()
 
 
+def test_a_wave_that_nothing_known_explains_is_a_failure():
+    window = made()
+    wave = 0.15 * np.sin(2 * np.pi * 0.041 * np.arange(len(window)))
+    bench = Workbench(
+        LoopWindow("wave", 0.0, 1.0, window.op, window.pv + wave), without=[*FEW, "load_step", "deadband"]
+    )
+    found = bench.comparison()
+    assert found.verdict.kind == "none_of_the_known"
+    assert found.lines[0].frequency == pytest.approx(0.041, rel=0.01)
+    assert found.where_it_fails[0].p > 0.05  # no axis shows it
+    assert list(comparison_lines(found))[-1].startswith(
+        "verdict: something is missing that none of the known effects explains: a wave of 24"
+    )
+
+
 def test_a_record_that_tells_nothing_has_a_reason_and_all_keys():
     still = LoopWindow("still", 0.0, 1.0, np.full(500, 50.0), np.random.default_rng(0).standard_normal(500))
     bench = Workbench(still)
