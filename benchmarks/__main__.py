@@ -18,6 +18,7 @@ from benchmarks import (
     real_recordings,
     record_length,
     simulated,
+    soak,
     start_up,
     table_one,
 )
@@ -34,6 +35,7 @@ BENCHMARKS = {
     "diagnosis": diagnosis.run,
     "hidden_effects": hidden_effects.run,
     "fault_matrix": fault_matrix.run,
+    "soak": soak.run,
 }
 ONLY_NAMED = {"evidence_weights": evidence_weights.run, "gallery": gallery.run}
 """Run only where they are asked for: they set something, or write into the docs."""
