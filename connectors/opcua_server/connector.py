@@ -125,6 +125,7 @@ async def served(
     }
     commands = Commands(server, names, views, options.longest_shelving)
     for loop, view in views.items():
+        await asyncio.sleep(0)  # building takes some ms, in which the other connections wait
         await view.build(next((target.unit for target in loops[loop].targets if target.unit), None))
         if loop in newest:
             await view.show(newest[loop])
