@@ -115,7 +115,7 @@ def test_commands_of_anybody_are_obeyed_or_counted_and_the_first_is_told(_name, 
         caplog.clear()
         broker = Broker(*[(topic, payload)] * 2)
         connector, session = session_on(broker)
-        orders = asyncio.run(commanded(session))
+        orders = runner.run(commanded(session))
         assert all(isinstance(order, Order) and order.by and order.subject == "FIC101" for order in orders)
         assert connector.malformed in {0, 2}
         assert len(caplog.records) == bool(connector.malformed)
@@ -124,6 +124,7 @@ def test_commands_of_anybody_are_obeyed_or_counted_and_the_first_is_told(_name, 
         garbled.append(connector.malformed)
         obeyed.append(len(orders) + len(broker.sent))
 
-    each()
+    with asyncio.Runner() as runner:
+        each()
     assert any(garbled)
     assert any(obeyed)
