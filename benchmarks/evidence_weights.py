@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.progress import track
 from scipy.optimize import minimize
 
+from agent.analysis.diagnose import with_likelihood
 from agent.analysis.evidence import SAYS, features
 from agent.analysis.gates import gates
 from agent.analysis.oscillation import detect_oscillation
@@ -24,7 +25,19 @@ from agent.analysis.stiction import DETECTORS, detect_stiction
 from benchmarks.options import Options
 from benchmarks.random_loop import KINDS, AnyKind, RandomLoop, random_loop
 
-SEEDS = range(3000, 3050)
+SEEDS = range(3000, 3014)
+MORE_SEEDS = range(3040, 3065)
+HARD: tuple[AnyKind, ...] = (
+    "drift",
+    "set_point",
+    "set_point_stiction",
+    "stiction_sinusoid",
+    "flow",
+    "flow_stiction",
+)
+"""Kinds that ``MORE_SEEDS`` are drawn of as well: the others are told apart easily."""
+FIT_NAMES = ("FREE_RUN", "FREE_RUN_QUICK", "INNOVATIONS_OVER_TURNS", "INNOVATIONS")
+"""Of the weights of ``features``."""
 PENALTY = 0.5
 """On half the sum of squares of the weights: keeps those small that few loops tell of."""
 STEM_METHODS = ("kano_a", "kano_b", "yamashita", "damarla")
@@ -35,7 +48,7 @@ class Case(NamedTuple):
     """What the witnesses say of one loop."""
 
     sticks: bool
-    fit: tuple[float, float]
+    fit: tuple[float, float, float, float]
     """``features`` of ``free_run``."""
     says: list[int]
     """1, -1 or 0 of each detector."""
@@ -46,16 +59,18 @@ class Case(NamedTuple):
 def run(_options: Options) -> None:
     """Print the table of weights."""
     jobs = [(kind, seed) for seed in SEEDS for kind in KINDS]
+    jobs += [(kind, seed) for seed in MORE_SEEDS for kind in HARD]
     console = Console(stderr=True)
     print_weights([case(*job) for job in track(jobs, "loops to learn from", console=console)])
 
 
 def case(kind: AnyKind, seed: int) -> Case:
     loop = random_loop(kind, seed)
-    return case_of(loop, features(quantifier("free_run").quantify(loop.window)))
+    found = with_likelihood(quantifier("free_run").quantify(loop.window), loop.window)
+    return case_of(loop, features(found))
 
 
-def case_of(loop: RandomLoop, fit: tuple[float, float]) -> Case:
+def case_of(loop: RandomLoop, fit: tuple[float, float, float, float]) -> Case:
     with_stem = detected(replace(loop.window, mv=loop.stem))
     said = detected(loop.window)
     return Case(
@@ -76,12 +91,13 @@ def print_weights(cases: Sequence[Case]) -> None:
     names = [each.name for each in DETECTORS]
     said = np.array([[*each.fit, *each.says] for each in cases], dtype=np.float64)
     bias, *weights = learnt(said, sticks, np.zeros(len(cases)), with_bias=True)
-    fit, detectors = weights[:2], dict(zip(names, weights[2:], strict=True))
+    fit, detectors = weights[: len(FIT_NAMES)], dict(zip(names, weights[len(FIT_NAMES) :], strict=True))
     others = [name not in STEM_METHODS for name in names]
-    known = bias + said @ np.array([*fit, *(np.array(weights[2:]) * others)])
+    known = bias + said @ np.array([*fit, *(np.array(weights[len(FIT_NAMES) :]) * others)])
     stem = np.array([each.says_with_stem for each in cases], dtype=np.float64)
     with_stem = dict(zip(STEM_METHODS, learnt(stem, sticks, known, with_bias=False)[1:], strict=True))
-    print(f"BIAS = {bias:.2f}\nFREE_RUN = {fit[0]:.2f}\nFREE_RUN_QUICK = {fit[1]:.2f}")
+    for name, weight in zip(("BIAS", *FIT_NAMES), (bias, *fit), strict=True):
+        print(f"{name} = {weight:.2f}")
     for title, table in (("DETECTORS", detectors), ("WITH_STEM", with_stem)):
         print(f"{title} = {{")
         for name, weight in table.items():

@@ -10,14 +10,15 @@ import numpy as np
 from agent.analysis.recording import FloatArray, LoopWindow
 from agent.analysis.results import Cause
 from simulators.plant import simulate
+from simulators.random_flows import FlowKind, random_flow
 from simulators.random_moves import MovedKind, random_moved
 from simulators.random_plants import Kind, random_draw
 
-AnyKind = Literal[Kind, MovedKind]
-MOVED: tuple[MovedKind, ...] = get_args(MovedKind)
+AnyKind = Literal[Kind, MovedKind, FlowKind]
+MOVED: tuple[MovedKind | FlowKind, ...] = (*get_args(MovedKind), *get_args(FlowKind))
 STEADY: tuple[Kind, ...] = get_args(Kind)
 KINDS: tuple[AnyKind, ...] = (*STEADY, *MOVED)
-STICKING = {"stiction", "set_point_stiction", "stiction_sinusoid"}
+STICKING = {"stiction", "set_point_stiction", "stiction_sinusoid", "flow_stiction"}
 CAUSES: dict[AnyKind, set[Cause]] = {
     "stiction": {"stiction"},
     "none_noise": {"no_oscillation"},
@@ -27,6 +28,8 @@ CAUSES: dict[AnyKind, set[Cause]] = {
     "set_point": {"no_oscillation", "external_disturbance"},
     "set_point_stiction": {"stiction"},
     "stiction_sinusoid": {"stiction"},
+    "flow": {"no_oscillation", "external_disturbance"},
+    "flow_stiction": {"stiction"},
 }
 """What may be named as the cause; a load that wanders may look like an oscillation or not."""
 STEM_NOISE = 0.02
@@ -54,7 +57,9 @@ class RandomLoop:
 def random_loop(kind: AnyKind, seed: int) -> RandomLoop:
     """Draw and simulate a loop; the same seed gives the same loop."""
     noise = None
-    if kind in MOVED:
+    if kind in ("flow", "flow_stiction"):
+        scenario = random_flow(seed, kind)
+    elif kind in ("set_point", "set_point_stiction", "stiction_sinusoid"):
         scenario = random_moved(seed, kind)
     else:
         draw = random_draw(seed, kind)

@@ -45,47 +45,49 @@ def random_moved(seed: int, kind: MovedKind) -> Scenario:
     while True:
         inner = int(rng.integers(2**31))
         scenario = _swung(rng, inner) if kind == "stiction_sinusoid" else _stepped(rng, inner, kind)
-        if _keeps_promise(scenario, kind):
+        if keeps_promise(scenario, sticks=kind != "set_point"):
             return scenario.model_copy(update={"loop": f"{kind}-{seed}"})
 
 
 def _swung(rng: np.random.Generator, seed: int) -> Scenario:
     scenario = random_draw(seed, "stiction").scenario
     s = scenario.valve.f_s + scenario.valve.f_d
-    load = Sinusoid(amplitude=s * _log_uniform(rng, *LOAD), period=_log_uniform(rng, 25, 150))
+    load = Sinusoid(amplitude=s * log_uniform(rng, *LOAD), period=log_uniform(rng, 25, 150))
     return scenario.model_copy(update={"disturbance": load})
 
 
 def _stepped(rng: np.random.Generator, seed: int, kind: MovedKind) -> Scenario:
     base = random_draw(seed, "drift").scenario
-    s = _log_uniform(rng, *S)
-    duration = round(_log_uniform(rng, *DURATION))
-    times = np.sort(rng.uniform(0.0, duration, round(_log_uniform(rng, *STEPS))))
+    s = log_uniform(rng, *S)
+    duration = round(log_uniform(rng, *DURATION))
+    times = np.sort(rng.uniform(0.0, duration, round(log_uniform(rng, *STEPS))))
     # An integrating process moves on for as long as OP is off: here for the controller's integral time.
     lasting = 1.0 if base.process.taus else base.controller.ti
-    height = abs(base.process.gain) * lasting * s * _log_uniform(rng, *TRAVEL)
+    height = abs(base.process.gain) * lasting * s * log_uniform(rng, *TRAVEL)
     levels = base.controller.sp + height * rng.uniform(-1.0, 1.0, len(times))
     steps = tuple(
         SetPointStep(time=float(time), sp=float(sp)) for time, sp in zip(times, levels, strict=True)
     )
-    walk = Drift(walk=base.drift.walk * _log_uniform(rng, 0.03, 1.0), ramp=base.drift.ramp)
-    valve = _sticking(rng, s, base.valve) if kind == "set_point_stiction" else base.valve
+    walk = Drift(walk=base.drift.walk * log_uniform(rng, 0.03, 1.0), ramp=base.drift.ramp)
+    valve = sticking(rng, s, base.valve) if kind == "set_point_stiction" else base.valve
     changed = {"duration": float(duration), "set_points": steps, "drift": walk, "valve": valve}
     return base.model_copy(update=changed)
 
 
-def _sticking(rng: np.random.Generator, s: float, sound: ValveParameters) -> ValveParameters:
+def sticking(rng: np.random.Generator, s: float, sound: ValveParameters) -> ValveParameters:
+    """Draw friction with a stick band of ``s`` OP units for a valve that has none."""
     bands = FrictionBands.from_s_j(s, j=s * rng.uniform(*SHAPES[rng.integers(len(SHAPES))]))
     friction = {"law": "karnopp" if rng.random() < 0.5 else "lugre", "f_s": bands.f_s, "f_d": bands.f_d}
     return sound.model_copy(update={**friction, "tau_ip": rng.uniform(0.05, 0.3)})
 
 
-def _keeps_promise(scenario: Scenario, kind: MovedKind) -> bool:
+def keeps_promise(scenario: Scenario, *, sticks: bool) -> bool:
+    """Whether OP stays between its limits and a stem that sticks travels both ways."""
     record = simulate(scenario)
     low, high = scenario.op_range
     if record.op.min() <= low or record.op.max() >= high:
         return False
-    if kind == "set_point":
+    if not sticks:
         return True
     half = (scenario.valve.f_s + scenario.valve.f_d) / 2
     return bool(largest_rise(record.mv) > half and largest_rise(-record.mv) > half)
@@ -96,5 +98,6 @@ def largest_rise(values: NDArray[np.float64]) -> float:
     return float(np.max(values - np.minimum.accumulate(values)))
 
 
-def _log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+    """Draw from ``low`` to ``high``, each factor as likely as another."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))

@@ -14,6 +14,7 @@ from agent.analysis.cause import cause_without_stiction, causes_with_stiction
 from agent.analysis.evidence import weigh
 from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
 from agent.analysis.gates.fault import LIMIT_CYCLE, SHAPE
+from agent.analysis.innovations import log_likelihood_ratio
 from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.quantify import Quantifier
 from agent.analysis.quantify import quantifier as quantifier_named
@@ -105,7 +106,7 @@ def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
             gates=tuple(fault.name for fault in faults),
             advice=advice("not_testable", (), None, oscillation, window),
         )
-    found = quantifier.quantify(window)
+    found = with_likelihood(quantifier.quantify(window), window)
     detected = detect_stiction(window, oscillation, faults)
     weighed = weigh(found, detected, stem_measured=window.mv is not None)
     verdict, confidence = verdict_of(found, weighed)
@@ -134,6 +135,14 @@ def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
         gates=tuple(fault.name for fault in faults),
         advice=advice(verdict, [each.cause for each in causes], found.stiction, oscillation, window),
     )
+
+
+def with_likelihood(found: Quantification, window: LoopWindow) -> Quantification:
+    """Return the answer of ``free_run`` with its log likelihood ratio unless it has one; another as it is."""
+    told = found.log_likelihood_ratio is not None
+    if told or found.failure is not None or found.quick_evidence is None:
+        return found
+    return replace(found, log_likelihood_ratio=log_likelihood_ratio(window, found))
 
 
 def verdict_of(found: Quantification, weighed: Weighed) -> tuple[Verdict, float]:

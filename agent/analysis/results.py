@@ -146,6 +146,8 @@ class Quantification:
     """``evidence`` from what is quicker than a load wanders; None where a quantifier does not give it."""
     turns: int | None = None
     """Changes of direction of the valve that was found; None where a quantifier does not count them."""
+    log_likelihood_ratio: float | None = None
+    """Log of how much more likely the record is with a sticking valve, nats; None where nobody asked."""
 
 
 @dataclass(frozen=True, slots=True)

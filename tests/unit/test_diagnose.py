@@ -43,6 +43,7 @@ STICKING = Quantification(
     model_mv=WINDOW.op,
     quick_evidence=16.0,
     turns=20,
+    log_likelihood_ratio=300.0,
 )
 HEALTHY = replace(
     STICKING,
@@ -53,6 +54,7 @@ HEALTHY = replace(
     decision="no_stiction",
     quick_evidence=1.0,
     turns=0,
+    log_likelihood_ratio=0.0,
 )
 
 

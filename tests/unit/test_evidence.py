@@ -6,7 +6,15 @@ from dataclasses import replace
 import pytest
 
 from agent.analysis.evidence import MOST, features, weigh
-from agent.analysis.evidence_weights import BIAS, DETECTORS, FREE_RUN, FREE_RUN_QUICK, WITH_STEM
+from agent.analysis.evidence_weights import (
+    BIAS,
+    DETECTORS,
+    FREE_RUN,
+    FREE_RUN_QUICK,
+    INNOVATIONS,
+    INNOVATIONS_OVER_TURNS,
+    WITH_STEM,
+)
 from agent.analysis.results import MethodResult, Quantification
 from agent.analysis.stiction import DETECTORS as ALL
 
@@ -21,7 +29,8 @@ def probability(log_odds):
 def test_every_detector_has_a_weight_and_none_counts_against_its_own_word():
     assert set(DETECTORS) == {each.name for each in ALL}
     assert set(WITH_STEM) <= set(DETECTORS)
-    assert min(*DETECTORS.values(), *WITH_STEM.values(), FREE_RUN, FREE_RUN_QUICK) >= 0
+    fits = (FREE_RUN, FREE_RUN_QUICK, INNOVATIONS_OVER_TURNS, INNOVATIONS)
+    assert min(*DETECTORS.values(), *WITH_STEM.values(), *fits) >= 0
 
 
 def test_odds_multiply():
@@ -48,7 +57,22 @@ def test_measured_stem_counts_for_more():
 )
 def test_evidence_counts_over_turns(evidence, turns, says):
     found = replace(FOUND, evidence=evidence, quick_evidence=evidence, turns=turns)
-    assert features(found) == pytest.approx((says, says))
+    assert features(found) == pytest.approx((says, says, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("ratio", "turns", "says"),
+    [
+        (None, 50, 0.0),
+        (-3.0, 50, 0.0),
+        (10.0, 50, math.log(2, 11)),
+        (100.0, 0, 1.0),
+        (1e6, 10, 1.0),
+    ],
+)
+def test_likelihood_counts_without_turns_and_once_more_over_them(ratio, turns, says):
+    found = replace(FOUND, log_likelihood_ratio=ratio, turns=turns)
+    assert features(found) == pytest.approx((0.0, 0.0, says * (turns > 0), says))
 
 
 def test_nobody_is_surer_than_the_calibration():

@@ -1,0 +1,119 @@
+"""A model on a whitened record: its likelihood, and its process fitted to it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.quantify.free_run.local_search import simplex
+from agent.analysis.quantify.free_run.objective import (
+    DELAY,
+    FOPDT,
+    INTEGRATOR,
+    LOG_TAU,
+    SOPDT,
+    fit_gain,
+    free_run_error,
+    process_response,
+    valve_position,
+)
+
+if TYPE_CHECKING:
+    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.analysis.recording import FloatArray
+
+AXES = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY), INTEGRATOR: (DELAY,)}
+"""What is searched of a process; the second pole keeps its ratio."""
+STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+ORDER = 3
+"""Of the autoregression that takes from the innovations what a first-order filter left."""
+FREEDOM = 4.0
+"""Degrees of freedom of Student's distribution: few, for loads step."""
+SCALE_STEPS = 12
+"""Of the iteration for its scale (expectation, maximisation)."""
+LEAST_SHARE = 1e-12
+"""Mean square below which an error is rounding, over that of PV."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """A candidate of ``free_run`` on one of the whitened records."""
+
+    score: float
+    """Log likelihood if the innovations are white, nats."""
+    noise: int
+    """Place of its record."""
+    structure: int
+    candidate: FloatArray
+
+
+def white_likelihood(error: float, problem: Problem) -> float:
+    """Return the log likelihood, nats, less a constant, of innovations with the sum of squares ``error``."""
+    count = float(problem.weight.sum())
+    least = LEAST_SHARE * float(problem.pv @ problem.pv)
+    return -0.5 * count * math.log(max(error, least, 1e-300) / count)
+
+
+def fitted(
+    candidate: FloatArray, structure: int, problem: Problem, noise: int, evaluations: int, scale: float = 1.0
+) -> Fit:
+    """Return the candidate with delay and time constant fitted."""
+    axes = [axis for axis in AXES[structure] if not (axis == DELAY and problem.fixed_delay > 0)]
+    if not axes:
+        error = free_run_error(candidate, structure, problem)
+    else:
+        candidate, error = simplex(candidate, scale * STEP, np.array(axes), structure, problem, evaluations)
+    score = white_likelihood(float(error), problem) if math.isfinite(error) else -math.inf
+    return Fit(score, noise, structure, candidate)
+
+
+def log_likelihood(fit: Fit, problem: Problem) -> float:
+    """Return the log likelihood of the fit, nats, less a constant, its innovations made white once more.
+
+    Noise that is coloured otherwise than a walk would else count the same evidence several times. And they
+    are taken to have Student's distribution, so that one step of a load is no proof of a slip.
+    """
+    innovations = residual(fit, problem)
+    known = problem.weight > 0
+    lagged = np.stack([np.roll(innovations, lag) for lag in range(1, ORDER + 1)], axis=1)
+    usable = known & np.all([np.roll(known, lag) for lag in range(1, ORDER + 1)], axis=0)
+    usable[:ORDER] = False
+    count = int(usable.sum())
+    if count <= ORDER:
+        return -math.inf
+    past, now = lagged[usable], innovations[usable]
+    rest = now - past @ np.linalg.lstsq(past, now, rcond=None)[0]
+    return student_likelihood(rest, LEAST_SHARE * float(problem.pv @ problem.pv) / count)
+
+
+def student_likelihood(values: FloatArray, least: float) -> float:
+    """Return the log likelihood, nats, less a constant, of independent values of Student's distribution.
+
+    Args:
+        values: Shape (n,), n >= 1.
+        least: Mean square below which they are rounding.
+    """
+    squares = values * values
+    scale = max(float(np.mean(squares)), least, 1e-300)
+    for _ in range(SCALE_STEPS):
+        weights = (FREEDOM + 1) / (FREEDOM + squares / scale)
+        scale = max(float(np.mean(weights * squares)), least, 1e-300)
+    far = float(np.sum(np.log1p(squares / (FREEDOM * scale))))
+    return -0.5 * len(values) * math.log(scale) - 0.5 * (FREEDOM + 1) * far
+
+
+def residual(fit: Fit, problem: Problem) -> FloatArray:
+    """Return the innovations of a fit, PV units, 0 where nothing is known, (m,)."""
+    candidate = fit.candidate
+    position = valve_position(candidate, problem)
+    response = process_response(position, candidate, fit.structure, problem.block, problem.keep)
+    _, gain, start = fit_gain(response, candidate, fit.structure, problem)
+    model = gain * response
+    if fit.structure != INTEGRATOR:
+        pole = math.exp(-problem.block / math.exp(candidate[LOG_TAU]))
+        model = model + start * pole ** np.arange(len(model))
+    left = (problem.pv - model) * problem.weight
+    return np.asarray((left - problem.basis @ (problem.basis.T @ left)) * problem.weight, dtype=np.float64)

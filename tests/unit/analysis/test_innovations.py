@@ -1,0 +1,85 @@
+"""How much more likely a record is with a sticking valve: what a slip proves, and what a load does not."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.signal import lfilter
+
+from agent.analysis.innovations import log_likelihood_ratio
+from agent.analysis.innovations.noise_models import noise_models
+from agent.analysis.innovations.whitened import student_likelihood
+from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.recording import LoopWindow
+from agent.analysis.results import Quantification
+from agent.physics.valves.he2007 import he2007
+
+N = 600
+CLEAR = 30.0
+"""Nats from which a record speaks for a sticking valve (docs/methods/innovations.md)."""
+NOTHING_FOUND = Quantification("free_run", None, None, None, None, 1.0, "no_stiction")
+
+
+def record(*, sticks, walk=0.01, load_step=0.0, seed=0, span=1.0):
+    """OP wanders up and down as a slow controller moves it; PV answers behind a lag, with a load on top."""
+    rng = np.random.default_rng(seed)
+    op = 50 + 8 * np.sin(2 * np.pi * np.arange(N) / 170) + 3 * np.sin(2 * np.pi * np.arange(N) / 61 + 1)
+    load = walk * np.cumsum(rng.normal(size=N)) + load_step * (np.arange(N) > 400)
+    stem = he2007(op, 2.0, 1.0, op[0]) if sticks else op
+    pv = lfilter([0.0, 0.4], [1.0, -0.6], stem - 50 + load) + 0.1 * rng.normal(size=N)
+    return LoopWindow("x", 0.0, 1.0, op=span * op, pv=span * pv)
+
+
+def test_a_sticking_valve_is_seen_without_any_help():
+    assert log_likelihood_ratio(record(sticks=True), NOTHING_FOUND) > 3 * CLEAR
+
+
+@pytest.mark.parametrize("walk", [0.0, 0.01, 0.3])
+def test_a_load_that_wanders_proves_nothing(walk):
+    assert log_likelihood_ratio(record(sticks=False, walk=walk), NOTHING_FOUND) < CLEAR
+
+
+def test_one_step_of_a_load_proves_nothing():
+    assert log_likelihood_ratio(record(sticks=False, load_step=5.0), NOTHING_FOUND) < CLEAR
+
+
+def test_a_sticking_valve_is_seen_under_a_load_that_wanders():
+    assert log_likelihood_ratio(record(sticks=True, walk=0.1), NOTHING_FOUND) > CLEAR
+
+
+@pytest.mark.parametrize("span", [1e-3, 1e3])
+def test_units_change_nothing(span):
+    one, other = (log_likelihood_ratio(record(sticks=True, span=each), NOTHING_FOUND) for each in (1.0, span))
+    assert other == pytest.approx(one, rel=0.02)
+
+
+def test_a_record_that_poses_no_problem_says_nothing():
+    window = record(sticks=True)
+    assert log_likelihood_ratio(replace(window, op=np.full(N, 50.0)), NOTHING_FOUND) == 0.0
+    assert log_likelihood_ratio(replace(window, pv=np.full(N, math.nan)), NOTHING_FOUND) == 0.0
+
+
+def test_the_filter_that_fits_makes_a_walk_with_noise_white():
+    """Its innovations have less variance than behind any other filter, and no correlation."""
+    rng = np.random.default_rng(1)
+    fresh = rng.normal(size=3000)
+    keep = math.exp(-1 / 5.0)
+    pv = np.cumsum(fresh - keep * np.concatenate(([0.0], fresh[:-1])))
+    window = LoopWindow("x", 0.0, 1.0, op=np.sin(np.arange(3000) / 9), pv=pv)
+    models = noise_models(window, pose(window))
+    powers = [float(np.mean(each.pv[each.weight > 0] ** 2)) for each in models]
+    best = models[int(np.argmin(powers))]
+    assert best.keep == pytest.approx(keep)
+    assert min(powers) == pytest.approx(1.0, rel=0.1)
+    white = best.pv[best.weight > 0]
+    assert abs(np.corrcoef(white[1:], white[:-1])[0, 1]) < 0.06
+
+
+def test_student_likelihood_is_that_of_the_distribution():
+    values = 3 * np.random.default_rng(2).standard_t(4, size=400)
+    _, _, scale = stats.t.fit(values, fdf=4, floc=0)
+    true = stats.t.logpdf(values, 4, scale=scale).sum()
+    constant = 400 * stats.t.logpdf(0.0, 4)
+    assert student_likelihood(values, 0.0) + constant == pytest.approx(true, abs=0.05)
