@@ -272,6 +272,24 @@ async def test_nobody_can_write_any_node(served):
     assert len(nodes) > 5000
 
 
+async def test_what_a_client_may_ask_for_is_bounded(served, monkeypatch):
+    internal = served.session._server.iserver
+    async with alarms_at(served.port) as alarms:
+        eager = await alarms.client.create_subscription(0.001)
+        kept = internal.subscription_service.subscriptions[eager.subscription_id]
+        assert kept.data.RevisedPublishingInterval == 50.0
+        await eager.subscribe_data_change(alarms.node("FIC101.S"), queuesize=0)
+        assert [item.queue_size for item in kept.monitored_item_srv._monitored_items.values()] == [1000]
+        monkeypatch.setattr("connectors.opcua_server.caller.MOST_ITEMS", 1)
+        with pytest.raises(ua.UaStatusCodeError, match="BadTooManyMonitoredItems"):
+            await eager.subscribe_data_change(alarms.node("FIC101.J"))
+        with pytest.raises(ua.UaStatusCodeError, match="BadServiceUnsupported"):
+            await alarms.client.uaclient.register_server(ua.RegisteredServer())
+        assert {session.session_timeout for session in internal._external_sessions.values()} == {60.0}
+        tokens = {session.auth_token.Identifier for session in internal._external_sessions.values()}
+        assert all(isinstance(token, bytes) and len(token) == 32 for token in tokens)
+
+
 async def test_a_client_that_sends_without_end_is_dropped(served):
     server = served.session._server
     reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
