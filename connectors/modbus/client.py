@@ -99,6 +99,7 @@ async def connected(options: ModbusOptions) -> AsyncIterator[ModbusClient]:
         if tls is None
         else AsyncModbusTlsClient(options.host, sslctx=tls, **common)
     )
+    _tell_garbage(client)
     try:
         if not await client.connect():
             await _raise_denial(options, tls)
@@ -106,6 +107,24 @@ async def connected(options: ModbusOptions) -> AsyncIterator[ModbusClient]:
         yield ModbusClient(client, options, tls)
     finally:
         client.close()
+
+
+def _tell_garbage(client: AsyncModbusTcpClient) -> None:
+    """Have what cannot be decoded end the request that waits; pymodbus leaves it to asyncio to log."""
+    context = client.ctx
+    decode = context.callback_data
+
+    def decoded(data: bytes, addr: tuple[str, int] | None = None) -> int:
+        try:
+            return int(decode(data, addr))
+        except ModbusException as error:
+            waiting = context.response_future
+            if not waiting.done():
+                waiting.set_exception(error)
+                waiting.exception()  # it was noticed, though nobody may be waiting
+            return len(data)
+
+    context.callback_data = decoded
 
 
 async def _raise_denial(options: ModbusOptions, tls: ssl.SSLContext | None) -> None:

@@ -84,7 +84,7 @@ class Outgoing:
 
 
 class StrictClient(Client):
-    """aiomqtt's, which keeps two things to itself.
+    """aiomqtt's, which keeps two things to itself, and may write to a socket that is closed already.
 
     A broker that answers that it does not take a message (MQTT 5), and one that hangs up while it lets us in.
     """
@@ -119,6 +119,22 @@ class StrictClient(Client):
                 )
             if self._refusal is not None:
                 raise RefusedError(f"topic {message.topic}: {self._refusal}")
+
+    def _on_socket_register_write(self, client: Any, userdata: Any, sock: Any) -> None:  # noqa: ANN401, ARG002
+        """Write when the socket can take it; aiomqtt's does not look whether it is still open by then."""
+
+        def write() -> None:
+            try:
+                client.loop_write()
+            except (OSError, ValueError) as error:
+                if not self._disconnected.done():
+                    self._disconnected.set_exception(error)
+
+        def register() -> None:
+            if sock.fileno() >= 0:
+                self._loop.add_writer(sock.fileno(), write)
+
+        self._loop.call_soon_threadsafe(register)  # paho may be in another thread
 
     def _on_publish(self, client: Any, userdata: Any, mid: int, reason_code: Any, properties: Any) -> None:  # noqa: ANN401
         if reason_code.is_failure:
