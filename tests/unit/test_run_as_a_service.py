@@ -99,15 +99,3 @@ def test_a_service_from_start_to_end(plant):
         service.says("stopped")
         assert service.process.wait(DEADLINE) == 0
     assert {"time", "level", "message"} <= set.intersection(*(set(line) for line in service.said))
-
-
-def test_a_change_of_the_file_takes_effect_by_itself_where_it_may(plant):
-    content = yaml.safe_load(plant.read_text())
-    plant.write_text(yaml.safe_dump(content | {"agent": {"watch_config": True}}))
-    with Service(plant, "--log-format", "json", "--log-level", "warning") as service:
-        service.hears("READY=1")
-        replaced = plant.with_suffix(".new")  # as editors do
-        replaced.write_text(yaml.safe_dump(content | {"agent": {"watch_config": True, "data_age": "old"}}))
-        replaced.rename(plant)
-        assert "agent.data_age" in service.says("agent.data_age")["message"]
-    assert {line["level"] for line in service.said} <= {"warning", "error"}
