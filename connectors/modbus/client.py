@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 
 from pymodbus.client import AsyncModbusTcpClient, AsyncModbusTlsClient
-from pymodbus.exceptions import ModbusException
+from pymodbus.exceptions import ConnectionException, ModbusException
 from pymodbus.pdu import ModbusPDU
 
 from connectors.base import AccessDeniedError, ConnectionLostError
@@ -99,7 +99,7 @@ async def connected(options: ModbusOptions) -> AsyncIterator[ModbusClient]:
         if tls is None
         else AsyncModbusTlsClient(options.host, sslctx=tls, **common)
     )
-    _tell_garbage(client)
+    _tell_at_once(client)
     try:
         if not await client.connect():
             await _raise_denial(options, tls)
@@ -109,22 +109,32 @@ async def connected(options: ModbusOptions) -> AsyncIterator[ModbusClient]:
         client.close()
 
 
-def _tell_garbage(client: AsyncModbusTcpClient) -> None:
-    """Have what cannot be decoded end the request that waits; pymodbus leaves it to asyncio to log."""
-    context = client.ctx
-    decode = context.callback_data
+def _tell_at_once(client: AsyncModbusTcpClient) -> None:
+    """Have garbage and a lost connection end the request that waits.
 
-    def decoded(data: bytes, addr: tuple[str, int] | None = None) -> int:
+    pymodbus leaves the one to asyncio to log, and lets the request wait for its whole timeout in both cases.
+    """
+    context = client.ctx
+    decode, disconnected = context.callback_data, context.callback_disconnected
+
+    def end(error: ModbusException) -> None:
+        waiting = context.response_future
+        if not waiting.done():
+            waiting.set_exception(error)
+            waiting.exception()  # it was noticed, though nobody may be waiting
+
+    def on_data(data: bytes, addr: tuple[str, int] | None = None) -> int:
         try:
             return int(decode(data, addr))
         except ModbusException as error:
-            waiting = context.response_future
-            if not waiting.done():
-                waiting.set_exception(error)
-                waiting.exception()  # it was noticed, though nobody may be waiting
+            end(error)
             return len(data)
 
-    context.callback_data = decoded
+    def on_disconnected(error: Exception | None) -> None:
+        disconnected(error)
+        end(ConnectionException(f"the device closed the connection{f': {error}' if error else ''}"))
+
+    context.callback_data, context.callback_disconnected = on_data, on_disconnected
 
 
 async def _raise_denial(options: ModbusOptions, tls: ssl.SSLContext | None) -> None:

@@ -28,8 +28,8 @@ FRAMES = {
 }
 HEADER = {"modbus": 9, "mqtt": 40, "opcua": 40}
 """First bytes, any of which may be changed; later ones of Modbus are values, where all is allowed."""
-TIMEOUT = {"modbus": 0.1, "mqtt": 0.1, "opcua": 2.0}
-"""s; OPC UA is never left waiting."""
+TIMEOUT = {"modbus": 60.0, "mqtt": 0.1, "opcua": 60.0}
+"""s; only MQTT waits for it, the others tell at once."""
 
 
 def garbage(bus, chance):
