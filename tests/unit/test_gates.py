@@ -125,6 +125,28 @@ def test_gaps_are_no_rest_and_no_line():
     assert faults(pv=np.where(T % 7 == 0, np.nan, noisy(8)), op=np.where(T % 5 == 0, np.nan, noisy(9))) == []
 
 
+def controlled(shift):
+    """A loop under a PI law, PV recorded ``shift`` samples after the controller saw it."""
+    rng = np.random.default_rng(0)
+    op, pv, op_now, flow = np.zeros(N), np.zeros(N), 50.0, 0.0
+    for k in range(N):
+        flow += 0.2 * (op_now - 50 - flow)
+        pv[k] = flow + rng.normal()
+        op_now += -0.5 * (pv[k] - (pv[k - 1] if k else 0.0)) - 0.1 * pv[k]
+        op[k] = op_now
+    return op, np.roll(pv, shift)
+
+
+@pytest.mark.parametrize(("shift", "words"), [(2, "2 samples before"), (-1, "1 sample late")])
+def test_clocks_that_differ_are_seen_through_the_controller(shift, words):
+    op, pv = controlled(shift)
+    (fault,) = [each for each in found(op, pv, replace(STEADY, period=15.0)) if each.name == "clock_skew"]
+    assert words in fault.reason
+    assert fault.closes == SHAPE
+    assert "clock_skew" not in [each.name for each in found(op, pv, replace(STEADY, period=200.0))]
+    assert "clock_skew" not in [each.name for each in found(*controlled(0), replace(STEADY, period=15.0))]
+
+
 def test_nothing_closed_without_a_fault():
     assert closed_kinds(()) == frozenset()
 

@@ -10,6 +10,7 @@ from agent.analysis.gates.op import op_faults
 from agent.analysis.gates.pv import pv_faults
 from agent.analysis.gates.record import record_faults, too_short
 from agent.analysis.gates.rhythm import rhythm_faults
+from agent.analysis.gates.skew import skew_faults
 from agent.analysis.gates.transmission import transmission_faults
 from agent.analysis.recording import LoopWindow
 from agent.analysis.results import Oscillation
@@ -30,4 +31,9 @@ def gates(window: LoopWindow, oscillation: Oscillation) -> tuple[GateFault, ...]
     faults = (*record_faults(window), *op_faults(window), *pv_faults(window))
     if closed_kinds(faults) == ALL_KINDS:
         return faults
-    return (*faults, *transmission_faults(window, oscillation), *rhythm_faults(window, oscillation))
+    return (
+        *faults,
+        *transmission_faults(window, oscillation),
+        *skew_faults(window, oscillation),
+        *rhythm_faults(window, oscillation),
+    )
