@@ -27,7 +27,10 @@ from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import loop_settings, sample
 from tests.unit.runtime.test_agent import judged
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = [
+    pytest.mark.asyncio(loop_scope="module"),
+    pytest.mark.timeout(180),  # a start loads thousands of nodes: ten times longer where others compute
+]
 LOOPS = tuple(f"FIC10{n}" for n in range(1, 7))
 
 
@@ -301,6 +304,24 @@ async def test_a_client_that_sends_without_end_is_dropped(served):
     writer.close()
     async with alarms_at(served.port) as alarms:  # the others are served
         assert await alarms.node("/Agent.Loops").read_value() == len(LOOPS)
+
+
+async def test_a_client_that_does_not_read_is_dropped(served):
+    server, schema = served.session._server, ua.NodeId(ua.ObjectIds.OpcUa_XmlSchema)
+    assert len(server.iserver.aspace.read_attribute_value(schema, ua.AttributeIds.Value).Value.Value) > 2**17
+    client = Client(f"opc.tcp://127.0.0.1:{served.port}", timeout=30)
+    await client.connect()
+    client.uaclient.protocol.transport.pause_reading()
+    reads = [asyncio.create_task(client.get_node(schema).read_value()) for _ in range(200)]
+    await until(
+        lambda: any(c.transport.get_write_buffer_size() > 8 * 2**20 for c in server.bserver.clients), 30.0
+    )
+    look_after(server)
+    client.uaclient.protocol.transport.resume_reading()
+    results = await asyncio.gather(*reads, return_exceptions=True)
+    assert any(isinstance(result, Exception) for result in results)
+    with contextlib.suppress(ConnectionError, ua.UaError):
+        await client.disconnect()
 
 
 async def test_a_taken_port_is_told_and_the_next_session_shows_what_the_last_one_did():
