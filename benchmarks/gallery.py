@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import multiprocessing
 import os
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,18 +29,17 @@ from benchmarks.recordings_folder import ROOT, recordings_folder
 from connectors.recording import read_recording
 
 SHOWN = (
-    "CHEM1",
     "CHEM10",
-    "CHEM11",
     "CHEM12",
-    "CHEM13",
+    "CHEM1",
     "PAP2",
-    "PAP4",
     "2411_FIC20102_53",
-    "2411_FIC20102_47",
+    "2411_FIC90204_55",
+    "CHEM11",
+    "PAP4",
+    "CHEM13",
     "2111_FIC46005_15",
     "2411_AIC90201_38",
-    "2411_FIC90204_55",
     "2111_PIC10201_35",
     "RHT_FIC11502_69",
     "2411_LIC10201_56",
@@ -104,14 +104,24 @@ def run(_options: Options) -> None:
     cores = len(os.sched_getaffinity(0))
     with ProcessPoolExecutor(cores, mp_context=context) as pool:
         found = pool.map(shown, *zip(*jobs, strict=True))
-        rows = [each.row() for each in track(found, "gallery", len(jobs), console=Console(stderr=True))]
+        rows: list[tuple[object, ...]] = []
+        for each in track(found, "gallery", len(jobs), console=Console(stderr=True)):
+            rows.append(each.row())
+            write(rows)
+    print(told(rows))
+
+
+def told(rows: Sequence[Sequence[object]]) -> str:
+    """Return the table."""
     columns = ("recording", "label", "base", "missing", "held-out RMSE", "fit %", "what the last model lacks")
-    text = table("### What was found", columns, rows)
-    print(text)
-    if PAGE.exists():
-        before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-        after = rest.partition(END)[2]
-        PAGE.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
+    return table("### What was found", columns, rows)
+
+
+def write(rows: Sequence[Sequence[object]]) -> None:
+    """Put the table between the marks of the page, which keeps what stands around them."""
+    before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
+    after = rest.partition(END)[2]
+    PAGE.write_text(f"{before}{BEGIN}\n{told(rows)}\n{END}{after}", encoding="utf-8")
 
 
 def shown(file: Path, label: str, integrating: str) -> Shown:

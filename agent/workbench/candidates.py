@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from agent.workbench.decision import LEAST_PERCENT, LEVEL, Decision, judge
 from agent.workbench.fit import residual_of
-from agent.workbench.innovations import tells_more
+from agent.workbench.innovations import innovations, tells_more
+from agent.workbench.prediction_error import least_innovations
 from agent.workbench.step import Step, Verdict
 from agent.workbench.where import LEVEL as FOLLOWED
 
@@ -75,9 +76,18 @@ def _tells_more(smaller: Fit, larger: Fit, record: Record) -> bool:
 
     A disturbance of its own time knows nothing of OP, so it need only be no worse.
     """
-    more = len(larger.values) - len(smaller.values)
     answers = larger.model.effects[-1].stage != "disturbance"
-    return tells_more(residual_of(smaller, record), residual_of(larger, record), more if answers else 0)
+    base = smaller.model.base
+    if answers and base.linear:
+        count = len(base.parameters(record.facts))
+        starts = [each.values[:count] for each in (smaller, larger)]
+        before, after = (least_innovations(each, record, starts) for each in (smaller, larger))
+    else:
+        before, after = (innovations(residual_of(each, record)) for each in (smaller, larger))
+    if before is None or after is None:
+        return True
+    more = len(larger.values) - len(smaller.values)
+    return tells_more(before, after, more if answers else 0)
 
 
 def own_at_bound(fitted: Fit) -> tuple[str, ...]:

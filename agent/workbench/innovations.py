@@ -78,7 +78,7 @@ def innovations(residual: FloatArray) -> Innovations | None:
     return Innovations(values, solved[1:], float(squares[kept - 1] / (count - kept)))
 
 
-def tells_more(smaller: FloatArray, larger: FloatArray, parameters: int) -> bool:
+def tells_more(smaller: Innovations, larger: Innovations, parameters: int) -> bool:
     """Return whether a larger model lowers the innovations of its residual by more than its size would.
 
     In closed loop this tells a better model from one that answers to the disturbance. OP holds the
@@ -87,15 +87,10 @@ def tells_more(smaller: FloatArray, larger: FloatArray, parameters: int) -> bool
     innovations (Ljung, System Identification, 2nd ed., 13.4), but for chance: Schwarz's criterion.
 
     Args:
-        smaller: Residual of the smaller model, (n,), NaN where there is none.
-        larger: Of the larger one, (n,).
+        smaller: Of the smaller model.
+        larger: Of the larger one.
         parameters: That it has more. 0: it need only be no worse.
-
-    Returns:
-        True where nothing can be said.
     """
-    before, after = innovations(smaller), innovations(larger)
-    if before is None or after is None:
-        return True
-    count = np.count_nonzero(np.isfinite(before.values))
-    return bool(count * np.log(before.variance / max(after.variance, TINY)) >= parameters * np.log(count))
+    count = np.count_nonzero(np.isfinite(smaller.values))
+    lowered = np.log(smaller.variance / max(larger.variance, TINY))
+    return bool(count * lowered >= parameters * np.log(count))

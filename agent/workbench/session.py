@@ -70,6 +70,7 @@ class Workbench:
         self.reason: str | None = None
         """In plain words why nothing can be said about the recording; None where something can."""
         self._steps: list[Step] = []
+        self._trials: Trials | None = None
         self._validation = None if validate is None else self._other(validate)
         record = record_of(window, from_start=not self.base.linear)
         if isinstance(record, str):
@@ -81,16 +82,23 @@ class Workbench:
         if isinstance(folds, str):
             self.reason = folds
             return
-        self.trials = Trials(window, record, folds, run, tell)
+        self._trials = Trials(window, record, folds, run, tell)
         self.take(self.trials.predicted(fitted))
 
     @property
-    def step(self) -> Step:
-        """The newest step.
+    def trials(self) -> Trials:
+        """What was asked of the recording.
 
         Raises:
             ValueError: The recording is not testable; the text says why.
         """
+        if self._trials is None:
+            raise ValueError(f"{self.window.loop} cannot be tested: {self.reason}")
+        return self._trials
+
+    @property
+    def step(self) -> Step:
+        """The newest step; raises like ``trials``."""
         if not self._steps:
             raise ValueError(f"{self.window.loop} cannot be tested: {self.reason}")
         return self._steps[-1]

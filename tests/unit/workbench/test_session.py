@@ -143,5 +143,6 @@ def test_a_record_that_tells_nothing_has_a_reason_and_all_keys():
     assert found["noise_floor"] == {"low": None, "high": None}
     assert "OP does not move" in found["reason"]
     assert "not testable" in next(iter(comparison_lines(bench.comparison())))
-    with pytest.raises(ValueError, match="cannot be tested: OP does not move"):
-        bench.add("deadband")
+    for ask in (lambda: bench.add("deadband"), bench.candidates, bench.where_it_fails, bench.save):
+        with pytest.raises(ValueError, match="cannot be tested: OP does not move"):
+            ask()
