@@ -8,10 +8,13 @@ import pytest
 from aiomqtt import Client
 from buses import Reading, connector_of, mosquitto_broker, until
 
-from agent.alarms import Alarm, Announcement
+from agent.alarms import Alarm, Announcement, Command
 from connectors.base import ConnectionLostError, Order, Publication
 from connectors.sparkplug.metrics import METRICS, REBIRTH
 from connectors.sparkplug.payload import DataType, Metric, decode, encode
+from tests.faults.proxy import BLACK_HOLE, REFUSE, STALL, FaultProxy
+from tests.unit.runtime.fake_bus import FakeBus
+from tests.unit.runtime.test_agent import agent_of
 
 NODE = "spBv1.0/plant/{}/gate"
 NOW = 1.8e9
@@ -59,6 +62,27 @@ def verbs(heard):
 
 def bd_seq(payload):
     return next(metric.value for metric in payload.metrics if metric.name == "bdSeq")
+
+
+def told(heard):
+    """What was told of the loop: the metrics of each message by name."""
+    return [
+        {metric.name: metric for metric in payload.metrics}
+        for verb, device, payload in heard
+        if device == "FIC101" and verb in {"DBIRTH", "DDATA"}
+    ]
+
+
+def history(heard):
+    """What was told late: id of the message -> state. The same may come twice, as on any bus."""
+    late = (each for each in told(heard) if each["Message/Id"].historical)
+    return {each["Message/Id"].value: each["Alarm/State"].value for each in late}
+
+
+def now(heard):
+    """The newest state."""
+    fresh = [each["Alarm/State"] for each in told(heard) if "Alarm/State" in each]
+    return [metric.value for metric in fresh if not metric.historical][-1]
 
 
 async def command(client, verb, device=None, **values):
@@ -139,6 +163,32 @@ async def test_a_killed_broker_is_told(mosquitto, tmp_path):
             await reading.end(within=30.0)
         with pytest.raises(ConnectionLostError):
             await session.publish(publication())
+
+
+@pytest.mark.parametrize("fault", [REFUSE, BLACK_HOLE, STALL], ids=lambda fault: fault.name)
+async def test_no_event_is_lost_that_comes_while_the_broker_is_away(fault, mosquitto, tmp_path):
+    """The whole agent: a host hears of the death, then how it is, and as history what it missed."""
+    async with (
+        mosquitto_broker(mosquitto, tmp_path) as (port, _),
+        host(port) as (_, heard),
+        FaultProxy(port) as proxy,
+    ):
+        agent = agent_of(FakeBus(lambda _: ()), scada=connector(proxy.port, keepalive=1, timeout=1.0))
+        pipeline, scada = agent._pipelines["FIC101"], agent._connections["plant"]
+        work = asyncio.create_task(agent.run())
+        try:
+            await until(lambda: verbs(heard)[:2] == ["NBIRTH", "DBIRTH"], 30)
+            async with proxy.suffering(fault):
+                await until(lambda: not scada.health.up, 30)
+                for second, action in enumerate(("out_of_service", "in_service", "out_of_service")):
+                    pipeline.obey(Command.asked(action, "jane", NOW + second))
+            await until(lambda: len(history(heard)) == 3, 30)
+            await until(lambda: now(heard) == "out_of_service", 30)
+        finally:
+            work.cancel()
+            await asyncio.wait({work})
+    assert list(history(heard).values()) == ["out_of_service", "normal", "out_of_service"]
+    assert "NDEATH" in verbs(heard)[: verbs(heard).index("NBIRTH", 1)]
 
 
 async def test_a_guest_is_not_born_and_does_not_end_the_node_that_runs(mosquitto, tmp_path):
