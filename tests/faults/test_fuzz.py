@@ -30,7 +30,7 @@ from connectors.recording import RecordingError, read_recording
 from tests.conftest import ROOT
 from tests.unit.runtime.loops import loop_settings
 
-FEW = settings(max_examples=100, deadline=None, suppress_health_check=list(HealthCheck))
+FEW = settings(max_examples=50, deadline=None, suppress_health_check=list(HealthCheck))
 MANY = settings(max_examples=10_000, deadline=None, suppress_health_check=list(HealthCheck))
 OFTEN = (("few", FEW), pytest.param("many", MANY, marks=[pytest.mark.bench, pytest.mark.timeout(1200)]))
 
