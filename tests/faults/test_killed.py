@@ -11,10 +11,12 @@ import pytest
 from tests.conftest import ROOT
 
 
-@pytest.mark.timeout(240)
 @pytest.mark.parametrize(
     "kills",
-    [2, pytest.param(25, marks=[pytest.mark.bench, pytest.mark.timeout(600)])],
+    [
+        pytest.param(2, marks=pytest.mark.timeout(240)),
+        pytest.param(25, marks=[pytest.mark.bench, pytest.mark.timeout(600)]),
+    ],
 )
 def test_alarms_survive_sigkill(tmp_path, kills):
     store, peer, chance = tmp_path / "plant.sqlite", tmp_path / "peer", random.Random(kills)

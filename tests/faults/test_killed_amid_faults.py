@@ -39,8 +39,13 @@ async def started(store, port, task):
         await program.wait()
 
 
-@pytest.mark.timeout(240)
-@pytest.mark.parametrize("kills", [1, pytest.param(24, marks=[pytest.mark.bench, pytest.mark.timeout(1200)])])
+@pytest.mark.parametrize(
+    "kills",
+    [
+        pytest.param(1, marks=pytest.mark.timeout(240)),
+        pytest.param(24, marks=[pytest.mark.bench, pytest.mark.timeout(1200)]),
+    ],
+)
 async def test_alarms_survive_sigkill_amid_faults(mosquitto, tmp_path, kills):
     store, chance, broker = tmp_path / "plant.sqlite", random.Random(kills), Peer("mqtt", mosquitto, tmp_path)
     await broker.start()
