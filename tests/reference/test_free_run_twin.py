@@ -126,6 +126,14 @@ def test_out_of_bounds_is_infinitely_bad(axis, value):
     assert objective.free_run_error(candidate, FOPDT, problem) == np.inf
 
 
+def test_a_second_lag_that_vanishes_is_none():
+    problem = problem_of(1)
+    candidate = candidate_of(1, problem)
+    alone = objective.free_run_error(candidate, FOPDT, problem)
+    candidate[LOG_TAU2] = -1000.0  # as far as a simplex may run
+    assert objective.free_run_error(candidate, SOPDT, problem) == pytest.approx(alone)
+
+
 @FEW
 @given(seed=SEEDS, keep=st.floats(0.5, 0.999))
 def test_the_adjoint_is_the_transpose(seed, keep):

@@ -30,6 +30,8 @@ SIZE = 10
 
 IMPOSSIBLE = np.inf
 LEAST_LOG_TAU = math.log(0.2)
+AT_ONCE = -5.0
+"""Log of a second time constant (samples) below which it makes no difference, and exp would end at 0."""
 RIGID = -9.0
 """Log of rest below which a stem stays as it is: He's valve."""
 STEM_LOW = (math.log(0.03), math.log(0.02), math.log(3e-4))
@@ -72,7 +74,7 @@ def process_response(
         in_gain = 1.0 - pole
     pole2 = 0.0
     if structure == SOPDT:
-        pole2 = math.exp(-block / math.exp(min(candidate[LOG_TAU2], candidate[LOG_TAU])))
+        pole2 = math.exp(-block / math.exp(max(AT_ONCE, min(candidate[LOG_TAU2], candidate[LOG_TAU]))))
     in_gain *= 1.0 - pole2
     # A block of PV lies (block - 1) / 2 samples after its first, a block's response at its end.
     lag = to_blocks(candidate[DELAY], block)
