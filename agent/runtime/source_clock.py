@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+from agent.runtime.window import LAST_TIME
 from connectors.base import Quality, Sample
 
 LOG = logging.getLogger(__name__)
@@ -55,9 +56,9 @@ class SourceClock:
     def checked(self, sample: Sample, arrival: float) -> Sample | None:
         """Return the sample with the time that counts, None where it should be dropped.
 
-        ``arrival`` is monotonic, s. A time that is no number is left to who takes the sample.
+        ``arrival`` is monotonic, s. What is no time at all is left to the window.
         """
-        if not math.isfinite(sample.time):
+        if not abs(sample.time) <= LAST_TIME:  # nor NaN
             return sample
         expected = self._newest + arrival - self._arrival  # NaN before the first
         absurd = abs(sample.time - self._now()) > self._limit

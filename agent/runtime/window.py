@@ -37,6 +37,8 @@ CLOCK_SET_BACK = 60
 """Samples in a row from the past after which the source's clock was set back, and time starts anew."""
 AT_PACE, FEWEST_AT_PACE = 1.0, 5
 """It was set back as well if samples from the past tick on as the wall does, so long (s) and so many."""
+LAST_TIME = 1e11
+"""Source times beyond are no times, s UTC: the year 5138."""
 TOLD_TOGETHER = 1.5
 """Samples without any report that make a gap where all roles are told together."""
 
@@ -88,7 +90,7 @@ class RollingWindow:
         """Take a sample that arrived at ``arrival`` (monotonic, s); return the window if one is due now."""
         role = sample.tag.rpartition(".")[2]
         ring = self._rings.get(role)
-        if ring is None or not math.isfinite(sample.time):
+        if ring is None or not abs(sample.time) <= LAST_TIME:  # nor NaN
             return None
         if sample.quality is Quality.BAD and ring.newest == NEVER:
             # Servers give "no value yet" the time of their own clock, which need not be the plant's.

@@ -122,6 +122,10 @@ def test_a_missing_value_from_a_clock_behind_marks_a_gap_and_does_not_start_the_
     assert all(math.isfinite(value) for value in second.op[20:])
 
 
-def test_a_time_that_is_no_number_is_left_to_the_window():
-    clock = SourceClock("FIC101", DAY, Wall())
-    assert math.isnan(clock.checked(sample("pv", math.nan, 1.0), 0.0).time)
+@pytest.mark.parametrize("time", [math.nan, math.inf, -math.inf, 1e300, -1e20])
+def test_what_is_no_time_is_dropped_by_the_window(time):
+    clock, window = SourceClock("FIC101", DAY, Wall()), RollingWindow(loop_settings())
+    window.push(sample("pv", 0.0, 1.0), 0.0)
+    odd = clock.checked(sample("pv", time, 1.0), 0.0)
+    assert window.push(odd, 1.0) is None
+    assert window.newest == START
