@@ -67,7 +67,7 @@ def peer_at(place):
 
 async def main(store, peer, task):
     journal = Journal(store)
-    outbox = Outbox("peer", journal)
+    outbox = Outbox("peer", journal, limit=100_000)  # it is faster than any valve
     pipeline = LoopPipeline(
         loop_settings(quantify="always"),
         InlineExecutor(),
