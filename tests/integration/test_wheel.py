@@ -68,6 +68,7 @@ def test_it_is_the_wheel_that_answers(installed, tmp_path):
     assert "diagnose" in run(installed, "--help", cwd=tmp_path).stdout
 
 
+@pytest.mark.bench  # compiles every kernel anew
 def test_diagnose(installed, tmp_path):
     scenario = load_scenario(ROOT / "config" / "scenarios" / "fic101_stick_slip.yaml")
     write_rows(tmp_path / "FIC101.csv", itertools.islice(rows(scenario), 600))
@@ -78,6 +79,7 @@ def test_diagnose(installed, tmp_path):
     assert (tmp_path / "pictures" / "FIC101.png").is_file()
 
 
+@pytest.mark.bench
 def test_demo(installed, tmp_path):
     done = run(installed, "demo", "--seconds", "3", "--no-web", "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -375,6 +375,7 @@ def test_it_knows_the_newest_source_time_of_a_loop():
     assert agent.newest("FIC101") >= START + 99
 
 
+@pytest.mark.bench  # tests/faults/test_soak.py holds the short form
 def test_memory_is_flat_after_warm_up():
     bus = FakeBus(stream(["FIC101"], 8000, step=0.5))
     agent = agent_of(bus, diagnose=judged("no_stiction"))
