@@ -43,7 +43,9 @@ def plant(tmp_path):
     return _plant
 
 
-@BUSES
+@pytest.mark.parametrize(
+    "bus", ["opcua", *(pytest.param(each, marks=pytest.mark.bench) for each in ("modbus", "mqtt"))]
+)
 def test_industrial_loops_end_as_labelled_on_each_bus(replay, recordings, bus):
     folder = recordings / "isdb"
     code, out, err = replay(folder / "CHEM10.csv", folder / "CHEM13.csv", "--bus", bus, "--json")

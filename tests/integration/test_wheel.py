@@ -61,6 +61,7 @@ def test_the_configuration_travels_and_nothing_else_does(wheel):
     assert not [name for name in names if name.endswith((".nbi", ".nbc", ".pyc"))]
 
 
+@pytest.mark.bench  # an environment of its own installs everything and compiles every kernel anew
 def test_it_is_the_wheel_that_answers(installed, tmp_path):
     python = installed.with_name("python")
     told = run(python, "-c", "import agent; print(agent.__file__)", cwd=tmp_path)
@@ -68,7 +69,7 @@ def test_it_is_the_wheel_that_answers(installed, tmp_path):
     assert "diagnose" in run(installed, "--help", cwd=tmp_path).stdout
 
 
-@pytest.mark.bench  # compiles every kernel anew
+@pytest.mark.bench
 def test_diagnose(installed, tmp_path):
     scenario = load_scenario(ROOT / "config" / "scenarios" / "fic101_stick_slip.yaml")
     write_rows(tmp_path / "FIC101.csv", itertools.islice(rows(scenario), 600))
