@@ -11,7 +11,7 @@ demo: $(VENV)/.installed
 
 test: $(VENV)/.dev
 	@bash tests/system_parts.sh
-	$(BIN)/python -m pytest -m "not bench" -n 4 --dist loadscope
+	$(BIN)/python -m pytest -m "not bench" -n 2 --dist loadscope
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .
