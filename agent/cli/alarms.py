@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+import functools
 import getpass
 import json
 import time
 from collections import defaultdict
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from agent.cli.state_file import ConfigPath, StatePath, state_file
+from agent.cli.state_file import ConfigPath, StatePath, opened, state_file
 
 if TYPE_CHECKING:
     from agent.alarms import Alarm
@@ -90,23 +90,11 @@ def return_to_service(loop: Loop, state: StatePath = None, config: ConfigPath = 
     _send(loop, "in_service", by, state, config)
 
 
-@contextmanager
-def _store(state: Path | None, config: Path | None) -> Iterator[Store]:
+def _store(state: Path | None, config: Path | None) -> AbstractContextManager[Store]:
     """Open the agent's file; raises ConfigError where there is none."""
-    from agent.runtime.store import Store, StoreError
-    from connectors.base import ConfigError
+    from agent.runtime.store import Store
 
-    path = state_file(state, config)
-    if not path.is_file():
-        raise ConfigError([f"{path}: is not there; an agent makes it when it runs"])
-    try:
-        store = Store(path, create=False)
-        try:
-            yield store
-        finally:
-            store.close()
-    except StoreError as error:
-        raise ConfigError([str(error)]) from error
+    return opened(state_file(state, config), functools.partial(Store, create=False), "when it runs")
 
 
 def _send(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import json
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from agent.cli.state_file import ConfigPath, StatePath, state_file
+from agent.cli.state_file import ConfigPath, StatePath, opened, state_file
 
 if TYPE_CHECKING:
     from agent.runtime.history_file import Entry
@@ -30,21 +31,11 @@ def history(
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object a line.")] = False,
 ) -> None:
     """Show verdicts and changes of alarms, the oldest first. It may run beside the agent."""
-    from agent.runtime.database import StoreError
     from agent.runtime.history_file import HistoryFile, history_path
-    from connectors.base import ConfigError
 
     path, start = history_path(state_file(state, config)), None if since is None else _time(since)
-    if not path.is_file():
-        raise ConfigError([f"{path}: is not there; an agent makes it with its first verdict"])
-    try:
-        file = HistoryFile(path, create=False)
-        try:
-            entries = file.read(loop, start, last)
-        finally:
-            file.close()
-    except StoreError as error:
-        raise ConfigError([str(error)]) from error
+    with opened(path, functools.partial(HistoryFile, create=False), "with its first verdict") as file:
+        entries = file.read(loop, start, last)
     if as_json:
         for entry in entries:
             typer.echo(

@@ -6,7 +6,7 @@ import logging
 import sqlite3
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -80,11 +80,10 @@ class Database:
             database = sqlite3.connect(
                 f"{self.path.absolute().as_uri()}?mode={mode}", uri=True, timeout=BUSY, isolation_level=None
             )
-            try:
+            with ExitStack() as unless_prepared:
+                unless_prepared.callback(database.close)
                 self._prepare(database)
-            except BaseException:
-                database.close()
-                raise
+                unless_prepared.pop_all()
             return database
 
     def _prepare(self, database: sqlite3.Connection) -> None:

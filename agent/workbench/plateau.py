@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import stats
-from scipy.optimize import minimize
 
 from agent.workbench.paired_blocks import CONFIDENCE, stretches
 from agent.workbench.projection import target_of
-from agent.workbench.search import objective_of
+from agent.workbench.search import lowered_by_simplex, objective_of
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
@@ -28,6 +27,8 @@ OUTWARD = (0.003, 0.01, 0.02, 0.04, 0.07, 0.11, 0.16, 0.24, 0.35, 0.5, 0.7, 1.0)
 """Distances from the best that are tried, parts of the parameter's range."""
 EVALUATIONS = 25
 """Of the refit at each, for each parameter that moves."""
+STEP = 0.02
+"""First step of that refit, parts of a parameter's range."""
 BLOCKS = 28
 """Into which the record is cut."""
 
@@ -69,21 +70,7 @@ def _refitted(objective: Objective, start: FloatArray, at: int, place: float) ->
         point[moves] = others
         return objective.error(point)
 
-    free = start[moves]
-    step = np.where(free + 0.02 > 1.0, -0.02, 0.02)
-    found = minimize(
-        error,
-        free,
-        method="Nelder-Mead",
-        bounds=[(0.0, 1.0)] * len(free),
-        options={
-            "initial_simplex": np.vstack((free, free + np.diag(step))),
-            "maxfev": EVALUATIONS * len(free),
-            "xatol": 1e-4,
-            "fatol": 0.0,
-        },
-    )
-    point[moves] = found.x
+    point[moves] = lowered_by_simplex(error, start[moves], STEP, EVALUATIONS, near=1e-4, flat=0.0)
     return point
 
 

@@ -18,7 +18,7 @@ from agent.workbench.projection import Solved, Target, least_error, solve
 from agent.workbench.space import Space, space_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from agent.analysis.recording import FloatArray
     from agent.physics.loop_model import Layout, LoopModel
@@ -79,17 +79,40 @@ def lowered(objective: Objective, start: FloatArray, step: float, evaluations: i
         return start
     if not objective.model.base.linear:
         return _by_least_squares(objective, start, evaluations)
+    flat = 1e-7 * max(objective.error(start), 1e-300)
+    return lowered_by_simplex(objective.error, start, step, evaluations, near=1e-5, flat=flat)
+
+
+def lowered_by_simplex(
+    error: Callable[[FloatArray], float],
+    start: FloatArray,
+    step: float,
+    evaluations: int,
+    *,
+    near: float,
+    flat: float,
+) -> FloatArray:
+    """Return the best point of the unit cube that Nelder and Mead's search finds from ``start`` (k,).
+
+    Args:
+        error: What is lowered.
+        start: Where it begins.
+        step: To the first corners, inward where it would leave the cube.
+        evaluations: For each coordinate.
+        near: It ends where the corners are as near to each other as this,
+        flat: and their errors, in the unit of ``error``.
+    """
     steps = np.where(start + step > 1.0, -step, step)
     found = minimize(
-        objective.error,
+        error,
         start,
         method="Nelder-Mead",
         bounds=[(0.0, 1.0)] * len(start),
         options={
             "initial_simplex": np.vstack((start, start + np.diag(steps))),
             "maxfev": evaluations * len(start),
-            "xatol": 1e-5,
-            "fatol": 1e-7 * max(objective.error(start), 1e-300),
+            "xatol": near,
+            "fatol": flat,
         },
     )
     return np.asarray(found.x, dtype=np.float64)

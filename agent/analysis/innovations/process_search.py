@@ -5,20 +5,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from agent.analysis.innovations.whitened import fitted, log_likelihood
 from agent.analysis.quantify.free_run.objective import (
-    DELAY,
     FOPDT,
     INTEGRATOR,
     LOG_TAU,
     LOG_TAU2,
-    SIZE,
     SOPDT,
     free_run_error,
 )
-from agent.analysis.quantify.free_run.search import structures
+from agent.analysis.quantify.free_run.search import process_grid, structures
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,10 +26,6 @@ if TYPE_CHECKING:
 SECONDS = {FOPDT: (0.0,), SOPDT: (-0.2, -1.0, -2.5), INTEGRATOR: (0.0,)}
 """Logs of the second time constant over the first that are tried. A second lag that the model without a
 valve lacks would be explained by a stem that takes its time."""
-TAUS, DELAYS = 8, 6
-"""Of the grid that the search starts from."""
-LATEST = 0.75
-"""Largest delay of the grid, over the largest of all."""
 EVALUATIONS = 40
 
 
@@ -54,13 +46,6 @@ def best_process(whitened: Sequence[Problem], hints: LoopHints) -> Fit | None:
 
 def _from_grid(structure: int, second: float, problem: Problem) -> FloatArray:
     """Return the best process of a grid, without a valve, (SIZE,)."""
-    delays = np.linspace(1, LATEST * problem.max_delay, DELAYS)
-    if problem.fixed_delay > 0:
-        delays = np.array([problem.fixed_delay])
-    grid = []
-    for log_tau in np.linspace(math.log(0.7), problem.max_log_tau - 1, TAUS):
-        for delay in delays:
-            candidate = np.zeros(SIZE)
-            candidate[[LOG_TAU, DELAY, LOG_TAU2]] = log_tau, delay, log_tau + second
-            grid.append(candidate)
-    return min(grid, key=lambda each: float(free_run_error(each, structure, problem)))
+    return min(
+        process_grid(problem, second), key=lambda each: float(free_run_error(each, structure, problem))
+    )

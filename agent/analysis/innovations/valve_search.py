@@ -13,22 +13,15 @@ import numpy as np
 
 from agent.analysis.innovations.whitened import Fit, fitted, white_likelihood
 from agent.analysis.quantify.free_run.bank import bank
-from agent.analysis.quantify.free_run.coarse_grid import first_slip, log_tau2, processes, scan
+from agent.analysis.quantify.free_run.coarse_grid import processes, scan, set_process, set_valve
 from agent.analysis.quantify.free_run.local_search import random_steps
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
-    FIRST,
     FOPDT,
     INTEGRATOR,
-    J_RATIO,
-    LEVEL,
-    LOG_DAMPING,
-    LOG_TAU,
-    LOG_TAU2,
     SIZE,
-    S,
 )
-from agent.analysis.quantify.free_run.problem import from_blocks, to_blocks
+from agent.analysis.quantify.free_run.problem import to_blocks
 from agent.analysis.quantify.free_run.search import STEMS, structures
 
 if TYPE_CHECKING:
@@ -123,12 +116,10 @@ def _cells(
             return
         tau, delay = divmod(int(places[0, i, j]), len(delays))
         candidate = np.empty(SIZE)
-        candidate[LOG_TAU] = min(math.log(taus[tau]), problem.max_log_tau)
-        candidate[LOG_TAU2] = log_tau2(candidate[LOG_TAU], 0.0, problem)
-        candidate[DELAY] = problem.fixed_delay or from_blocks(float(delays[delay]), problem.block)
-        candidate[S], candidate[J_RATIO] = s_values[i], j_ratios[j]
-        candidate[LEVEL], candidate[FIRST] = first_slip(near.op, float(s_values[i]), float(levels[0, i, j]))
-        candidate[LOG_DAMPING : LOG_DAMPING + 3] = np.log(RIGID[0])
+        set_process(candidate, taus[tau], ratios[tau], delays[delay], problem)
+        if problem.fixed_delay > 0:
+            candidate[DELAY] = problem.fixed_delay
+        set_valve(candidate, near.op, float(s_values[i]), float(j_ratios[j]), levels[0, i, j], RIGID[0])
         integrates = bool(np.isinf(taus[tau]))
         yield (INTEGRATOR if integrates else FOPDT if FOPDT in allowed else allowed[0]), candidate
 

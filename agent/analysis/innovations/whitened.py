@@ -20,6 +20,7 @@ from agent.analysis.quantify.free_run.objective import (
     process_response,
     valve_position,
 )
+from agent.analysis.quantify.free_run.search import STEP
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 
 AXES = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY), INTEGRATOR: (DELAY,)}
 """What is searched of a process; the second pole keeps its ratio."""
-STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 ORDER = 3
 """Of the autoregression that takes from the innovations what a first-order filter left."""
 FREEDOM = 4.0

@@ -71,15 +71,27 @@ def coarse_candidates(
     for k, i, j in best_cells(scores, (s_values / problem.op_span * S_BINS).astype(int)):
         tau, delay = divmod(int(places[k, i, j]), len(delays))
         candidate = np.empty(SIZE)
-        candidate[LOG_TAU] = min(math.log(taus[tau]), problem.max_log_tau)
-        candidate[LOG_TAU2] = log_tau2(candidate[LOG_TAU], ratios[tau], problem)
-        candidate[DELAY] = from_blocks(float(delays[delay]), problem.block)
-        candidate[S], candidate[J_RATIO] = s_values[i], J_RATIOS[j]
-        candidate[LEVEL], candidate[FIRST] = first_slip(near.op, s_values[i], levels[k, i, j])
-        candidate[LOG_DAMPING : LOG_DAMPING + 3] = np.log(stems[k])
+        set_process(candidate, taus[tau], ratios[tau], delays[delay], problem)
+        set_valve(candidate, near.op, s_values[i], J_RATIOS[j], levels[k, i, j], stems[k])
         found.append(candidate)
         shares.append(scores[k, i, j])
     return np.array(found).reshape(-1, SIZE), np.array(shares)
+
+
+def set_process(candidate: FloatArray, tau: float, ratio: float, delay: int, problem: Problem) -> None:
+    """Give a candidate a process of a bank: time constant (samples), ratio of the second, delay (blocks)."""
+    candidate[LOG_TAU] = min(math.log(tau), problem.max_log_tau)
+    candidate[LOG_TAU2] = log_tau2(candidate[LOG_TAU], ratio, problem)
+    candidate[DELAY] = from_blocks(float(delay), problem.block)
+
+
+def set_valve(
+    candidate: FloatArray, op: FloatArray, s: float, j_ratio: float, up: float, stem: FloatArray
+) -> None:
+    """Give a candidate a valve that first slips where ``op`` passes ``up`` or S below, and a stem (3,)."""
+    candidate[S], candidate[J_RATIO] = s, j_ratio
+    candidate[LEVEL], candidate[FIRST] = first_slip(op, s, up)
+    candidate[LOG_DAMPING : LOG_DAMPING + 3] = np.log(stem)
 
 
 def best_cells(scores: FloatArray, bins: NDArray[np.int64]) -> list[tuple[int, int, int]]:

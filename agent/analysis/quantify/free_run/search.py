@@ -266,13 +266,7 @@ def by_error(fits: Sequence[Fitted]) -> list[Fitted]:
 def best_linear(problem: Problem, hints: LoopHints, also: Fitted | None) -> Fitted | None:
     """Return the best model whose valve follows OP; ``also`` lends its process as one more start."""
     starts = [] if also is None else [also.candidate * np.where(np.arange(SIZE) == S, 0.0, 1.0)]
-    delays = [problem.fixed_delay] if problem.fixed_delay > 0 else np.linspace(1, 0.75 * problem.max_delay, 6)
-    grid = []
-    for log_tau in np.linspace(math.log(0.7), problem.max_log_tau - 1, 8):
-        for delay in delays:
-            candidate = np.zeros(SIZE)
-            candidate[[LOG_TAU, DELAY, LOG_TAU2]] = log_tau, delay, log_tau - 1.6
-            grid.append(candidate)
+    grid = process_grid(problem, -1.6)
     final = []
     for structure in structures(hints):
         tried = by_error([start(c, structure, problem) for c in grid])[:2]
@@ -282,6 +276,21 @@ def best_linear(problem: Problem, hints: LoopHints, also: Fitted | None) -> Fitt
             final.append(smooth(polished, problem, 0.5, 150))
     final = by_error(final)
     return simplest(final) if final else None
+
+
+def process_grid(problem: Problem, second: float) -> list[FloatArray]:
+    """Return candidates without stiction over time constants and delays, (SIZE,) each.
+
+    ``second`` is the log of the second time constant over the first.
+    """
+    delays = [problem.fixed_delay] if problem.fixed_delay > 0 else np.linspace(1, 0.75 * problem.max_delay, 6)
+    grid = []
+    for log_tau in np.linspace(math.log(0.7), problem.max_log_tau - 1, 8):
+        for delay in delays:
+            candidate = np.zeros(SIZE)
+            candidate[[LOG_TAU, DELAY, LOG_TAU2]] = log_tau, delay, log_tau + second
+            grid.append(candidate)
+    return grid
 
 
 def simplest(fits: Sequence[Fitted]) -> Fitted:
