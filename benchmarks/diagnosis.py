@@ -5,11 +5,8 @@ The seeds are none of those that weights and thresholds were set on.
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 from collections import Counter
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from itertools import pairwise
 
 from rich.console import Console
@@ -17,6 +14,7 @@ from rich.progress import track
 
 from agent.analysis.diagnose import DEFAULT_QUANTIFIER
 from agent.analysis.stiction import DETECTORS
+from agent.runtime.process_pool import process_pool
 from benchmarks.diagnosed_loop import DiagnosedLoop, diagnosed_loop
 from benchmarks.markdown import table, words
 from benchmarks.options import Options
@@ -44,8 +42,7 @@ def run(options: Options) -> None:
 
 
 def in_processes(jobs: Sequence[tuple[AnyKind, int]]) -> list[DiagnosedLoop]:
-    context = multiprocessing.get_context("forkserver")
-    with ProcessPoolExecutor(len(os.sched_getaffinity(0)), mp_context=context, initializer=get_ready) as pool:
+    with process_pool(None, get_ready) as pool:
         return list(pool.map(diagnosed_loop, jobs))
 
 

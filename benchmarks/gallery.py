@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import csv
-import multiprocessing
-import os
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +17,7 @@ from agent.analysis.recording import LoopHints
 from agent.cli.recordings import loop_window
 from agent.plots.axes import MEASURED, MODEL, VALVE, legend_above, tidy
 from agent.plots.time_units import time_of
+from agent.runtime.process_pool import process_pool
 from agent.workbench.comparison import Comparison
 from agent.workbench.comparison_text import verdict_words
 from agent.workbench.session import Workbench
@@ -100,9 +98,7 @@ def run(_options: Options) -> None:
     jobs = [
         (folder / index[name]["file"], index[name]["label"], index[name]["integrating"]) for name in SHOWN
     ]
-    context = multiprocessing.get_context("forkserver")
-    cores = len(os.sched_getaffinity(0))
-    with ProcessPoolExecutor(cores, mp_context=context) as pool:
+    with process_pool() as pool:
         found = pool.map(shown, *zip(*jobs, strict=True))
         rows: list[tuple[object, ...]] = []
         for each in track(found, "gallery", len(jobs), console=Console(stderr=True)):

@@ -7,10 +7,8 @@ off (0 to 39), nor those of tests (100 to 199). A run that is saved goes on from
 from __future__ import annotations
 
 import json
-import multiprocessing
-import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
@@ -19,6 +17,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import track
 
+from agent.runtime.process_pool import process_pool
 from benchmarks.hidden_case import HiddenCase, judge
 from benchmarks.markdown import table
 from benchmarks.options import Options
@@ -58,10 +57,8 @@ def run(options: Options) -> None:
 
 
 def judged(jobs: Sequence[Job]) -> Iterator[HiddenCase]:
-    """Judge the loops in a process for each core, which gives way to others."""
-    context = multiprocessing.get_context("forkserver")
-    cores = len(os.sched_getaffinity(0))
-    with ProcessPoolExecutor(cores, mp_context=context, initializer=os.nice, initargs=(19,)) as pool:
+    """Judge the loops in a process for each core."""
+    with process_pool() as pool:
         for future in as_completed([pool.submit(judge, *job) for job in jobs]):
             yield future.result()
 

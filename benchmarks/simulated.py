@@ -6,10 +6,9 @@ Nothing is told to the quantifiers but OP and PV. The seeds are not those that t
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from rich.progress import track
 
 from agent.analysis.diagnose import DEFAULT_QUANTIFIER
 from agent.analysis.quantify import QUANTIFIERS
+from agent.runtime.process_pool import process_pool
 from benchmarks.accuracy_tables import (
     KINDS,
     coverage,
@@ -105,9 +105,7 @@ def work_out(left: Sequence[Job], save: Path | None) -> list[Case]:
 
 
 def in_processes(left: Sequence[Job]) -> Iterator[list[Case]]:
-    context = multiprocessing.get_context("forkserver")
-    cores = len(os.sched_getaffinity(0))
-    with ProcessPoolExecutor(cores, mp_context=context, initializer=get_ready) as pool:
+    with process_pool(None, get_ready) as pool:
         for future in as_completed([pool.submit(job.work_out) for job in left]):
             yield future.result()
 

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import multiprocessing
 import os
 import sys
 import threading
 from collections.abc import Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -192,11 +190,12 @@ def _pool() -> Iterator[Map]:
         announce_compilation(threading.Event())
         yield map
         return
-    context = multiprocessing.get_context("forkserver")  # imports once; no thread of ours is forked
-    context.set_forkserver_preload(["agent.workbench.session"])
-    told = context.Event()
+    from agent.runtime.process_pool import CONTEXT, process_pool
+
+    CONTEXT.set_forkserver_preload(["agent.workbench.session"])  # imports once
+    told = CONTEXT.Event()
     announce_compilation(told)
-    with ProcessPoolExecutor(workers, context, announce_compilation, (told,)) as pool:
+    with process_pool(workers, announce_compilation, told) as pool:
         yield pool.map
 
 

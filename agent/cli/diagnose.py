@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import multiprocessing
 import os
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
@@ -159,10 +157,11 @@ def _answers(tasks: Sequence[Task]) -> Iterator[Answer]:
         announce_compilation(threading.Event())
         yield from map(work_out, tasks)
         return
-    context = multiprocessing.get_context("forkserver")  # imports once; no thread of ours is forked
-    context.set_forkserver_preload(["agent.analysis.diagnose"])
-    told = context.Event()
-    with ProcessPoolExecutor(workers, context, announce_compilation, (told,)) as pool:
+    from agent.runtime.process_pool import CONTEXT, process_pool
+
+    CONTEXT.set_forkserver_preload(["agent.analysis.diagnose"])  # imports once
+    told = CONTEXT.Event()
+    with process_pool(workers, announce_compilation, told) as pool:
         yield from pool.map(work_out, tasks)
 
 

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import multiprocessing
-import os
 import signal
-import threading
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from types import TracebackType
-from typing import Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Protocol, Self, TypeVar
+
+from agent.runtime.process_pool import CONTEXT, process_pool
+
+if TYPE_CHECKING:
+    from concurrent.futures import ProcessPoolExecutor
 
 T = TypeVar("T")
 WITHIN = 600.0
 """s; a diagnosis takes seconds."""
-
-_CONTEXT = multiprocessing.get_context("forkserver")
-"""Workers come from a process that has no threads, event loop or sockets; a plain fork would copy ours."""
 
 
 class Executor(Protocol):
@@ -108,11 +107,11 @@ class PoolExecutor:
     @staticmethod
     def _end_workers() -> None:
         for process in multiprocessing.active_children():
-            if isinstance(process, _CONTEXT.Process):
+            if isinstance(process, CONTEXT.Process):
                 process.kill()
 
     def _new_pool(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(self._workers, mp_context=_CONTEXT, initializer=_prepare)
+        return process_pool(self._workers, _prepare)
 
 
 def _import_analysis() -> None:
@@ -120,18 +119,5 @@ def _import_analysis() -> None:
 
 
 def _prepare() -> None:
-    """Ctrl-C goes to the whole group of processes; only the agent may act on it. None outlives the agent."""
+    """Ctrl-C goes to the whole group of processes; only the agent may act on it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_the_agent, name="watch the agent", daemon=True).start()
-
-
-def _end_with_the_agent() -> None:
-    """Wait for the end of the agent, which SIGKILL gives no time to end its workers.
-
-    The fork server is the parent in the sense of the kernel, so PR_SET_PDEATHSIG would not tell; it ends when
-    its last worker does.
-    """
-    agent = multiprocessing.parent_process()
-    if agent is not None:
-        agent.join()
-        os._exit(1)
