@@ -3,36 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from agent.physics.effects import effects as known_effects
-from agent.physics.loop_model import LoopModel
+from agent.workbench import views
 from agent.workbench.automatic import add_all_confirmed
-from agent.workbench.axes import physical_axes
 from agent.workbench.candidates import naming, verdict_of
-from agent.workbench.comparison import Comparison, not_testable
 from agent.workbench.comparison_json import comparison_json
-from agent.workbench.fit import contributions, fit, residual_of
-from agent.workbench.folds import Folds, folds_of
+from agent.workbench.fit import contributions, residual_of
 from agent.workbench.hooks import Map, Progress, silent
 from agent.workbench.library import applies, base_named, effect_named, library, missing
-from agent.workbench.line_spectrum import LineSpectrum, line_spectrum
-from agent.workbench.noise_floor import noise_floor
-from agent.workbench.power import smallest_reduction
-from agent.workbench.record import Record, bare_record, closed_by, record_of
-from agent.workbench.saved_model import read_saved, saved
+from agent.workbench.opening import opened, other_record
+from agent.workbench.restoring import add_saved
+from agent.workbench.saved_model import saved
 from agent.workbench.step import Step, Verdict, step_of
-from agent.workbench.trials import Trials
-from agent.workbench.where import Failure, where_it_fails
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
+    from agent.workbench.comparison import Comparison
     from agent.workbench.decision import Decision
+    from agent.workbench.folds import Folds
+    from agent.workbench.line_spectrum import LineSpectrum
+    from agent.workbench.record import Record
     from agent.workbench.trial import Tried
+    from agent.workbench.trials import Trials
+    from agent.workbench.where import Failure
 
 
 class Workbench:
@@ -71,19 +67,13 @@ class Workbench:
         """In plain words why nothing can be said about the recording; None where something can."""
         self._steps: list[Step] = []
         self._trials: Trials | None = None
-        self._validation = None if validate is None else self._other(validate)
-        record = record_of(window, from_start=not self.base.linear)
-        if isinstance(record, str):
-            self.reason = record
+        self._validation = None if validate is None else other_record(validate, self.base)
+        found = opened(window, self.base, run, tell)
+        if isinstance(found, str):
+            self.reason = found
             return
-        tell(self.base.name, 0, 1)
-        fitted = fit(LoopModel(self.base), record, record.weight)
-        folds = folds_of(record, fitted)
-        if isinstance(folds, str):
-            self.reason = folds
-            return
-        self._trials = Trials(window, record, folds, run, tell)
-        self.take(self.trials.predicted(fitted))
+        self._trials, base_alone = found
+        self.take(base_alone)
 
     @property
     def trials(self) -> Trials:
@@ -128,21 +118,11 @@ class Workbench:
 
     def where_it_fails(self) -> tuple[Failure, ...]:
         """Return the residual of the newest model against each physical axis, the largest share first."""
-        fitted, record = self.step.fit, self.record
-        moved = any(each.stage == "valve" for each in fitted.model.effects)
-        axes = physical_axes(
-            record.op,
-            record.facts.ts,
-            record.period,
-            position=fitted.model.position(record.op, fitted.values, record.facts) if moved else None,
-            set_point=self.window.sp,
-            start=self.window.start,
-        )
-        return where_it_fails(self.residual(), axes, self.trials.block, np.random.default_rng(0))
+        return views.failures(self.step, self.trials)
 
     def lines(self) -> LineSpectrum | None:
         """Return the spectrum of the residual of the newest model, with its lines; None where it has none."""
-        return line_spectrum(self.residual(), self.record.op, self.record.facts.ts)
+        return views.lines(self.step, self.trials)
 
     def candidates(self) -> Decision:
         """Try each effect that the newest model does not have, refitted with all else, and judge them.
@@ -168,7 +148,7 @@ class Workbench:
         Raises:
             ValueError: No such effect; it is in the model, or does not apply to the base.
         """
-        effect = self._addable(name)
+        effect = self.addable(name)
         found = self.trials.known(self.step)
         if found is None or name not in found.models:
             model = self.step.fit.model
@@ -177,18 +157,7 @@ class Workbench:
         verdict = verdict_of(found, self.where_it_fails(), self.lines())
         return self.take(found.models[name], naming(verdict, name), added=name)
 
-    def _other(self, window: LoopWindow) -> Record:
-        """Return another recording of the loop.
-
-        Raises:
-            ValueError: Nothing can be scored on it; the text says why.
-        """
-        closed = closed_by(window)
-        if closed is not None:
-            raise ValueError(f"{window.loop} cannot validate anything: {closed}")
-        return bare_record(window, from_start=not self.base.linear)
-
-    def _addable(self, name: str) -> Effect:
+    def addable(self, name: str) -> Effect:
         """Return the effect of that name if the newest model may have it.
 
         Raises:
@@ -257,45 +226,12 @@ class Workbench:
         Raises:
             ValueError: It is no saved model, of another loop or on another base, or has unknown effects.
         """
-        model = read_saved(mapping)
-        if model.loop != self.window.loop:
-            raise ValueError(f"the saved model is of the loop {model.loop}, not of {self.window.loop}")
-        if model.base != self.base.name:
-            raise ValueError(f"the saved model has the base {model.base}, not {self.base.name}")
-        for name in model.effects:
-            self.effect(name)  # told before anything is fitted
-        for name in model.effects:
-            effect = self._addable(name)
-            larger = replace(self.step.fit.model, effects=(*self.step.fit.model.effects, effect))
-            starts = model.values_of(larger, self.record.facts)[np.newaxis]
-            self.trials.tell(name, len(self.step.effects), len(model.effects))
-            fitted = fit(larger, self.record, self.record.weight, starts)
-            self.take(self.trials.predicted(fitted), added=name)
+        add_saved(self, mapping)
         return self.staircase()
 
     def comparison(self) -> Comparison:
         """Return all that is known: the staircase, and what is said of the newest model."""
-        if not self._steps:
-            return not_testable(self.window.loop, str(self.reason))
-        tried = self.trials.all_on(self.step, self.library)
-        failures, lines = self.where_it_fails(), self.lines()
-        candidates, losses = tried.decision.candidates, self.step.held_out.losses
-        rng = np.random.default_rng(0)
-        smallest = None
-        if candidates:
-            best = tried.models[candidates[0].effect].held_out.losses
-            smallest = smallest_reduction(losses, best, len(candidates), rng)
-        return Comparison(
-            loop=self.window.loop,
-            steps=self.staircase(),
-            where_it_fails=failures,
-            lines=() if lines is None else lines.from_outside,
-            candidates=candidates,
-            verdict=verdict_of(tried, failures, lines),
-            noise_floor=noise_floor(self.residual(), losses, rng),
-            smallest_percent=smallest,
-            reason=None,
-        )
+        return views.compared(self)
 
     def result(self, recording: str | None = None) -> dict[str, object]:
         """Return the comparison as plain values: what ``slipjump compare --json`` prints."""

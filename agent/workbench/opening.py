@@ -1,0 +1,43 @@
+"""Begins with a recording: what of it counts, the base alone, and which blocks are held out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from agent.physics.loop_model import LoopModel
+from agent.workbench.fit import fit
+from agent.workbench.folds import folds_of
+from agent.workbench.record import Record, bare_record, closed_by, record_of
+from agent.workbench.trials import Trials
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import LoopWindow
+    from agent.physics.bases import Base
+    from agent.workbench.hooks import Map, Progress
+    from agent.workbench.trial import Tried
+
+
+def opened(window: LoopWindow, base: Base, run: Map, tell: Progress) -> tuple[Trials, Tried] | str:
+    """Return what can be asked of a recording and its base fitted, or in plain words why nothing can be."""
+    record = record_of(window, from_start=not base.linear)
+    if isinstance(record, str):
+        return record
+    tell(base.name, 0, 1)
+    fitted = fit(LoopModel(base), record, record.weight)
+    folds = folds_of(record, fitted)
+    if isinstance(folds, str):
+        return folds
+    trials = Trials(window, record, folds, run, tell)
+    return trials, trials.predicted(fitted)
+
+
+def other_record(window: LoopWindow, base: Base) -> Record:
+    """Return another recording of the loop, on which models are scored.
+
+    Raises:
+        ValueError: Nothing can be scored on it; the text says why.
+    """
+    closed = closed_by(window)
+    if closed is not None:
+        raise ValueError(f"{window.loop} cannot validate anything: {closed}")
+    return bare_record(window, from_start=not base.linear)

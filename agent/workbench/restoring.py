@@ -1,0 +1,35 @@
+"""Goes on from a model of a file: adds its effects one after the other, fitted from its values."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.workbench.fit import fit
+from agent.workbench.saved_model import read_saved
+
+if TYPE_CHECKING:
+    from agent.workbench.session import Workbench
+
+
+def add_saved(bench: Workbench, mapping: object) -> None:
+    """Add the effects of a saved model.
+
+    Raises:
+        ValueError: It is no saved model, of another loop or on another base, or has unknown effects.
+    """
+    model = read_saved(mapping)
+    if model.loop != bench.window.loop:
+        raise ValueError(f"the saved model is of the loop {model.loop}, not of {bench.window.loop}")
+    if model.base != bench.base.name:
+        raise ValueError(f"the saved model has the base {model.base}, not {bench.base.name}")
+    for name in model.effects:
+        bench.effect(name)  # told before anything is fitted
+    for name in model.effects:
+        effect, smaller, record = bench.addable(name), bench.step.fit.model, bench.record
+        larger = replace(smaller, effects=(*smaller.effects, effect))
+        starts = model.values_of(larger, record.facts)[np.newaxis]
+        bench.trials.tell(name, len(smaller.effects), len(model.effects))
+        bench.take(bench.trials.predicted(fit(larger, record, record.weight, starts)), added=name)

@@ -1,0 +1,67 @@
+"""What there is to see of one step: where its model fails, lines in its residual, and all of it together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.workbench.axes import physical_axes
+from agent.workbench.candidates import verdict_of
+from agent.workbench.comparison import Comparison, not_testable
+from agent.workbench.fit import residual_of
+from agent.workbench.line_spectrum import LineSpectrum, line_spectrum
+from agent.workbench.noise_floor import noise_floor
+from agent.workbench.power import smallest_reduction
+from agent.workbench.where import Failure, where_it_fails
+
+if TYPE_CHECKING:
+    from agent.workbench.session import Workbench
+    from agent.workbench.step import Step
+    from agent.workbench.trials import Trials
+
+
+def failures(step: Step, trials: Trials) -> tuple[Failure, ...]:
+    """Return the residual of a step against each physical axis, the largest share first."""
+    fitted, record = step.fit, trials.record
+    moved = any(each.stage == "valve" for each in fitted.model.effects)
+    axes = physical_axes(
+        record.op,
+        record.facts.ts,
+        record.period,
+        position=fitted.model.position(record.op, fitted.values, record.facts) if moved else None,
+        set_point=trials.window.sp,
+        start=trials.window.start,
+    )
+    return where_it_fails(residual_of(fitted, record), axes, trials.block, np.random.default_rng(0))
+
+
+def lines(step: Step, trials: Trials) -> LineSpectrum | None:
+    """Return the spectrum of the residual of a step, with its lines; None where it has none."""
+    record = trials.record
+    return line_spectrum(residual_of(step.fit, record), record.op, record.facts.ts)
+
+
+def compared(bench: Workbench) -> Comparison:
+    """Return the staircase of a session, and what is said of its newest model."""
+    if bench.reason is not None:
+        return not_testable(bench.window.loop, bench.reason)
+    tried = bench.trials.all_on(bench.step, bench.library)
+    fails, spectrum = bench.where_it_fails(), bench.lines()
+    candidates, losses = tried.decision.candidates, bench.step.held_out.losses
+    rng = np.random.default_rng(0)
+    smallest = None
+    if candidates:
+        best = tried.models[candidates[0].effect].held_out.losses
+        smallest = smallest_reduction(losses, best, len(candidates), rng)
+    return Comparison(
+        loop=bench.window.loop,
+        steps=bench.staircase(),
+        where_it_fails=fails,
+        lines=() if spectrum is None else spectrum.from_outside,
+        candidates=candidates,
+        verdict=verdict_of(tried, fails, spectrum),
+        noise_floor=noise_floor(bench.residual(), losses, rng),
+        smallest_percent=smallest,
+        reason=None,
+    )
