@@ -1,10 +1,17 @@
-"""Half an hour of six loops over real sockets: is memory flat, is any alarm false, is every true one told?"""
+"""Half an hour of six loops over real sockets: is memory flat, is any alarm false, is every true one told?
+
+The plants, their servers and the consumers of the alarms are here; `slipjump run` is a process of its own, as a
+user has it, so that its memory is told apart from theirs.
+"""
 
 from __future__ import annotations
 
 import asyncio
-import gc
+import contextlib
 import os
+import signal
+import sys
+import tempfile
 import time
 from collections import defaultdict
 from pathlib import Path
@@ -13,11 +20,16 @@ import numpy as np
 import yaml
 
 from agent.cli.config_folder import config_folder
-from agent.cli.stage import on_stage
-from agent.runtime.workers import PoolExecutor
 from benchmarks.markdown import table
 from benchmarks.options import Options
+from simulators.clock import Clock
+from simulators.player import play
 from simulators.scenario import Scenario, load_scenario
+from simulators.servers.broker import embedded_broker
+from simulators.servers.loop_server import LoopServer, roles_of
+from simulators.servers.modbus import ModbusServer
+from simulators.servers.mqtt import MqttServer
+from simulators.servers.opcua import OpcUaServer
 from simulators.source import PlantSource
 
 SPEED = 10.0
@@ -28,9 +40,11 @@ MINUTES, SHORT = 30.0, 10.0
 WARM = 0.4
 """Part of the time after which memory should no longer grow: windows are full and every kernel is loaded."""
 GROWTH = 1.0
-"""Most MB an hour that memory may grow after that."""
+"""Most MB an hour that the daemon's memory may grow after that."""
 EVERY = 2.0
 """s"""
+PAGE = os.sysconf("SC_PAGE_SIZE") / 1e6
+"""MB"""
 
 
 def run(options: Options) -> None:
@@ -51,46 +65,99 @@ async def _soak(seconds: float) -> None:
             scenarios[scenario.loop] = scenario
             sources[entry["bus"]].append(PlantSource(scenario))
     told: dict[str, set[bool]] = defaultdict(set)
-    verdicts: dict[str, list[str]] = defaultdict(list)
-    memory: list[tuple[float, float]] = []
-    async with (
-        PoolExecutor(1) as executor,
-        on_stage(
-            sources,
-            lambda source: {
-                "window": plan["window"],
-                "alarm": plan["alarm"],
-                **_known(scenarios[source.loop]),
-            },
-            SPEED,
-            executor,
-            lambda diagnosis: verdicts[diagnosis.loop].append(diagnosis.verdict),
-        ) as stage,
-    ):
-        began = time.monotonic()
-        while (now := time.monotonic() - began) < seconds:
-            await asyncio.sleep(EVERY)
-            for loop, active in stage.told.items():
-                told[loop].add(active)
-            gc.collect()
-            memory.append((now, resident()))
-        samples = {status.loop: status.samples for status in stage.agent.status()}
+    memory: list[tuple[float, float, float]] = []
+    async with contextlib.AsyncExitStack() as stack:
+        broker = await stack.enter_async_context(embedded_broker())
+        kinds = {"modbus": ModbusServer, "opcua": OpcUaServer}
+        servers: dict[str, LoopServer] = {
+            bus: await stack.enter_async_context(
+                kinds[bus](roles_of(loops)) if bus in kinds else MqttServer(roles_of(loops), port=broker)
+            )
+            for bus, loops in sources.items()
+        }
+        work = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        entries = [
+            servers[bus].loop_settings(source.loop, source.ts)
+            | {"window": plan["window"], "alarm": plan["alarm"]}
+            | _known(scenarios[source.loop])
+            for bus, loops in sources.items()
+            for source in loops
+        ]
+        config = {
+            # plants have a time of their own
+            "agent": {"clock_error": None, "workers": 1, "state": str(work / "state.sqlite")},
+            "connections": {server.name: server.connection_settings() for server in servers.values()},
+            "loops": entries,
+        }
+        (work / "soak.yaml").write_text(yaml.safe_dump(config), encoding="utf-8")
+        log = stack.enter_context((work / "log.jsonl").open("wb"))
+        daemon = await asyncio.create_subprocess_exec(
+            sys.executable, "-c", "from agent.cli import main; main()", "run", str(work / "soak.yaml"),
+            "--log-format", "json", stderr=log,
+        )  # fmt: skip
+        try:
+            tasks = [asyncio.create_task(_watch(server, told)) for server in servers.values()]
+            tasks += [
+                asyncio.create_task(play(loops, servers[bus], Clock(SPEED))) for bus, loops in sources.items()
+            ]
+            began = time.monotonic()
+            while (now := time.monotonic() - began) < seconds:
+                await asyncio.sleep(EVERY)
+                memory.append((now, resident(daemon.pid), sum(map(resident, below(daemon.pid)))))
+                if now % 60 < EVERY:
+                    print(
+                        f"{now / 60:4.0f} min {memory[-1][1]:8.1f} {memory[-1][2]:8.1f} MB", file=sys.stderr
+                    )
+                for task in tasks:
+                    if task.done():
+                        task.result()
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                daemon.send_signal(signal.SIGTERM)
+            await daemon.wait()
+            for task in tasks:
+                task.cancel()
+            await asyncio.wait(tasks)
+        lines = (work / "log.jsonl").read_text(encoding="utf-8").splitlines()
     rows = [
-        (name, scenario.truth.verdict, samples[name], len(verdicts[name]), _judged(scenario, told[name]))
+        (
+            name,
+            scenario.truth.verdict,
+            sum(f'"event": "diagnosis", "loop": "{name}"' in line for line in lines),
+            _judged(scenario, told[name]),
+        )
         for name, scenario in scenarios.items()
     ]
-    columns = ("loop", "truth", "samples", "windows", "alarm on its bus")
+    columns = ("loop", "truth", "windows", "alarm on its bus")
     print(table(f"### {seconds / 60:g} minutes over real sockets, {SPEED:g} times real time", columns, rows))
-    times, sizes = np.array(memory)[int(WARM * len(memory)) :].T
-    slope = 3600 * float(np.polyfit(times, sizes, 1)[0])
-    holds = "holds" if slope <= GROWTH else "**does not hold**"
-    print(f"Memory: {sizes[0]:.1f} MB when warm, {sizes[-1]:.1f} MB at the end, {slope:+.2f} MB/h: {holds}\n")
+    times, own, workers = np.array(memory)[int(WARM * len(memory)) :].T
+    for name, sizes in (("the daemon", own), ("its workers and fork server", workers)):
+        slope = 3600 * float(np.polyfit(times, sizes, 1)[0])
+        holds = "holds" if slope <= GROWTH else "**does not hold**"
+        told_of = f"{sizes[0]:.1f} MB when warm, {sizes[-1]:.1f} MB at the end, {slope:+.2f} MB/h"
+        print(f"Memory of {name}: {told_of}: {holds}\n")
 
 
-def resident() -> float:
-    """Return the memory that this process has now, MB."""
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+def resident(process: int) -> float:
+    """Return the memory that a process has now, MB."""
+    try:
+        return int(Path(f"/proc/{process}/statm").read_text(encoding="ascii").split()[1]) * PAGE
+    except (FileNotFoundError, ProcessLookupError):
+        return 0.0
+
+
+def below(process: int) -> list[int]:
+    """Return the processes that a process started, and those that they started."""
+    try:
+        children = Path(f"/proc/{process}/task/{process}/children").read_text(encoding="ascii").split()
+    except (FileNotFoundError, ProcessLookupError):
+        return []
+    return [each for child in children for each in (int(child), *below(int(child)))]
+
+
+async def _watch(server: LoopServer, told: dict[str, set[bool]]) -> None:
+    async for loop, active in server.watch_alarms():
+        told[loop].add(active)
 
 
 def _known(scenario: Scenario) -> dict[str, object]:

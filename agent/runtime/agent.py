@@ -305,8 +305,9 @@ class Agent:
                     )
                     pipeline.obey(told.command)
                 self.journal.note(Change(taken=frozenset({told.number})))
+            now = self._clock()
             for pipeline in self._pipelines.values():
-                pipeline.look_at_clock(self._clock())
+                pipeline.look_at_clock(now)
             await self.journal.flush()
             obey_cancellation()
             await asyncio.sleep(LOOK)

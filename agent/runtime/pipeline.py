@@ -137,9 +137,8 @@ class LoopPipeline:
 
     def look_at_clock(self, now: float) -> None:
         """End shelving when its time is over at ``now``, s UTC."""
-        alarm, announcements = self.alarm.on_clock(now)
-        if announcements:
-            self._follow(alarm, announcements)
+        if self.alarm.until is not None and now >= self.alarm.until:
+            self._follow(*self.alarm.on_clock(now))
 
     @property
     def indices(self) -> dict[str, float]:

@@ -41,11 +41,8 @@ class SlotRing:
         """Source time of the newest value, s UTC."""
         self.first = FOREVER
         """Slot of the first value."""
-
-    @property
-    def newest(self) -> int:
+        self.newest = NEVER
         """Slot of the newest value, ``NEVER`` before the first."""
-        return int(self._slots[self._next - 1])
 
     @property
     def known(self) -> bool:
@@ -90,6 +87,7 @@ class SlotRing:
     def _append(self, time: float, slot: int, value: float) -> None:
         if slot != self.newest:  # faster than the grid: the last one counts
             self._next = (self._next + 1) % len(self._slots)
+            self.newest = slot
         self._slots[self._next - 1] = slot
         self._values[self._next - 1] = value
         self._times[self._next - 1] = time

@@ -75,7 +75,7 @@ class SourceClock:
         self._leap = None
         if not is_old:
             self._newest, self._arrival = time, arrival
-        return replace(sample, time=time)
+        return replace(sample, time=time) if absurd else sample
 
     def _believed(self, time: float) -> float:
         if self._offset is not None:

@@ -6,6 +6,7 @@ Source: reference ``methods.md`` 4.10.
 from __future__ import annotations
 
 import math
+import statistics
 from collections import deque
 from typing import TYPE_CHECKING
 
@@ -84,7 +85,7 @@ class HalfCycleStream:
         if not was_whole:
             return None
         self._lengths.append(last)
-        usual = float(np.median(self._lengths))
+        usual = statistics.median(self._lengths)
         if not USUAL[0] * usual <= last <= USUAL[1] * usual:
             return None
         return np.maximum(resampled(values[: last + 2]) @ LOW_PASS, 0.0)

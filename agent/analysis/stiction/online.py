@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 MEMORY = 10
 """Half cycles over which an index is taken."""
+AT_ONCE = 50
+"""Most half cycles that wait to be measured."""
 
 
 def log_area_ratio(half_cycles: FloatArray) -> FloatArray:
@@ -64,31 +66,43 @@ OF_ERROR = (
 
 
 class OnlineShape:
-    """One signal and the indices of its half cycles; O(1) a sample but for the one that ends a half cycle."""
+    """One signal and the indices of its half cycles."""
 
     def __init__(self, shapes: tuple[Shape, ...]) -> None:
         self._shapes = shapes
         self._stream = HalfCycleStream()
         self._means: list[FloatArray] = []
         self._half_cycles = 0
+        self._new: list[FloatArray] = []
+        """Half cycles that are not in the means yet: to measure many at once takes hardly longer than one."""
 
     def push(self, value: float) -> None:
         """Take the next sample, NaN for a gap."""
         half_cycle = self._stream.push(value)
-        if half_cycle is None:
+        if half_cycle is None or not self._shapes:
             return
-        self._half_cycles += 1
-        new = [shape.measures(half_cycle[None, :])[0] for shape in self._shapes]
-        weight = 1 / min(self._half_cycles, MEMORY)
-        before = self._means or new
-        self._means = [mean + weight * (measures - mean) for mean, measures in zip(before, new, strict=True)]
+        self._new.append(half_cycle)
+        if len(self._new) == AT_ONCE:
+            self._measure()
 
     @property
     def indices(self) -> dict[str, float]:
         """By name of the batch detector; empty before there are half cycles enough."""
+        self._measure()
         if self._half_cycles < FEWEST_HALF_CYCLES:
             return {}
         return {shape.name: shape.index(mean) for shape, mean in zip(self._shapes, self._means, strict=True)}
+
+    def _measure(self) -> None:
+        if not self._new:
+            return
+        measured = [shape.measures(np.array(self._new)) for shape in self._shapes]
+        self._new.clear()
+        for new in zip(*measured, strict=True):
+            self._half_cycles += 1
+            weight = 1 / min(self._half_cycles, MEMORY)
+            before = self._means or new
+            self._means = [mean + weight * (each - mean) for mean, each in zip(before, new, strict=True)]
 
 
 class OnlineShapes:
