@@ -1,7 +1,7 @@
 """Half an hour of six loops over real sockets: is memory flat, is any alarm false, is every true one told?
 
-The plants, their servers and the consumers of the alarms are here; `slipjump run` is a process of its own, as a
-user has it, so that its memory is told apart from theirs.
+The plants, their servers and the consumers of the alarms are here; `slipjump run` is a process of its own, as
+a user has it, so that its memory is told apart from theirs.
 """
 
 from __future__ import annotations
