@@ -26,6 +26,11 @@ class Block:
     """Role -> tag."""
     address_base: int
 
+    def __str__(self) -> str:
+        """Return what is asked for, with addresses as in the configuration, e.g. ``input 100 to 109``."""
+        first = self.address + self.address_base
+        return f"{self.table} {first}" + (f" to {first + self.count - 1}" if self.count > 1 else "")
+
     def values(self, answer: Sequence[int]) -> dict[str, float]:
         """Return role -> value in engineering units from the ``count`` registers or bits of the answer."""
         return {role: self._value(tag, answer) for role, tag in self.tags.items()}

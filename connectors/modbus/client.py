@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import ssl
 from collections.abc import AsyncIterator, Awaitable, Callable
@@ -41,6 +42,14 @@ class DeviceError(Exception):
         self.code = code
 
 
+class SilentBlockError(DeviceError):
+    """The device gave no answer to this, and did to other requests."""
+
+    def __init__(self, within: float) -> None:
+        Exception.__init__(self, f"no answer within {within:g} s")
+        self.code = 0
+
+
 class ModbusClient:
     """A connection to one device. Every failure to get an answer in time is a ConnectionLostError."""
 
@@ -51,6 +60,10 @@ class ModbusClient:
         self._options = options
         self._tls = tls
         self._answered = False
+        self.timeout = options.timeout
+        """Longest wait for an answer, s."""
+        self.silent = False
+        """Whether what failed last had no answer on a connection that stands."""
 
     async def read(self, table: Table, address: int, count: int) -> list[int]:
         """Return ``count`` registers, or bits as 0 and 1; ``address`` as on the wire. Raises DeviceError."""
@@ -75,9 +88,12 @@ class ModbusClient:
         await self._ask(self._client.write_registers, address, values)
 
     async def _ask(self, request: Request, *args: int | list[int], **more: int) -> ModbusPDU:
+        clock = asyncio.get_running_loop()
+        began = clock.time()
         try:
             answer = await request(*args, device_id=self._options.unit, **more)
         except (ModbusException, OSError) as error:
+            self.silent = self._client.connected and clock.time() - began >= self.timeout
             if not self._answered:
                 await _raise_denial(self._options, self._tls)
             raise ConnectionLostError(str(error)) from error

@@ -6,7 +6,7 @@ import asyncio
 import math
 import time
 from collections.abc import AsyncIterator, Mapping
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from contextlib import asynccontextmanager
 
 from connectors.base import (
     ConfigError,
@@ -17,10 +17,12 @@ from connectors.base import (
     Session,
     TargetReport,
 )
+from connectors.modbus.block_reader import BlockReader
 from connectors.modbus.blocks import Block, plan
 from connectors.modbus.client import ILLEGAL_ADDRESS, DeviceError, ModbusClient, connected
 from connectors.modbus.codec import encode, register_count, unscaled
 from connectors.modbus.options import Flag, HoldingRegister, ModbusOptions, ModbusTag, ModbusTarget
+from connectors.modbus.parking import Parking, probed
 from connectors.options import LoopTags
 
 ModbusLoops = Mapping[str, LoopTags[ModbusTag, ModbusTarget]]
@@ -35,36 +37,40 @@ class ModbusConnector:
         self.name = name
         self._options = options
         self._loops = loops
+        self._parking = Parking(name)
         if faults := list(_address_faults(loops, options.address_base)):
             raise ConfigError(faults)
 
-    def session(self) -> AbstractAsyncContextManager[Session]:
-        """Connect; raises ConnectionLostError."""
-        return self._session()
-
     @asynccontextmanager
-    async def _session(self) -> AsyncIterator[Session]:
-        async with connected(self._options) as client:
-            yield ModbusSession(client, self._options, self._loops)
+    async def session(self) -> AsyncIterator[Session]:
+        """Connect; raises ConnectionLostError."""
+        async with connected(self._options) as client, probed(self._parking, self._options):
+            yield ModbusSession(client, self._options, self._loops, self._parking)
 
 
 class ModbusSession:
     """An open connection."""
 
-    def __init__(self, client: ModbusClient, options: ModbusOptions, loops: ModbusLoops) -> None:
+    def __init__(
+        self, client: ModbusClient, options: ModbusOptions, loops: ModbusLoops, parking: Parking
+    ) -> None:
         self._client = client
         self._options = options
         self._loops = loops
+        self._parking = parking
 
     async def samples(self) -> AsyncIterator[Sample]:
         """Yield the values of every loop at every poll; raises ConnectionLostError."""
         base = self._options.address_base
         pollers = [LoopPoller(name, plan(loop.tags, base)) for name, loop in self._loops.items() if loop.tags]
+        reader = BlockReader(
+            self._client, [block for each in pollers for block in each.blocks], self._parking
+        )
         clock = asyncio.get_running_loop()
         due = clock.time()
         while True:
             for poller in pollers:
-                for sample in await poller.poll(self._client):
+                for sample in await poller.poll(reader):
                     yield sample
             due = max(due + self._options.poll, clock.time())
             await asyncio.sleep(due - clock.time())
@@ -129,21 +135,21 @@ class LoopPoller:
 
     def __init__(self, loop: str, blocks: list[Block]) -> None:
         self._loop = loop
-        self._blocks = blocks
+        self.blocks = blocks
         self._has_time = any("time" in block.tags for block in blocks)
         self._last_time = math.nan
 
-    async def poll(self, client: ModbusClient) -> list[Sample]:
+    async def poll(self, reader: BlockReader) -> list[Sample]:
         """Return one sample for each tag; none where the source's own time says that nothing is new."""
         values: dict[str, float] = {}
         refused: dict[str, DeviceError] = {}
-        for block in list(self._blocks):
+        for block in list(self.blocks):
             try:
-                values |= block.values(await client.read(block.table, block.address, block.count))
+                values |= block.values(await reader.read(block))
             except DeviceError as error:
                 refused |= dict.fromkeys(block.tags, error)
                 if error.code == ILLEGAL_ADDRESS and len(block.tags) > 1:
-                    self._blocks = [b for b in self._blocks if b is not block] + block.split()
+                    self.blocks = [b for b in self.blocks if b is not block] + block.split()
         arrival = time.time()
         source_time = values.pop("time", math.nan)
         if self._has_time and "time" not in refused:

@@ -7,6 +7,7 @@ from asyncua import ua
 from connectors.base import Publication
 from connectors.modbus.connector import ModbusSession
 from connectors.modbus.options import ModbusOptions, ModbusTarget
+from connectors.modbus.parking import Parking
 from connectors.mqtt.connector import MqttConnector, MqttSession
 from connectors.mqtt.options import MqttOptions, MqttTarget
 from connectors.opcua.connector import OpcUaSession
@@ -31,7 +32,9 @@ async def test_modbus():
 
     target = ModbusTarget(connection="plant", active={"address": 5}, fields={"s": {"address": 20}})
     client = SimpleNamespace(write_coil=write, write_registers=write)
-    await publish(ModbusSession(client, ModbusOptions(), {"FIC101": LoopTags({}, [target])}))
+    await publish(
+        ModbusSession(client, ModbusOptions(), {"FIC101": LoopTags({}, [target])}, Parking("plant"))
+    )
     assert written == [20, 5]
 
 
