@@ -151,6 +151,16 @@ class ChecksTargets(Protocol):
         ...
 
 
+@runtime_checkable
+class CountsMalformed(Protocol):
+    """A connector that counts messages it could not read."""
+
+    @property
+    def malformed(self) -> int:
+        """Of them since the start."""
+        ...
+
+
 class Connector(Protocol):
     """A configured bus. Each ``session()`` is a fresh client; retrying is the supervisor's business."""
 

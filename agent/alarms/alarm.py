@@ -30,7 +30,7 @@ class Announcement:
     @property
     def id(self) -> str:
         """The same whenever the same thing is announced, so that a consumer can drop what it got twice."""
-        return f"{self.alarm.loop}/{self.time:.3f}/{self.kind}/{self.alarm.state}"
+        return f"{self.alarm.loop}/{moment(self.time)}/{self.kind}/{self.alarm.state}"
 
     def fields(self) -> dict[str, float | str | bool | None]:
         """Flat values for a bus; None is not known. docs/payload.md explains each."""
@@ -54,6 +54,11 @@ class Announcement:
             "s": found.s.value if found else None,
             "j": found.j.value if found else None,
         }
+
+
+def moment(time: float) -> str:
+    """Return a time (s UTC) as ids have it, to the microsecond: two decisions may share a millisecond."""
+    return f"{time:.6f}"
 
 
 Followed = tuple["Alarm", tuple[Announcement, ...]]
@@ -157,7 +162,7 @@ def _after(
         return alarm
     starts = state.active and not alarm.state.active
     return replace(
-        alarm, state=state, id=f"{alarm.loop}/{time:.3f}" if starts else alarm.id, by=by, until=until
+        alarm, state=state, id=f"{alarm.loop}/{moment(time)}" if starts else alarm.id, by=by, until=until
     )
 
 

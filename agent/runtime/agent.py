@@ -203,9 +203,7 @@ class Agent:
         return AgentStatus(
             loops=self.status(),
             connections=tuple(
-                connection_status(
-                    self._connections[name].health, self.outboxes[name], each.kind, self._clock()
-                )
+                connection_status(self._connections[name], self.outboxes[name], each.kind, self._clock())
                 for name, each in self._settings.connections.items()
             ),
             hung=self.hung(),

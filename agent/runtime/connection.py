@@ -13,6 +13,7 @@ from agent.runtime.supervisor import MARGIN, Health
 from connectors.base import (
     ConnectionLostError,
     Connector,
+    CountsMalformed,
     Order,
     Publication,
     RefusedError,
@@ -61,6 +62,11 @@ class Connection:
         self._obey = obey
         self._interrupted = interrupted
         self._data_age = data_age
+
+    @property
+    def malformed(self) -> int:
+        """Messages that could not be read, since the start; 0 on buses that have none of their own kind."""
+        return self._connector.malformed if isinstance(self._connector, CountsMalformed) else 0
 
     async def attempt(self) -> None:
         """Open a fresh session and use it until it fails."""

@@ -27,6 +27,7 @@ def _connection(status: ConnectionStatus) -> dict[str, object]:
         "error": status.problem or None,
         "losses": status.losses,
         "faults": status.faults,
+        "malformed": status.malformed,
         "outbox": {
             "waiting": status.waiting,
             "refused": status.refused,

@@ -44,6 +44,7 @@ CONNECTION_COUNTERS: tuple[tuple[str, str, Callable[[ConnectionStatus], float]],
     ("faults", "Times the program failed on the connection", lambda s: s.faults),
     ("outbox_dropped", "Publications never told because there were too many", lambda s: s.dropped),
     ("refusals", "Attempts to publish that the peer refused", lambda s: s.refusals),
+    ("malformed", "Messages that could not be read, orders among them", lambda s: s.malformed),
 )
 AGENT_COUNTERS: tuple[tuple[str, str, Callable[[AgentStatus], float]], ...] = (
     ("faults", "Times the program failed on what is neither loop nor connection", lambda s: s.faults),

@@ -8,6 +8,7 @@ from typing import Literal
 
 from agent.alarms import State
 from agent.analysis.results import Diagnosis, Oscillation
+from agent.runtime.connection import Connection
 from agent.runtime.outbox import Outbox
 from agent.runtime.pipeline import LoopPipeline
 from agent.runtime.plan import silence
@@ -76,6 +77,8 @@ class ConnectionStatus:
     """Publications that were never told, because there were too many."""
     refusals: int
     """Attempts that were refused."""
+    malformed: int
+    """Messages that could not be read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,8 +136,9 @@ def loop_status(pipeline: LoopPipeline, settings: Settings, health: Health) -> L
     )
 
 
-def connection_status(health: Health, outbox: Outbox, bus: str, now: float) -> ConnectionStatus:
+def connection_status(connection: Connection, outbox: Outbox, bus: str, now: float) -> ConnectionStatus:
     """Look at a connection at ``now``, s UTC."""
+    health = connection.health
     return ConnectionStatus(
         connection=health.about["connection"],
         bus=bus,
@@ -147,6 +151,7 @@ def connection_status(health: Health, outbox: Outbox, bus: str, now: float) -> C
         oldest=None if outbox.oldest is None else max(now - outbox.oldest, 0.0),
         dropped=outbox.dropped + outbox.refusals.dropped,
         refusals=outbox.refusals.count,
+        malformed=connection.malformed,
     )
 
 

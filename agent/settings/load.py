@@ -51,6 +51,8 @@ def settings_of(raw: object, folder: Path = Path()) -> Settings:
     faults: list[str] = []
     if not isinstance(raw, Mapping):
         raise ConfigError(["expected a mapping with the keys agent, connections and loops"])
+    if "connections" not in raw and not _has_loops(raw.get("loops")):
+        raise ConfigError(["no configuration of slipjump run: neither connections nor loops with tags"])
     faults += [f"{key}: unknown key" for key in raw if key not in {"agent", "connections", "loops"}]
     agent = checked(AgentSettings, raw.get("agent") or {}, "agent", faults)
     connections = _connections(raw.get("connections"), faults)
@@ -93,6 +95,12 @@ def tags_on(settings: Settings, connection: str) -> dict[str, LoopTags[Any, Any]
         for loop in settings.loops
         if loop.connection == connection or any(target.connection == connection for target in loop.publish)
     }
+
+
+def _has_loops(raw: object) -> bool:
+    """Whether anything there looks like a loop of a configuration, and not like another file of ours."""
+    entries = raw if isinstance(raw, list) else []
+    return any(isinstance(each, Mapping) and ("tags" in each or "from" in each) for each in entries)
 
 
 def _connections(raw: object, faults: list[str]) -> dict[str, ConnectionSettings]:

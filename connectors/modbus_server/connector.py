@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Mapping
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from contextlib import asynccontextmanager
 
 from connectors.base import ConfigError, ConnectionLostError, Order, Publication, Session, TargetReport
 from connectors.cancellation import obey_cancellation
@@ -34,12 +34,9 @@ class ModbusServerConnector:
         self._options = options
         self._image = Image(self.loops, options.order, takes_orders=options.orders)
 
-    def session(self) -> AbstractAsyncContextManager[Session]:
-        """Listen; raises ConnectionLostError where the port is taken, AccessDeniedError."""
-        return self._session()
-
     @asynccontextmanager
-    async def _session(self) -> AsyncIterator[Session]:
+    async def session(self) -> AsyncIterator[Session]:
+        """Listen; raises ConnectionLostError where the port is taken, AccessDeniedError."""
         async with listening(self._options, self._image) as server:
             yield ModbusServerSession(server, self._image, self.loops)
 

@@ -9,14 +9,14 @@ import logging
 import math
 import secrets
 import time
-from collections.abc import AsyncIterator
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
 
 from connectors.base import ConnectionLostError, Order, Publication, RefusedError, Sample, Session
 from connectors.mqtt.client import Outgoing, StrictClient, as_connection_lost, connected, subscribe
-from connectors.mqtt.options import MqttOptions, MqttTag
+from connectors.mqtt.options import MqttOptions
 from connectors.mqtt.orders import OrderReader
-from connectors.mqtt.reader import TopicReader
+from connectors.mqtt.reader import TopicReader, readers_of
 from connectors.mqtt.status import status
 from connectors.mqtt.topics import MqttLoops, Topics, topics_of
 
@@ -31,8 +31,8 @@ class MqttConnector:
     def __init__(self, name: str, options: MqttOptions, loops: MqttLoops) -> None:
         self.name = name
         self._options = options
-        self._loops = loops
         self._topics = topics_of(name, options, loops)
+        self._readers = readers_of(loops)
         self.orders = OrderReader(self._topics.orders)
         # The broker lets go of a former connection with the same name, and says its will before ours is up.
         self._identifier = options.client or f"slipjump-{secrets.token_hex(7)}"
@@ -42,14 +42,16 @@ class MqttConnector:
         """Whether people may order something here."""
         return bool(self._topics.orders)
 
-    def session(self) -> AbstractAsyncContextManager[Session]:
-        """Connect; raises ConnectionLostError."""
-        return self._session()
+    @property
+    def malformed(self) -> int:
+        """Messages that could not be read as configured, orders among them, since the start."""
+        return self.orders.malformed + sum(reader.malformed for reader in self._readers.values())
 
     @asynccontextmanager
-    async def _session(self) -> AsyncIterator[Session]:
+    async def session(self) -> AsyncIterator[Session]:
+        """Connect; raises ConnectionLostError."""
         async with online(self._options, self._topics, self._identifier) as client:
-            yield MqttSession(client, self._loops, self._topics, self.orders)
+            yield MqttSession(client, self._readers, self._topics, self.orders)
 
 
 @asynccontextmanager
@@ -81,22 +83,19 @@ async def _say(client: StrictClient, message: Outgoing) -> None:
 class MqttSession:
     """An open connection."""
 
-    def __init__(self, client: StrictClient, loops: MqttLoops, topics: Topics, orders: OrderReader) -> None:
+    def __init__(
+        self, client: StrictClient, readers: Mapping[str, TopicReader], topics: Topics, orders: OrderReader
+    ) -> None:
         self._client = client
+        self._readers = readers
         self._topics = topics
         self._orders = orders
-        tags: dict[str, dict[str, MqttTag]] = {}
-        for name, loop in loops.items():
-            for role, tag in loop.tags.items():
-                tags.setdefault(tag.topic, {})[f"{name}.{role}"] = tag
-        self._tags = tags
-        self._readers = {topic: TopicReader(each) for topic, each in tags.items()}
 
     async def samples(self) -> AsyncIterator[Sample | Order]:
         """Yield the samples and orders of every message; a topic that the broker refuses is told once."""
-        refused = await subscribe(self._client, dict.fromkeys([*self._tags, *self._topics.orders]))
+        refused = await subscribe(self._client, dict.fromkeys([*self._readers, *self._topics.orders]))
         for topic, code in refused.items():
-            for name in self._tags.get(topic, ()):
+            for name in self._readers[topic].names if topic in self._readers else ():
                 yield Sample.missing(name, time.time(), code, f"the broker refuses topic {topic}")
             if topic in self._topics.orders:
                 _LOG.warning("topic %s: the broker refuses it, nobody can order there", topic)

@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from connectors.base import Quality, Sample
 from connectors.mqtt.options import MqttTag
 from connectors.mqtt.payload import JsonTree, MalformedError, bare, field, parse, seconds, value
+from connectors.mqtt.topics import MqttLoops
+
+
+def readers_of(loops: MqttLoops) -> dict[str, TopicReader]:
+    """Return topic -> what reads the messages there."""
+    tags: dict[str, dict[str, MqttTag]] = {}
+    for name, loop in loops.items():
+        for role, tag in loop.tags.items():
+            tags.setdefault(tag.topic, {})[f"{name}.{role}"] = tag
+    return {topic: TopicReader(each) for topic, each in tags.items()}
 
 
 class TopicReader:
@@ -18,6 +28,11 @@ class TopicReader:
         self._newest = math.nan
         self.malformed = 0
         """Messages of which some tag could not be read."""
+
+    @property
+    def names(self) -> Iterable[str]:
+        """Of the tags, LOOP.ROLE."""
+        return self._tags
 
     def samples(self, payload: bytes, arrival: float, *, retained: bool) -> Sequence[Sample]:
         """Return one sample for each tag.

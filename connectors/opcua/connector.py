@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import AsyncIterator, Iterator, Mapping
-from contextlib import AbstractAsyncContextManager, ExitStack, asynccontextmanager, contextmanager
+from contextlib import ExitStack, asynccontextmanager, contextmanager
 
 from asyncua import Client, ua
 from asyncua.common.ua_utils import data_type_to_variant_type
@@ -49,12 +49,9 @@ class OpcUaConnector:
         self._options = options
         self._loops = loops
 
-    def session(self) -> AbstractAsyncContextManager[Session]:
-        """Connect; raises ConnectionLostError."""
-        return self._session()
-
     @asynccontextmanager
-    async def _session(self) -> AsyncIterator[Session]:
+    async def session(self) -> AsyncIterator[Session]:
+        """Connect; raises ConnectionLostError."""
         async with connected(self._options) as client:
             yield OpcUaSession(client, self._options, self._loops)
 

@@ -117,7 +117,7 @@ class Condition:
             active_since=self.active_since if new.active == self.active and self.state else at,
             acked_since=self.acked_since if new.acked == self.acked and self.state else at,
             message=_message(state, told),
-            event_ids=self._ids(new, f"{self.loop}/{at:.3f}/{state}"),
+            event_ids=self._ids(new, f"{self.loop}/{at:.6f}/{state}"),
         )
 
     def remarked(self, comment: str, user: str, at: float) -> Condition:

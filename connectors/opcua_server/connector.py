@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import AsyncIterator, Mapping
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from contextlib import asynccontextmanager
 
 from asyncua import Server, ua
 
@@ -42,12 +42,9 @@ class OpcUaServerConnector:
         self._loops = loops
         self._newest: dict[str, Publication] = {}
 
-    def session(self) -> AbstractAsyncContextManager[Session]:
-        """Listen; raises ConnectionLostError where the port is taken, AccessDeniedError."""
-        return self._session()
-
     @asynccontextmanager
-    async def _session(self) -> AsyncIterator[Session]:
+    async def session(self) -> AsyncIterator[Session]:
+        """Listen; raises ConnectionLostError where the port is taken, AccessDeniedError."""
         server = await prepared(self.name, self._options)
         session = await served(server, self._options, self._loops, self._newest)
         async with listening(server, self._options):

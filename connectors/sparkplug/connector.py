@@ -9,7 +9,7 @@ import socket
 import time
 from collections import Counter
 from collections.abc import AsyncIterator, Iterator, Mapping
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from contextlib import asynccontextmanager
 
 from aiomqtt import Message
 
@@ -48,12 +48,9 @@ class SparkplugConnector:
         # The broker lets go of a former connection with the same name, and tells its death before our birth.
         self._identifier = f"slipjump-{group}-{node}"
 
-    def session(self) -> AbstractAsyncContextManager[Session]:
-        """Connect; raises ConnectionLostError."""
-        return self._session()
-
     @asynccontextmanager
-    async def _session(self) -> AsyncIterator[Session]:
+    async def session(self) -> AsyncIterator[Session]:
+        """Connect; raises ConnectionLostError."""
         if self._options.is_guest:
             async with connected(self._options) as client:
                 yield SparkplugSession(client, self, self._node, orders=False)

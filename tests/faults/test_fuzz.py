@@ -22,7 +22,7 @@ from connectors.modbus.options import ModbusTag
 from connectors.mqtt.connector import MqttSession
 from connectors.mqtt.options import MqttTag
 from connectors.mqtt.orders import OrderReader
-from connectors.mqtt.reader import TopicReader
+from connectors.mqtt.reader import TopicReader, readers_of
 from connectors.mqtt.topics import Topics
 from connectors.opcua.values import is_waiting, sample
 from connectors.options import LoopTags
@@ -120,11 +120,12 @@ class Client:
 async def test_what_cannot_be_read_is_logged_once_and_counted(caplog):
     loops = {"FIC101": LoopTags({role: TAGS[f"FIC101.{role}"] for role in ("pv", "op")})}
     topics = Topics({}, {}, None, "slipjump")
-    session = MqttSession(Client(NASTY * 20), loops, topics, OrderReader({}))
+    readers = readers_of(loops)
+    session = MqttSession(Client(NASTY * 20), readers, topics, OrderReader({}))
     with caplog.at_level(logging.WARNING):
         got = [each async for each in session.samples()]
     assert {each.quality for each in got} <= {Quality.BAD}
-    assert [reader.malformed for reader in session._readers.values()] == [20 * len(NASTY)]
+    assert [reader.malformed for reader in readers.values()] == [20 * len(NASTY)]
     assert len([each for each in caplog.records if "cannot be read" in each.message]) == 1
 
 

@@ -149,7 +149,7 @@ async def test_orders_are_read_and_retained_ones_are_not(mosquitto, tmp_path):
                 order = {"action": "acknowledge", "by": "jane", "id": number}
                 await person.publish(topic, json.dumps(order), qos=1)
             await person.publish(topic, b"\xff", qos=1)
-            await until(lambda: bus.orders.malformed == 1)
+            await until(lambda: bus.malformed == 1)
     assert reading.orders == [Order("FIC101", "acknowledge", "jane")] * 2
     assert (bus.orders.repeated, bus.orders.retained) == (1, 1)
 

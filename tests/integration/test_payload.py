@@ -124,7 +124,7 @@ def test_the_schema_refuses_what_is_wrong(change):
     right = {
         **dict.fromkeys(SCHEMA["$defs"]["alarm"]["required"]),
         "schema": 1,
-        "message_id": "A/1.000/event/normal",
+        "message_id": "A/1.000000/event/normal",
         "sequence": 7,
         "historical": False,
         "loop": "A",

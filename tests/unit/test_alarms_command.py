@@ -85,7 +85,7 @@ async def test_a_restart_neither_forgets_nor_repeats(path, capsys):
         events += [p.fields["state"] for p in bus.published if p.kind == "event"]
         if command != ["unshelve"]:
             (fields,) = listed(path, capsys)
-            assert (fields["state"], fields["id"]) == ("shelved", "FIC101/0.000")
+            assert (fields["state"], fields["id"]) == ("shelved", "FIC101/0.000000")
     assert events == ["shelved", "unacked_active"]
 
 

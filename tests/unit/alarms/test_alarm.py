@@ -56,11 +56,11 @@ def test_a_window_that_says_the_opposite_starts_the_count_anew():
 def test_the_id_is_that_of_the_activation():
     alarm, _ = play(Alarm("FIC101", delay=Delay(on=1, off=1)), ["stiction", "stiction"], start=100.0)
     first = alarm.id
-    assert first == "FIC101/100.000"
+    assert first == "FIC101/100.000000"
     alarm, _ = alarm.on_command(Command(Event.ACKNOWLEDGE, "jane", 250.0))
     assert alarm.id == first
     alarm, _ = play(alarm, ["no_stiction", "stiction"], start=300.0)
-    assert alarm.id == "FIC101/400.000"
+    assert alarm.id == "FIC101/400.000000"
 
 
 def test_state_is_announced_each_window_and_an_event_at_each_change():
@@ -77,9 +77,9 @@ def test_what_is_announced_fits_a_bus():
     fields = announcements[1].fields()
     assert fields == {
         "schema": 1,
-        "message_id": "FIC101/7.000/event/unacked_active",
+        "message_id": "FIC101/7.000000/event/unacked_active",
         "loop": "FIC101",
-        "id": "FIC101/7.000",
+        "id": "FIC101/7.000000",
         "active": True,
         "state": "unacked_active",
         "verdict": "stiction",
@@ -121,6 +121,17 @@ def test_a_shelved_alarm_comes_back_as_normal_if_the_condition_went():
     alarm, _ = play(alarm, ["no_stiction"], start=100.0)
     alarm, _ = alarm.on_command(Command(Event.UNSHELVE, "jane", 200.0))
     assert alarm.state is State.NORMAL
+
+
+def test_decisions_within_a_millisecond_have_ids_of_their_own():
+    alarm, _ = play(Alarm("FIC101", delay=Delay(1, 1)), ["stiction"])
+    ids = []
+    for k, event in enumerate([Event.SHELVE, Event.UNSHELVE] * 3):
+        at = 1_790_000_000.0 + k * 1e-4
+        until = at + 60.0 if event is Event.SHELVE else None
+        alarm, announcements = alarm.on_command(Command(event, "jane", at, until))
+        ids += [each.id for each in announcements]
+    assert len(ids) == len(set(ids)) == 12
 
 
 def test_an_acknowledgement_of_nothing_announces_nothing():
@@ -184,7 +195,7 @@ def test_out_of_service_is_a_function_check_and_ends_only_by_a_command():
     assert (alarm.state, alarm.health) == (State.OUT_OF_SERVICE, DeviceHealth.FUNCTION_CHECK)
     alarm, _ = alarm.on_command(Command(Event.RETURN_TO_SERVICE, "jane", 900.0))
     assert (alarm.state, alarm.health) == (State.UNACKED_ACTIVE, DeviceHealth.MAINTENANCE_REQUIRED)
-    assert alarm.id == "FIC101/900.000"
+    assert alarm.id == "FIC101/900.000000"
 
 
 def test_what_was_kept_goes_on_with_the_settings_of_today():

@@ -27,7 +27,7 @@ class GrudgingClient:
 
 def session_of(client, loop, **options):
     connector = MqttConnector("plant", MqttOptions(**options), {"FIC101": loop})
-    return MqttSession(client, connector._loops, connector._topics, connector.orders)
+    return MqttSession(client, connector._readers, connector._topics, connector.orders)
 
 
 def message(topic, payload):

@@ -47,7 +47,7 @@ async def test_mqtt():
     loops = {"FIC101": LoopTags({}, [MqttTarget(connection="plant")])}
     connector = MqttConnector("plant", MqttOptions(), loops)
     client = SimpleNamespace(send=write)
-    await publish(MqttSession(client, loops, connector._topics, connector.orders))
+    await publish(MqttSession(client, connector._readers, connector._topics, connector.orders))
     assert written == ["slipjump/FIC101/alarm", "slipjump/FIC101/alarm/event"]
 
 

@@ -39,7 +39,7 @@ def ordered(*orders, longer=60.0):
     ("orders", "state"),
     [
         ([ask("acknowledge")], State.ACKED_ACTIVE),
-        ([ask("acknowledge", alarm=f"FIC101/{RAISED:.3f}")], State.ACKED_ACTIVE),
+        ([ask("acknowledge", alarm=f"FIC101/{RAISED:.6f}")], State.ACKED_ACTIVE),
         ([ask("shelve", until=1.9e9)], State.SHELVED),
         ([ask("shelve", until=1.9e9), ask("unshelve")], State.UNACKED_ACTIVE),
         ([ask("out_of_service")], State.OUT_OF_SERVICE),
@@ -60,7 +60,7 @@ def test_an_order_is_obeyed_and_told_on_the_bus(orders, state):
     ("order", "why"),
     [
         (ask("acknowledge", loop="FIC999"), "no such loop"),
-        (ask("acknowledge", alarm="FIC101/1.000"), "meant for 'FIC101/1.000'"),
+        (ask("acknowledge", alarm="FIC101/1.000000"), "meant for 'FIC101/1.000000'"),
         (ask("shelve"), "shelving has an end"),
         (ask("shelve", until=1.0), "must end after it began"),
         (ask("shelve", until=float("nan")), "must end after it began"),

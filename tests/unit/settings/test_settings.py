@@ -44,6 +44,14 @@ def faults_of(raw):
     return caught.value.faults
 
 
+@pytest.mark.parametrize("name", ["demo.yaml", "scenarios/fic101_stick_slip.yaml"])
+def test_another_file_of_ours_is_told_in_one_line(name):
+    with pytest.raises(ConfigError) as caught:
+        load_settings(ROOT / "config" / name)
+    (fault,) = caught.value.faults
+    assert "no configuration of slipjump run" in fault
+
+
 def test_the_example_is_right_and_shows_every_bus():
     settings = load_settings(EXAMPLE)
     assert {c.kind for c in settings.connections.values()} == {kind.kind for kind in KINDS}
