@@ -10,15 +10,27 @@ import numpy as np
 from agent.analysis.recording import FloatArray, LoopWindow
 from agent.analysis.results import Cause
 from simulators.plant import simulate
+from simulators.random_cascades import CascadeKind, random_cascade
 from simulators.random_flows import FlowKind, random_flow
 from simulators.random_moves import MovedKind, random_moved
 from simulators.random_plants import Kind, random_draw
 
-AnyKind = Literal[Kind, MovedKind, FlowKind]
-MOVED: tuple[MovedKind | FlowKind, ...] = (*get_args(MovedKind), *get_args(FlowKind))
+AnyKind = Literal[Kind, MovedKind, FlowKind, CascadeKind]
+MOVED: tuple[MovedKind | FlowKind | CascadeKind, ...] = (
+    *get_args(MovedKind),
+    *get_args(FlowKind),
+    *get_args(CascadeKind),
+)
 STEADY: tuple[Kind, ...] = get_args(Kind)
 KINDS: tuple[AnyKind, ...] = (*STEADY, *MOVED)
-STICKING = {"stiction", "set_point_stiction", "stiction_sinusoid", "flow_stiction"}
+STICKING = {
+    "stiction",
+    "set_point_stiction",
+    "stiction_sinusoid",
+    "flow_stiction",
+    "cascade_stiction",
+    "one_way_stiction",
+}
 CAUSES: dict[AnyKind, set[Cause]] = {
     "stiction": {"stiction"},
     "none_noise": {"no_oscillation"},
@@ -30,6 +42,10 @@ CAUSES: dict[AnyKind, set[Cause]] = {
     "stiction_sinusoid": {"stiction"},
     "flow": {"no_oscillation", "external_disturbance"},
     "flow_stiction": {"stiction"},
+    "cascade": {"no_oscillation", "external_disturbance"},
+    "cascade_stiction": {"stiction"},
+    "one_way": {"no_oscillation", "external_disturbance"},
+    "one_way_stiction": {"stiction"},
 }
 """What may be named as the cause; a load that wanders may look like an oscillation or not."""
 STEM_NOISE = 0.02
@@ -59,6 +75,8 @@ def random_loop(kind: AnyKind, seed: int) -> RandomLoop:
     noise = None
     if kind in ("flow", "flow_stiction"):
         scenario = random_flow(seed, kind)
+    elif kind in ("cascade", "cascade_stiction", "one_way", "one_way_stiction"):
+        scenario = random_cascade(seed, kind)
     elif kind in ("set_point", "set_point_stiction", "stiction_sinusoid"):
         scenario = random_moved(seed, kind)
     else:

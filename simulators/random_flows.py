@@ -57,12 +57,13 @@ def random_flow(seed: int, kind: FlowKind) -> Scenario:
     """
     rng = np.random.default_rng([seed, *kind.encode()])
     while True:
-        scenario = _draw(rng, kind, f"{kind}-{seed}", seed)
+        scenario = random_draw_of_flow(rng, f"{kind}-{seed}", seed, sticks=kind == "flow_stiction")
         if keeps_promise(scenario, sticks=kind == "flow_stiction"):
             return scenario
 
 
-def _draw(rng: np.random.Generator, kind: FlowKind, name: str, seed: int) -> Scenario:
+def random_draw_of_flow(rng: np.random.Generator, name: str, seed: int, *, sticks: bool) -> Scenario:
+    """Draw a flow loop, whatever it then does."""
     acting: Literal["reverse", "direct"] = "direct" if rng.random() < 0.3 else "reverse"
     sign = 1.0 if acting == "reverse" else -1.0
     process = ProcessParameters(
@@ -79,7 +80,7 @@ def _draw(rng: np.random.Generator, kind: FlowKind, name: str, seed: int) -> Sce
         seed=seed,
         process=process,
         controller=controller,
-        valve=sticking(rng, s, sound) if kind == "flow_stiction" else sound,
+        valve=sticking(rng, s, sound) if sticks else sound,
         set_points=_set_points(rng, controller.sp, s * abs(process.gain), duration),
         noise=Noise(std=noise, correlation=rng.choice([0.0, 0.0, rng.uniform(0.5, 4.0)])),
         quantisation=Quantisation(

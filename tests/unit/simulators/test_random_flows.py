@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from simulators.plant import simulate
-from simulators.random_flows import DURATION, FlowKind, random_flow
+from simulators.random_flows import DURATION, FlowKind, random_draw_of_flow, random_flow
 from simulators.random_moves import largest_rise
 
 
@@ -24,7 +24,8 @@ def test_draw_keeps_the_promise_of_its_kind(kind):
 
 
 def test_loads_of_every_kind_are_drawn():
-    scenarios = [random_flow(seed, "flow") for seed in range(12)]
+    rng = np.random.default_rng(0)
+    scenarios = [random_draw_of_flow(rng, "x", seed, sticks=False) for seed in range(40)]
     assert any(each.drift.walk > 0 for each in scenarios)
     assert any(each.drift.ramp > 0 for each in scenarios)
     assert any(each.wander.std > 0 for each in scenarios)
