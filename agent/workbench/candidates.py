@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from agent.workbench.decision import LEAST_PERCENT, LEVEL, Decision, judge
-from agent.workbench.fit import residual_of
-from agent.workbench.innovations import innovations, tells_more
+from agent.workbench.fit import SCAN, residual_of
+from agent.workbench.innovations import by_chance, innovations, tells_more
 from agent.workbench.prediction_error import least_innovations
 from agent.workbench.step import Step, Verdict
 from agent.workbench.where import LEVEL as FOLLOWED
@@ -56,13 +56,15 @@ def judged(
     losses = {name: each.held_out.losses for name, each in models.items()}
     enough = (1 - LEAST_PERCENT / 100) * smaller.fit.error
     stopped = [name for name, each in models.items() if own_at_bound(each.fit)]
-    null_p = {
-        name: 1.0
+    found = {
+        name: _evidence(smaller.fit, each.fit, record, len(models))
         for name, each in models.items()
-        if each.fit.error > enough or not _tells_more(smaller.fit, each.fit, record)
+        if each.fit.error <= enough
     }
+    null_p = {name: 1.0 for name in models if name not in found or not found[name].more}
+    chances = {name: each.by_chance for name, each in found.items()}
     while True:
-        decision = judge(smaller.held_out.losses, losses, families, null_p, stopped)
+        decision = judge(smaller.held_out.losses, losses, families, null_p, stopped, by_chance=chances)
         if decision.effect is None or decision.kind == "suggested" or decision.effect in null_p:
             break
         null_p[decision.effect] = null_p_of(models[decision.effect].fit)
@@ -71,8 +73,18 @@ def judged(
     return AllTried(decision, models)
 
 
-def _tells_more(smaller: Fit, larger: Fit, record: Record) -> bool:
-    """Whether the last effect explains more than what OP knows of the disturbance.
+@dataclass(frozen=True, slots=True)
+class _Evidence:
+    """What the innovations say of an effect."""
+
+    more: bool
+    """Whether it explains more than what OP knows of the disturbance."""
+    by_chance: float
+    """How likely they fall as far where nothing is missing."""
+
+
+def _evidence(smaller: Fit, larger: Fit, record: Record, candidates: int) -> _Evidence:
+    """Return what the innovations say of the last effect.
 
     A disturbance of its own time knows nothing of OP, so it need only be no worse.
     """
@@ -85,9 +97,13 @@ def _tells_more(smaller: Fit, larger: Fit, record: Record) -> bool:
     else:
         before, after = (innovations(residual_of(each, record)) for each in (smaller, larger))
     if before is None or after is None:
-        return True
-    more = len(larger.values) - len(smaller.values)
-    return tells_more(before, after, more if answers else 0)
+        return _Evidence(more=True, by_chance=1.0)
+    searched = len(larger.values) - len(smaller.values)
+    solved = len(larger.coefficients) - len(smaller.coefficients)
+    return _Evidence(
+        tells_more(before, after, searched if answers else 0),
+        by_chance(before, after, searched + solved, SCAN * candidates),
+    )
 
 
 def own_at_bound(fitted: Fit) -> tuple[str, ...]:

@@ -72,6 +72,7 @@ def judge(
     null_p: Mapping[str, float] | None = None,
     at_bound: Collection[str] = (),
     *,
+    by_chance: Mapping[str, float] | None = None,
     rng: np.random.Generator | None = None,
 ) -> Decision:
     """Judge candidates by their held-out errors.
@@ -89,6 +90,9 @@ def judge(
             ``LEVEL`` as well. It is not multiplied by the number of candidates: Holm has paid for the choice.
         at_bound: Candidates of which a parameter ran into a bound: they stand for something else than what
             they are named for, or the record does not tell how much of them there is. None is confirmed.
+        by_chance: How likely an effect lowers the innovations as far where it is not there, all candidates
+            paid for. Where that is less than the p of the held-out blocks it counts instead: an effect that
+            acts in few blocks cannot be significant by their signs, however plain it is there.
         rng: Of the bootstrap; None: always the same draws.
     """
     draws = np.random.default_rng(0) if rng is None else rng
@@ -97,6 +101,8 @@ def judge(
     own = {effect: np.asarray(each)[known] for effect, each in losses.items()}
     raw = np.array([sign_flip_p(base, each) for each in own.values()])
     adjusted = dict(zip(own, holm(raw).tolist(), strict=True))
+    for effect, chance in (by_chance or {}).items():
+        adjusted[effect] = min(adjusted[effect], chance)
     ranked = []
     for effect, mine in own.items():
         found = reduction(base, mine, draws)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy import linalg
+from scipy import linalg, stats
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -92,5 +92,25 @@ def tells_more(smaller: Innovations, larger: Innovations, parameters: int) -> bo
         parameters: That it has more. 0: it need only be no worse.
     """
     count = np.count_nonzero(np.isfinite(smaller.values))
-    lowered = np.log(smaller.variance / max(larger.variance, TINY))
-    return bool(count * lowered >= parameters * np.log(count))
+    return bool(likelihood_ratio(smaller, larger) >= parameters * np.log(count))
+
+
+def likelihood_ratio(smaller: Innovations, larger: Innovations) -> float:
+    """Return twice the logarithm of how much likelier a larger model makes the record."""
+    count = np.count_nonzero(np.isfinite(smaller.values))
+    return float(count * np.log(smaller.variance / max(larger.variance, TINY)))
+
+
+def by_chance(smaller: Innovations, larger: Innovations, parameters: int, tries: int) -> float:
+    """Return how likely the innovations fall as far where nothing is missing.
+
+    Innovations are white, so that here samples are independent and the likelihood ratio has the distribution
+    of the books; at a boundary it has less. The search takes the best of many values: each counts as a try.
+
+    Args:
+        smaller: Of the smaller model.
+        larger: Of the larger one.
+        parameters: That it has more.
+        tries: Among which it is the best.
+    """
+    return float(min(1.0, tries * stats.chi2.sf(likelihood_ratio(smaller, larger), parameters)))

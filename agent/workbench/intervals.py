@@ -1,9 +1,11 @@
-"""How sure the parameters of a fitted model are: the delete-a-group jackknife over the folds.
+"""The parameters of a fitted model, and how sure they are.
 
-Each fold leaves a fifth of the record out; from the scatter of the K estimates follows the variance of the
-one from all, (K - 1) / K times their sum of squares about the mean, with K - 1 degrees of freedom. It asks
-nothing of the noise but that fifths of the record are alike (reconstructed from Shao and Tu, The Jackknife
-and Bootstrap, 1995). Of friction and slack the interval is at least the ``plateau``.
+A model on a linear base has those with which it predicts best (``predictor.py``), with the interval that the
+derivatives of the innovations tell; of friction and slack it is at least the ``plateau``. Any other model has
+those of its fit, with the delete-a-group jackknife over the folds: each leaves a fifth of the record out, and
+from the scatter of the K estimates follows the variance of the one from all, (K - 1) / K times their sum of
+squares about the mean, with K - 1 degrees of freedom (reconstructed from Shao and Tu, The Jackknife and
+Bootstrap, 1995).
 """
 
 from __future__ import annotations
@@ -16,12 +18,15 @@ from scipy import stats
 
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.plateau import plateau
+from agent.workbench.predictor import predictor
 from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
     from agent.workbench.fit import Fit
     from agent.workbench.folds import HeldOut
     from agent.workbench.record import Record
+    from agent.workbench.space import Space
 
 CONFIDENCE = 0.9
 
@@ -39,24 +44,45 @@ class FittedParameter:
     """It ran into a bound of the search, and may lie beyond."""
 
 
-def fitted_parameters(fitted: Fit, folds: HeldOut, record: Record) -> tuple[FittedParameter, ...]:
-    """Return all parameters of a model; of one searched by its logarithm the logarithm is jackknifed."""
-    space = space_of(fitted.model, record.facts)
-    k = len(folds.values)
-    best = space.at(fitted.values)
-    spread = np.sqrt((k - 1) * np.var(space.at(folds.values), axis=0))
-    wide = spread * stats.t.ppf(0.5 + CONFIDENCE / 2, k - 1)
-    low, high = space.values(best - wide), space.values(best + wide)
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """All parameters of a model, and what it makes of OP with them."""
+
+    parameters: tuple[FittedParameter, ...]
+    pv: FloatArray
+    """Free run, PV units, (n,)."""
+
+
+def estimated(fitted: Fit, folds: HeldOut, record: Record) -> Estimate:
+    """Return the parameters of a model; of one searched by its logarithm the interval is the logarithm's."""
+    found = predictor(fitted, record) if fitted.model.base.linear else None
+    if found is None:
+        space = space_of(fitted.model, record.facts)
+        return Estimate(_within(space, space.at(fitted.values), _jackknife(space, folds)), fitted.pv)
+    predicts, best = found
+    space = predicts.space
+    half = np.tile(stats.norm.ppf(0.5 + CONFIDENCE / 2) * predicts.spread(best), (2, 1))
     needles = {each.name for each in fitted.model.effects if isinstance(each, HysteresisEffect)}
     for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
         if name.partition(".")[0] in needles and not parameter.of_record:
-            ends = plateau(fitted, record, name)
-            low[i], high[i] = min(low[i], ends[0]), max(high[i], ends[1])
+            low, high = plateau(predicts, best, i)
+            half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
+    return Estimate(_within(space, best, half), predicts.free_run(best))
+
+
+def _jackknife(space: Space, folds: HeldOut) -> FloatArray:
+    """Return half the width of each interval to either side, on the unit cube, (2, k)."""
+    k = len(folds.values)
+    spread = np.sqrt((k - 1) * np.var(space.at(folds.values), axis=0))
+    return np.tile(stats.t.ppf(0.5 + CONFIDENCE / 2, k - 1) * spread, (2, 1))
+
+
+def _within(space: Space, best: FloatArray, half: FloatArray) -> tuple[FittedParameter, ...]:
+    values, low, high = (space.values(at) for at in (best, best - half[0], best + half[1]))
+    stopped = space.at_bound(values)
     return tuple(
-        FittedParameter(
-            name, parameter.unit, float(value), float(lowest), float(highest), name in fitted.at_bound
-        )
+        FittedParameter(name, parameter.unit, float(value), float(lowest), float(highest), name in stopped)
         for name, parameter, value, lowest, highest in zip(
-            space.names, space.parameters, fitted.values, low, high, strict=True
+            space.names, space.parameters, values, low, high, strict=True
         )
     )

@@ -2,8 +2,8 @@
 
 The error over S and J is a needle beside others. Refits of the folds begin in the one that the whole record
 chose and stay there, so that their scatter alone is too small. Here one parameter is moved outward step by
-step, all others refitted, until the loss of the stretches is clearly above that of the best: an interval by
-inversion of a paired test.
+step, all others refitted, until the squared innovations of the stretches are clearly above those of the best:
+an interval by inversion of a paired test.
 """
 
 from __future__ import annotations
@@ -14,14 +14,11 @@ import numpy as np
 from scipy import stats
 
 from agent.workbench.paired_blocks import CONFIDENCE, stretches
-from agent.workbench.projection import target_of
-from agent.workbench.search import lowered_by_simplex, objective_of
+from agent.workbench.search import lowered_by_simplex
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
-    from agent.workbench.fit import Fit
-    from agent.workbench.record import Record
-    from agent.workbench.search import Objective
+    from agent.workbench.predictor import Predictor
 
 OUTWARD = (0.003, 0.01, 0.02, 0.04, 0.07, 0.11, 0.16, 0.24, 0.35, 0.5, 0.7, 1.0)
 """Distances from the best that are tried, parts of the parameter's range."""
@@ -33,34 +30,28 @@ BLOCKS = 28
 """Into which the record is cut."""
 
 
-def plateau(fitted: Fit, record: Record, name: str) -> tuple[float, float]:
-    """Return the least and the largest value of a parameter that the record cannot tell from the best one.
+def plateau(predicts: Predictor, best: FloatArray, at: int) -> tuple[float, float]:
+    """Return the least and the largest coordinate ``at`` that the record cannot tell from the best one.
 
-    Own units. ``name`` is the full one, like ``stiction.s``.
+    Of the unit cube, like ``best``, (k,), the point where the predictions are best.
     """
-    target = target_of(record, record.weight, linear=fitted.model.base.linear)
-    objective = objective_of(fitted.model, record, target)
-    best = objective.space.at(fitted.values)
-    at = objective.space.names.index(name)
-    losses = _losses(objective, best)
+    losses = _losses(predicts, best)
     ends = []
     for side in (-1.0, 1.0):
-        point, end = best, best[at]
+        point, end = best, float(best[at])
         for distance in OUTWARD:
             place = min(max(best[at] + side * distance, 0.0), 1.0)
-            point = _refitted(objective, point, at, place)
-            if not _alike(_losses(objective, point), losses):
+            point = _refitted(predicts, point, at, place)
+            if not _alike(_losses(predicts, point), losses):
                 break
             end = place
             if place in (0.0, 1.0):
                 break
-        moved = best.copy()
-        moved[at] = end
-        ends.append(float(objective.space.values(moved)[at]))
-    return min(ends), max(ends)
+        ends.append(end)
+    return ends[0], ends[1]
 
 
-def _refitted(objective: Objective, start: FloatArray, at: int, place: float) -> FloatArray:
+def _refitted(predicts: Predictor, start: FloatArray, at: int, place: float) -> FloatArray:
     """Return the best point near ``start`` whose coordinate ``at`` is at ``place``."""
     moves = np.arange(len(start)) != at
     point = start.copy()
@@ -68,14 +59,14 @@ def _refitted(objective: Objective, start: FloatArray, at: int, place: float) ->
 
     def error(others: FloatArray) -> float:
         point[moves] = others
-        return objective.error(point)
+        return predicts.error(point)
 
     point[moves] = lowered_by_simplex(error, start[moves], STEP, EVALUATIONS, near=1e-4, flat=0.0)
     return point
 
 
-def _losses(objective: Objective, point: FloatArray) -> FloatArray:
-    squares = objective.solved(point).residual ** 2
+def _losses(predicts: Predictor, point: FloatArray) -> FloatArray:
+    squares = predicts.residual(point) ** 2
     return stretches(np.array([part.sum() for part in np.array_split(squares, BLOCKS)]))
 
 

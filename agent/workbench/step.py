@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from agent.workbench.intervals import FittedParameter, fitted_parameters
+from agent.workbench.intervals import Estimate, FittedParameter, estimated
 from agent.workbench.validation import rmse_on
 
 if TYPE_CHECKING:
@@ -47,7 +47,8 @@ class Step:
     """Of the samples that count, PV units."""
     fit_percent: float
     """100 (1 - ||PV - model|| / ||PV - mean PV||) of the same."""
-    parameters: tuple[FittedParameter, ...]
+    estimate: Estimate
+    """Of the parameters: in closed loop those of the free run would be biased."""
     verdict: Verdict | None
     """That led to it; None for the base, and where an effect was taken out by hand."""
     rmse_validation: float | None
@@ -57,6 +58,11 @@ class Step:
     def effects(self) -> tuple[str, ...]:
         """Names of the model's effects."""
         return tuple(each.name for each in self.fit.model.effects)
+
+    @property
+    def parameters(self) -> tuple[FittedParameter, ...]:
+        """All that were searched, each with its interval."""
+        return self.estimate.parameters
 
 
 def step_of(
@@ -79,7 +85,7 @@ def step_of(
         held_out=found.held_out,
         rmse_fit=float(np.sqrt(np.mean(missed**2))),
         fit_percent=100 * (1 - float(np.linalg.norm(missed)) / spread),
-        parameters=fitted_parameters(found.fit, found.held_out, record),
+        estimate=estimated(found.fit, found.held_out, record),
         verdict=verdict,
         rmse_validation=None if validation is None else rmse_on(found.fit, validation),
     )

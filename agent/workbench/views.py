@@ -10,8 +10,9 @@ from agent.workbench.axes import physical_axes
 from agent.workbench.candidates import verdict_of
 from agent.workbench.comparison import Comparison, not_testable
 from agent.workbench.fit import residual_of
+from agent.workbench.folds import block_losses
 from agent.workbench.line_spectrum import LineSpectrum, line_spectrum
-from agent.workbench.noise_floor import noise_floor
+from agent.workbench.noise_floor import NoiseFloor, noise_floor
 from agent.workbench.power import smallest_reduction
 from agent.workbench.where import Failure, where_it_fails
 
@@ -42,6 +43,18 @@ def lines(step: Step, trials: Trials) -> LineSpectrum | None:
     return line_spectrum(residual_of(step.fit, record), record.op, record.facts.ts)
 
 
+def floor(step: Step, trials: Trials, rng: np.random.Generator) -> NoiseFloor:
+    """Return the interval of the noise floor.
+
+    Of the model with which the record is predicted best: in closed loop the free run's error may fall below
+    the floor.
+    """
+    record = trials.record
+    residual = np.where(record.weight > 0, record.pv - step.estimate.pv, np.nan)
+    seen, hidden = block_losses(record, trials.folds, step.estimate.pv), step.held_out.losses
+    return noise_floor(residual, seen if np.nansum(seen) > np.nansum(hidden) else hidden, rng)
+
+
 def compared(bench: Workbench) -> Comparison:
     """Return the staircase of a session, and what is said of its newest model."""
     if bench.reason is not None:
@@ -61,7 +74,7 @@ def compared(bench: Workbench) -> Comparison:
         lines=() if spectrum is None else spectrum.from_outside,
         candidates=candidates,
         verdict=verdict_of(tried, fails, spectrum),
-        noise_floor=noise_floor(bench.residual(), losses, rng),
+        noise_floor=floor(bench.step, bench.trials, rng),
         smallest_percent=smallest,
         reason=None,
     )

@@ -22,8 +22,8 @@ EDGE = 0.1
 class GainChange:
     """More or less of the response from an instant on; how much is solved for.
 
-    Counted from the mean response before: at the operating point of that time the change makes no
-    difference. A change of level that comes with it is a ``load_step``.
+    At one OP the change makes no difference: where the flow is zero, or the load takes the rest. OP and PV
+    do not tell where that is, so it is searched; the level changes with its distance from where OP stood.
     """
 
     name: str = "gain_change"
@@ -32,12 +32,19 @@ class GainChange:
     bases: tuple[str, ...] = ()
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return the instant."""
+        """Return the instant, and where the change makes no difference.
+
+        The latter less the mean response before, in spans of the response.
+        """
         first, last = EDGE * facts.duration, (1 - EDGE) * facts.duration
-        return (Parameter("time", "s", first, last, of_record=True),)
+        return (
+            Parameter("time", "s", first, last, of_record=True),
+            Parameter("pivot", "1", -1.0, 1.0, of_record=True),
+        )
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:
         """Return the response after the instant, zero before, (n, 1)."""
-        after = time > float(values[0])
-        changed = np.where(after, response - response[~after].mean(), 0.0)
+        instant, pivot = (float(value) for value in values)
+        after = time > instant
+        changed = np.where(after, response - response[~after].mean() - pivot * np.ptp(response), 0.0)
         return np.asarray(changed[:, np.newaxis])

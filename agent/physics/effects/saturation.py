@@ -14,12 +14,19 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
+NARROWEST = 0.5
+"""Least distance of two stops that both act, over the span of what is commanded."""
+STARTS = 12
+"""Places of either stop, without the other, from which a search begins."""
+
 
 @dataclass(frozen=True, slots=True)
 class Saturation:
-    """A lower and an upper stop, one in each outer quarter of the range of OP.
+    """A lower and an upper stop.
 
-    Closer together they would make a relay of the valve: what is left of OP's triangle passes for stiction.
+    One may lie anywhere: behind it OP winds up as far as the controller lets it. Two that act and are close
+    together would make a relay of the valve, and what is left of OP's triangle passes for stiction: such a
+    pair is taken for none.
     """
 
     name: str = "saturation"
@@ -29,12 +36,21 @@ class Saturation:
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return both stops; at the ends of OP they stop nothing."""
-        quarter = facts.op_span / 4
         return (
-            Parameter("u_low", "OP", facts.op_low, facts.op_low + quarter, null=facts.op_low),
-            Parameter("u_high", "OP", facts.op_high - quarter, facts.op_high, null=facts.op_high),
+            Parameter("u_low", "OP", facts.op_low, facts.op_high, null=facts.op_low),
+            Parameter("u_high", "OP", facts.op_low, facts.op_high, null=facts.op_high),
         )
 
+    def spotted(self, residual: FloatArray, facts: Facts) -> FloatArray:  # noqa: ARG002
+        """Return each stop at some places, the other where it stops nothing, (m, 2)."""
+        places = facts.op_low + facts.op_span * np.arange(1, STARTS + 1) / (STARTS + 1)
+        lower = np.column_stack((places, np.full(STARTS, facts.op_high)))
+        return np.vstack((lower, np.column_stack((np.full(STARTS, facts.op_low), places))))
+
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
-        """Return the position between the stops."""
-        return np.clip(position, float(values[0]), float(values[1]))
+        """Return the position between the stops, or as it is where they would make a relay of the valve."""
+        low, high = float(values[0]), float(values[1])
+        least, most = float(position.min()), float(position.max())
+        if low > least and high < most and high - low < NARROWEST * (most - least):
+            return position
+        return np.clip(position, low, high)

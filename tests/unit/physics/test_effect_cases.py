@@ -69,6 +69,12 @@ def test_beyond_the_stops_the_valve_stands():
     np.testing.assert_array_equal(position[inside], WAVE[inside])
 
 
+def test_a_stop_may_lie_anywhere_but_two_make_no_relay():
+    assert Saturation().apply(WAVE, np.array([40.0, 42.0]), 1.0).max() == 42.0
+    assert Saturation().apply(WAVE, np.array([58.0, 60.0]), 1.0).min() == 58.0
+    np.testing.assert_array_equal(Saturation().apply(WAVE, np.array([48.0, 52.0]), 1.0), WAVE)
+
+
 @pytest.mark.parametrize("curvature", [0.03, -0.03])
 def test_equal_steps_of_op_change_the_slope_by_equal_shares(curvature):
     flow = Characteristic().apply(np.linspace(0, 100, 101), np.array([curvature]), 1.0)
@@ -137,12 +143,13 @@ def test_a_load_step_has_gone_63_percent_after_its_lag():
     np.testing.assert_array_equal(sudden, T > 100)
 
 
-def test_a_gain_change_makes_no_difference_at_the_operating_point_before():
-    response = np.where(T < 300, WAVE, 50.0)
-    column = GainChange().columns(T, response, np.array([299.0]))[:, 0]
+def test_a_gain_change_makes_no_difference_where_the_flow_is_balanced():
+    response = np.where(T < 300, WAVE, 50.0 + 0.15 * np.ptp(WAVE))
+    column = GainChange().columns(T, response, np.array([299.0, 0.15]))[:, 0]
     np.testing.assert_allclose(column, 0, atol=1e-9)
-    column = GainChange().columns(T, WAVE, np.array([299.0]))[:, 0]
-    np.testing.assert_allclose(column[300:], WAVE[300:] - WAVE[:300].mean())
+    column = GainChange().columns(T, WAVE, np.array([299.0, -0.1]))[:, 0]
+    np.testing.assert_allclose(column[300:], WAVE[300:] - WAVE[:300].mean() + 0.1 * np.ptp(WAVE))
+    assert not column[:300].any()
 
 
 def test_the_stem_acts_behind_the_actuator_and_before_the_trim_however_they_were_added():

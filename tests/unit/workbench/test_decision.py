@@ -136,6 +136,16 @@ def test_the_simulated_null_must_agree():
     assert found.kind == "suggested"
 
 
+def test_what_few_blocks_show_plainly_may_be_told_by_the_innovations():
+    """Four of fourteen blocks: their signs alone have p of at least 1/16."""
+    base = np.ones(BLOCKS)
+    losses = {"stiction": base.copy(), "sinusoid": base.copy()}
+    losses["stiction"][::7] = 0.1
+    assert judged(base, losses).kind == "suggested"
+    assert judged(base, losses, by_chance={"stiction": 1e-6}).kind == "confirmed"
+    assert judged(base, losses, by_chance={"stiction": 1e-6}, null_p={"stiction": 1.0}).kind != "confirmed"
+
+
 def test_a_block_without_an_error_counts_for_no_model():
     rng = np.random.default_rng(6)
     base = base_losses(rng)

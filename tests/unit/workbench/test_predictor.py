@@ -1,0 +1,49 @@
+"""Where a loop answers to its load, the model that predicts best is nearer the truth than the free run's."""
+
+import numpy as np
+import pytest
+from test_closed_loop import free_run, loop
+
+from agent.analysis.recording import LoopWindow
+from agent.physics.bases import Fopdt
+from agent.physics.effects.deadband import Deadband
+from agent.physics.loop_model import LoopModel
+from agent.workbench.fit import fit, nested_fit
+from agent.workbench.folds import HeldOut
+from agent.workbench.intervals import estimated
+from agent.workbench.predictor import predictor
+from agent.workbench.projection import nuisance_part
+from agent.workbench.record import bare_record
+
+TAU = -1 / np.log(0.9)
+BAND = 1.5
+
+
+@pytest.fixture(scope="module", params=[0, 2])
+def fitted(request):
+    op, pv = loop(request.param, slack=BAND)
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
+    base = fit(LoopModel(Fopdt()), record, record.weight)
+    return nested_fit(base, LoopModel(Fopdt(), (Deadband(),)), record), record
+
+
+def test_its_intervals_hold_what_the_free_run_has_biased(fitted):
+    model, record = fitted
+    blank = HeldOut(np.zeros(0), np.zeros((0, 4)), model.pv)
+    found = {each.name: each for each in estimated(model, blank, record).parameters}
+    for name, true in (("tau", TAU), ("delay", 1.0), ("deadband.s", BAND)):
+        assert found[name].low <= true <= found[name].high
+    _, tau, band, _ = model.values
+    assert abs(found["deadband.s"].value - BAND) < 0.5 * abs(band - BAND)
+    assert abs(found["tau"].value - TAU) < abs(tau - TAU)
+
+
+def test_its_free_run_falls_hardly_below_the_floor(fitted):
+    model, record = fitted
+    counts, truth = record.weight > 0, free_run(record.op, BAND)
+    left = record.pv - truth - nuisance_part(record, truth, record.weight)
+    floor = np.sum(left[counts] ** 2)
+    predicts, best = predictor(model, record)
+    missed = np.sum((record.pv - predicts.free_run(best))[counts] ** 2)
+    assert model.error < 0.92 * floor
+    assert abs(missed - floor) < 0.7 * abs(model.error - floor)
