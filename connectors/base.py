@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Literal, Protocol, runtime_checkable
 
+WITHDRAWN = "withdrawn"
+"""Kind of a publication that ends all others of its subject."""
 JsonValue = float | int | str | bool | None
 Action = Literal["acknowledge", "shelve", "unshelve", "out_of_service", "in_service"]
 """What a person may ask for."""
@@ -62,7 +64,8 @@ class Publication:
     subject: str
     """Whom it is about, e.g. the loop's name."""
     kind: str
-    """``state`` (the newest replaces the former) or ``event`` (each counts)."""
+    """``state`` (the newest replaces the former), ``event`` (each counts), ``WITHDRAWN`` (it is not told
+    any more, and what was told last must not stay there)."""
     id: str
     """Stable over retries: a consumer that honours it sees nothing twice."""
     fields: Mapping[str, JsonValue]
@@ -70,7 +73,7 @@ class Publication:
     @property
     def key(self) -> tuple[str, str]:
         """What it is one of: a later publication with the same key takes its place."""
-        return (self.kind, self.subject if self.kind == "state" else self.id)
+        return ("event", self.id) if self.kind == "event" else ("state", self.subject)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 from agent.runtime.outbox import Outbox
+from agent.runtime.silence import unless_silent
 from agent.runtime.supervisor import MARGIN, Health
 from connectors.base import (
     ConnectionLostError,
@@ -29,8 +30,6 @@ PUBLISH_WITHIN = 30.0
 """s; likewise."""
 CLOSE_WITHIN = 2.0
 """s; a peer that doesn't answer must not hold up the end of the program."""
-NOTED = 20
-"""Times in a ``data_age`` that a sign of life is noted: setting a timer for every sample would be dear."""
 
 
 class Connection:
@@ -85,21 +84,16 @@ class Connection:
 
     async def _read(self, session: Session, deliver: Callable[[Sample], None] | None) -> None:
         """Hand on what comes in. Orders are no sign of life of the data: people may be silent for months."""
-        clock = asyncio.get_running_loop()
-        heard = clock.time()
         self._expect_data()
         try:
-            async with asyncio.timeout(None if deliver is None else self._data_age) as silence:
+            async with unless_silent(None if deliver is None else self._data_age) as sign_of_life:
                 async for each in session.samples():
                     if isinstance(each, Order):
                         if self._obey is not None:
                             await self._obey(each)
                     elif deliver is not None:
-                        now = clock.time()
-                        if now - heard > self._data_age / NOTED:
-                            heard = now
-                            silence.reschedule(now + self._data_age)
-                            self._expect_data()
+                        sign_of_life()
+                        self._expect_data()
                         self.health.works()
                         deliver(each)
                     obey_cancellation()

@@ -53,6 +53,10 @@ class Outbox:
     def __len__(self) -> int:
         return len(self._waiting)
 
+    def __contains__(self, publication: Publication) -> bool:
+        """Whether it waits still; what was refused does not."""
+        return self._entry_of(publication) is not None
+
     @property
     def oldest(self) -> float | None:
         """When the oldest came that the peer has not taken yet, s UTC; None where it has taken all."""
@@ -157,6 +161,6 @@ class Outbox:
 
 def _told(entry: _Entry) -> Publication:
     """Return what is sent. A state is the newest there is, however late: only events become history."""
-    historical = entry.late and entry.publication.kind != "state"
+    historical = entry.late and entry.publication.kind == "event"
     fields = {**entry.publication.fields, "sequence": entry.sequence, "historical": historical}
     return replace(entry.publication, fields=fields)

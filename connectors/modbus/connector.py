@@ -76,8 +76,8 @@ class ModbusSession:
             await asyncio.sleep(due - clock.time())
 
     async def publish(self, publication: Publication) -> None:
-        """Write a state, its numbers before the flag; raises ConnectionLostError, RefusedError."""
-        if publication.kind != "state" or publication.subject not in self._loops:
+        """Write a state or its end, numbers before the flag; raises ConnectionLostError, RefusedError."""
+        if publication.kind == "event" or publication.subject not in self._loops:
             return
         refused: list[str] = []
         for target in self._loops[publication.subject].targets:

@@ -12,7 +12,15 @@ import time
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 
-from connectors.base import ConnectionLostError, Order, Publication, RefusedError, Sample, Session
+from connectors.base import (
+    WITHDRAWN,
+    ConnectionLostError,
+    Order,
+    Publication,
+    RefusedError,
+    Sample,
+    Session,
+)
 from connectors.mqtt.client import Outgoing, StrictClient, as_connection_lost, connected, subscribe
 from connectors.mqtt.options import MqttOptions
 from connectors.mqtt.orders import OrderReader
@@ -117,19 +125,21 @@ class MqttSession:
                     _LOG.warning("topic %s: a message cannot be read as configured", topic)
 
     async def publish(self, publication: Publication) -> None:
-        """Publish a state, retained, or an event, until the broker has it.
+        """Publish a state, retained, or an event, until the broker has it; an end takes the state back.
 
         Raises ConnectionLostError, RefusedError.
         """
-        is_state = publication.kind == "state"
+        is_event = publication.kind == "event"
         fields = publication.fields
         payload = json.dumps({name: _json(value) for name, value in fields.items()}).encode()
+        if publication.kind == WITHDRAWN:
+            payload = b""
         schema = str(fields["schema"]) if "schema" in fields else None
         refused = []
         for topic in self._topics.alarms.get(publication.subject, ()):
-            place = topic if is_state else f"{topic}/event"
+            place = f"{topic}/event" if is_event else topic
             try:
-                await self._client.send(Outgoing(place, payload, retain=is_state, schema=schema))
+                await self._client.send(Outgoing(place, payload, retain=not is_event, schema=schema))
             except RefusedError as error:
                 refused.append(str(error))
         if refused:

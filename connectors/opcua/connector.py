@@ -110,8 +110,8 @@ class OpcUaSession:
                         yield sample(name, data)
 
     async def publish(self, publication: Publication) -> None:
-        """Write a state, the flag last; raises ConnectionLostError, RefusedError."""
-        if publication.kind != "state" or publication.subject not in self._loops:
+        """Write a state or its end, the flag last; raises ConnectionLostError, RefusedError."""
+        if publication.kind == "event" or publication.subject not in self._loops:
             return
         refused: dict[str, ua.StatusCode] = {}
         for target in self._loops[publication.subject].targets:

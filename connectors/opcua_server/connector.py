@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 
 from asyncua import Server, ua
 
-from connectors.base import Order, Publication, Session, TargetReport
+from connectors.base import WITHDRAWN, Order, Publication, Session, TargetReport
 from connectors.cancellation import obey_cancellation
 from connectors.opcua_server.agent_view import AgentView
 from connectors.opcua_server.commands import Commands
@@ -88,7 +88,7 @@ class OpcUaServerSession:
     async def publish(self, publication: Publication) -> None:
         """Show it; a loop that the configuration does not name here is left out."""
         view = self._views.get(publication.subject)
-        if view is None:
+        if view is None or publication.kind == WITHDRAWN:  # the next server will not have it
             return
         if publication.kind == "state":
             self._newest[publication.subject] = publication

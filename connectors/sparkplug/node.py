@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from connectors.base import JsonValue, Publication
+from connectors.base import WITHDRAWN, JsonValue, Publication
 from connectors.mqtt.client import Outgoing
 from connectors.sparkplug.metrics import (
     ABOUT_THE_MESSAGE,
@@ -88,7 +88,7 @@ class EdgeNode:
         late has all its values, marked as history: newer ones were told already.
         """
         subject, fields = publication.subject, publication.fields
-        if subject not in self.devices:
+        if subject not in self.devices or publication.kind == WITHDRAWN:  # the next birth will not have it
             return None
         at = fields.get("time")
         time = float(at) if isinstance(at, int | float) else now

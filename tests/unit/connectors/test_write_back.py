@@ -1,10 +1,12 @@
 """Only what the configuration names is written, whatever a publication holds."""
 
+import math
 from types import SimpleNamespace
 
 from asyncua import ua
 
-from connectors.base import Publication
+from connectors.base import WITHDRAWN, Publication
+from connectors.modbus.codec import encode
 from connectors.modbus.connector import ModbusSession
 from connectors.modbus.options import ModbusOptions, ModbusTarget
 from connectors.modbus.parking import Parking
@@ -49,6 +51,27 @@ async def test_mqtt():
     client = SimpleNamespace(send=write)
     await publish(MqttSession(client, connector._readers, connector._topics, connector.orders))
     assert written == ["slipjump/FIC101/alarm", "slipjump/FIC101/alarm/event"]
+
+
+async def test_of_a_loop_that_is_gone_no_alarm_stays_on_a_device_and_nothing_with_the_broker():
+    written = []
+
+    async def write(*what):
+        written.append(what)
+
+    gone = Publication("FIC101", WITHDRAWN, "1", {"active": False})
+    target = ModbusTarget(connection="plant", active={"address": 5}, fields={"s": {"address": 20}})
+    client = SimpleNamespace(write_coil=write, write_registers=write)
+    loops = {"FIC101": LoopTags({}, [target])}
+    await ModbusSession(client, ModbusOptions(), loops, Parking("plant")).publish(gone)
+    assert written == [(20, encode(math.nan, "float32")), (5, False)]
+    written.clear()
+    loops = {"FIC101": LoopTags({}, [MqttTarget(connection="plant")])}
+    connector = MqttConnector("plant", MqttOptions(), loops)
+    client = SimpleNamespace(send=write)
+    await MqttSession(client, connector._readers, connector._topics, connector.orders).publish(gone)
+    ((message,),) = written
+    assert (message.topic, message.payload, message.retain) == ("slipjump/FIC101/alarm", b"", True)
 
 
 async def test_opcua():

@@ -10,7 +10,7 @@ from agent.runtime.agent import Agent
 from agent.runtime.plan import difference
 from agent.runtime.workers import InlineExecutor
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, Settings, settings_of
-from connectors.base import ConfigError
+from connectors.base import WITHDRAWN, ConfigError
 from connectors.options import Options, Target
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import loop_settings
@@ -101,6 +101,8 @@ def test_a_loop_that_went_leaves_no_task_and_its_alarm_is_there_when_it_comes_ba
         await asyncio.sleep(500.0)
         before = agent.status()[2].alarm
         await agent.reload(scada, connectors=[bus("a")])
+        assert [p.kind for p in buses[1].published if p.subject == "B1"][-1] == WITHDRAWN
+        assert WITHDRAWN not in {p.kind for p in buses[0].published}
         names = {each.get_name() for each in asyncio.all_tasks()}
         assert not [name for name in names if "B1" in name or name.endswith(" b")]
         assert ([each.loop for each in agent.status()], list(agent.outboxes)) == (["A1", "A2"], ["a"])
@@ -184,7 +186,7 @@ def test_a_fault_half_way_ends_the_agent_rather_than_a_loop_in_silence():
         agent = Agent(BEFORE, InlineExecutor(), connectors=[bus("a", "A1", "A2"), bus("b", "B1")])
         task = asyncio.create_task(agent.run())
         await asyncio.sleep(10.0)
-        agent._pipeline = lambda _: 1 / 0
+        agent._wiring._pipeline = lambda *_: 1 / 0
         with pytest.raises(ZeroDivisionError):
             await agent.reload(after, connectors=[bus("a"), bus("b", "B1")])
         with pytest.raises(ExceptionGroup) as ended:

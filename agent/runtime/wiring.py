@@ -1,0 +1,152 @@
+"""Connections and loops of the settings, and who tells what to whom among them."""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+import logging
+from collections.abc import Callable, Collection, Mapping, Sequence
+
+from agent.alarms import Alarm
+from agent.runtime.change import Change
+from agent.runtime.connection import Connection
+from agent.runtime.journal import Journal
+from agent.runtime.orders import Orders
+from agent.runtime.outbox import Outbox
+from agent.runtime.pipeline import Diagnose, LoopPipeline, Observer
+from agent.runtime.plan import connection_plans
+from agent.runtime.source_clock import SourceClock
+from agent.runtime.supervisor import Health
+from agent.runtime.workers import Executor
+from agent.settings import LoopSettings, Settings
+from connectors.base import Connector, Publication, Sample
+
+LOG = logging.getLogger(__name__)
+
+
+class Wiring:
+    """What an agent is made of; it can be made anew in part while the agent works."""
+
+    def __init__(
+        self,
+        journal: Journal,
+        executor: Executor,
+        diagnose: Diagnose,
+        observers: Sequence[Observer],
+        clock: Callable[[], float],
+    ) -> None:
+        """Make an empty one.
+
+        Args:
+            journal: Keeps alarms and what waits to be told.
+            executor: Where diagnoses run.
+            diagnose: What judges a window.
+            observers: Are told what becomes of every loop.
+            clock: Gives the time, s UTC.
+        """
+        self.pipelines: dict[str, LoopPipeline] = {}
+        self.connections: dict[str, Connection] = {}
+        self.outboxes: dict[str, Outbox] = {}
+        self.health: dict[str, Health] = {}
+        """How each loop fares."""
+        self.orders = Orders(self.pipelines, journal, clock)
+        self._journal = journal
+        self._executor = executor
+        self._diagnose = diagnose
+        self._observers = observers
+        self._clock = clock
+        self._kept: dict[str, Alarm] = {}
+
+    async def resume(self) -> None:
+        """Take alarms, and what waits to be told, from the store."""
+        kept = await self._journal.open()
+        self._kept = dict(kept.alarms)
+        for name, pipeline in self.pipelines.items():
+            pipeline.resume(self._kept.get(name))
+        for name in {each.target for each in kept.waiting.values()}:
+            waiting = {n: each.publication for n, each in kept.waiting.items() if each.target == name}
+            if name in self.outboxes:
+                self.outboxes[name].restore(waiting)
+            else:
+                self._never_told(name, waiting)
+        for name in self._kept.keys() & self.pipelines.keys():
+            self.pipelines[name].tell_again(self._clock())
+        await self._journal.flush()
+
+    def wire(
+        self,
+        settings: Settings,
+        connectors: Mapping[str, Connector],
+        loops: Collection[LoopSettings],
+        *,
+        at_work: bool,
+    ) -> None:
+        """Make these connections and loops anew, keep the others that are in the settings, drop all else.
+
+        ``at_work``: the store was read already, so that new loops go on from what it kept.
+        """
+        for name in self.outboxes.keys() - settings.connections.keys():
+            self._never_told(name, self.outboxes.pop(name).emptied())
+        for name in settings.connections:
+            self.outboxes.setdefault(name, Outbox(name, self._journal))
+        changed = {loop.name: self._pipeline(loop, settings.agent.clock_error) for loop in loops}
+        former = dict(self.pipelines)
+        for name, pipeline in changed.items():
+            if name in former:
+                pipeline.take_over(former[name])
+            elif at_work:
+                pipeline.resume(self._kept.get(name))
+        self._kept |= {name: pipeline.alarm for name, pipeline in former.items()}
+        self.pipelines.clear()  # the same object still: others look loops up in it
+        self.pipelines |= {loop.name: changed.get(loop.name) or former[loop.name] for loop in settings.loops}
+        self.health = {
+            name: Health(f"loop {name}", about={"loop": name}) if name in changed else self.health[name]
+            for name in self.pipelines
+        }
+        if at_work:
+            for pipeline in self.pipelines.values():
+                if any(target.connection in connectors for target in pipeline.settings.publish):
+                    pipeline.tell_again(self._clock())
+        plans = connection_plans(settings)
+        self.connections = {
+            name: self._connection(connectors[name], plan.data_age)
+            if name in connectors
+            else self.connections[name]
+            for name, plan in plans.items()
+        }
+
+    def _never_told(self, connection: str, waiting: Mapping[int, Publication]) -> None:
+        """Give up what waits for a connection that is gone from the settings."""
+        for publication in waiting.values():
+            LOG.warning("no connection is called %s any more: %s is never told", connection, publication.id)
+        self._journal.note(Change(removed=frozenset(waiting)))
+
+    def _pipeline(self, loop: LoopSettings, clock_error: float | None) -> LoopPipeline:
+        return LoopPipeline(
+            loop,
+            self._executor,
+            [self.outboxes[name] for name in dict.fromkeys(target.connection for target in loop.publish)],
+            self._observers,
+            self._diagnose,
+            self._journal,
+            None if clock_error is None else SourceClock(loop.name, clock_error, self._clock),
+        )
+
+    def _connection(self, connector: Connector, data_age: float) -> Connection:
+        name, outbox = connector.name, self.outboxes[connector.name]
+
+        def read() -> list[LoopPipeline]:
+            return [each for each in self.pipelines.values() if each.settings.connection == name]
+
+        def deliver(sample: Sample) -> None:
+            pipeline = self.pipelines.get(sample.tag.rpartition(".")[0])
+            if pipeline is not None:
+                pipeline.push(sample, asyncio.get_running_loop().time())
+
+        def interrupted() -> None:
+            outbox.interrupt()
+            for pipeline in read():
+                pipeline.window.interrupt()
+
+        obey = functools.partial(self.orders.obey, name) if connector.takes_orders else None
+        return Connection(connector, outbox, deliver if read() else None, interrupted, data_age, obey)
