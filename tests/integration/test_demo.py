@@ -42,19 +42,13 @@ def test_every_verdict_is_the_truth_and_every_bus_has_an_alarm_that_was_seen(tmp
     assert len(alarmed) >= 3
 
 
-def test_a_demo_that_is_cut_short_says_what_it_knows(tmp_path):
-    done = demo("--seconds", "2", "--json", cwd=tmp_path, timeout=50)
-    assert done.returncode == 0, done.stderr
-    loops = json.loads(done.stdout)["loops"]
-    assert {loop["verdict"] for loop in loops} == {"undecided"}
-    assert not any(loop["alarm_seen_on_bus"] for loop in loops)
-
-
-def test_a_terminal_gets_a_table(tmp_path):
+def test_a_demo_that_is_cut_short_shows_a_table_of_what_it_knows(tmp_path):
     done = demo("--seconds", "1", cwd=tmp_path, timeout=50)
     assert done.returncode == 0, done.stderr
-    assert "FIC101" in done.stdout
     assert "on bus" in done.stdout
+    loops = [line for line in done.stdout.splitlines() if line.startswith(("FIC", "LIC", "TIC", "PIC"))]
+    assert len(loops) >= 6
+    assert all("..." in line and "ALARM" not in line for line in loops)
 
 
 @pytest.mark.parametrize(
