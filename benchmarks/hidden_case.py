@@ -34,7 +34,8 @@ class HiddenCase:
     floor: float
     """RMS of what no model of OP explains, level and drift taken out as the base takes them; PV units."""
     kind: str
-    """Of the verdict that led to the first step; of the last verdict where there is none."""
+    """Of the verdict that led to the first step; of the last verdict where there is none. ``not_testable``:
+    nothing can be said of the record, and there are no numbers."""
     effects: str
     """Of the last model, in the order in which they were added."""
     alike: str
@@ -53,6 +54,11 @@ class HiddenCase:
     """Verdict without the true family, and what was not told from it, in the library; empty: not asked."""
     cpu_seconds: float
     """Of ``auto`` alone."""
+
+    @property
+    def testable(self) -> bool:
+        """Whether anything was asked of the record."""
+        return self.kind != "not_testable"
 
     @property
     def true_effects(self) -> set[str]:
@@ -108,7 +114,7 @@ def judge(truth: HiddenTruth, seed: int, *, ask_without: bool = True) -> HiddenC
     steps = bench.auto()
     spent = time.process_time() - started
     if not steps:
-        raise ValueError(f"{window.loop}: {bench.reason}")
+        return _untestable(truth, seed, len(plant.op), spent)
     found = bench.comparison()
     last = steps[-1]
     floor = floor_of(plant, bench.record)
@@ -134,6 +140,25 @@ def judge(truth: HiddenTruth, seed: int, *, ask_without: bool = True) -> HiddenC
         parameters=len(covered),
         without_kind=without_truth(window, plant, alike, decoys) if ask else "",
         cpu_seconds=spent,
+    )
+
+
+def _untestable(truth: HiddenTruth, seed: int, samples: int, spent: float) -> HiddenCase:
+    numbers = dict.fromkeys(
+        ("share_percent", "floor", "rmse_base", "rmse_last", "floor_low", "floor_high"), np.nan
+    )
+    return HiddenCase(
+        truth=truth,
+        seed=seed,
+        samples=samples,
+        kind="not_testable",
+        effects="",
+        alike="",
+        covered=0,
+        parameters=0,
+        without_kind="",
+        cpu_seconds=spent,
+        **numbers,
     )
 
 

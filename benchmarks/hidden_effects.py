@@ -51,7 +51,10 @@ def run(options: Options) -> None:
         done[case.truth, case.seed] = case
         if file is not None:
             append(file, case)
-    cases = [done[job] for job in jobs]
+    all_cases = [done[job] for job in jobs]
+    cases = [case for case in all_cases if case.testable]
+    untold = len(all_cases) - len(cases)
+    print(f"{len(all_cases)} loops; {untold} are not testable and count for nothing.\n")
     for part in (targets(cases), by_share(cases), by_truth(cases)):
         print(part)
 
