@@ -13,9 +13,9 @@ from agent.workbench.resampling import resampled
 if TYPE_CHECKING:
     from agent.workbench.record import Record
 
-DRAWS = 59
-"""Simulations, at most: the smallest p is 1 in 60."""
-ENOUGH = 2
+DRAWS = 39
+"""Simulations, at most: the smallest p is 1 in 40."""
+ENOUGH = 1
 """As large as what was seen: p can no longer fall below 0.05."""
 
 

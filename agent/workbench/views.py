@@ -17,13 +17,19 @@ from agent.workbench.power import smallest_reduction
 from agent.workbench.where import Failure, where_it_fails
 
 if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
+    from agent.workbench.record import Record
     from agent.workbench.session import Workbench
     from agent.workbench.step import Step
     from agent.workbench.trials import Trials
 
 
 def failures(step: Step, trials: Trials) -> tuple[Failure, ...]:
-    """Return the residual of a step against each physical axis, the largest share first."""
+    """Return the residual of a step against each physical axis, the largest share first.
+
+    Of the model where it predicts best: where the free run has drifted from the truth, its residual follows
+    an axis though nothing is missing, or no longer does though something is.
+    """
     fitted, record = step.fit, trials.record
     moved = any(each.stage == "valve" for each in fitted.model.effects)
     axes = physical_axes(
@@ -34,7 +40,7 @@ def failures(step: Step, trials: Trials) -> tuple[Failure, ...]:
         set_point=trials.window.sp,
         start=trials.window.start,
     )
-    return where_it_fails(residual_of(fitted, record), axes, trials.block, np.random.default_rng(0))
+    return where_it_fails(_left(step, record), axes, trials.block, np.random.default_rng(0))
 
 
 def lines(step: Step, trials: Trials) -> LineSpectrum | None:
@@ -50,9 +56,8 @@ def floor(step: Step, trials: Trials, rng: np.random.Generator) -> NoiseFloor:
     the floor.
     """
     record = trials.record
-    residual = np.where(record.weight > 0, record.pv - step.estimate.pv, np.nan)
     seen, hidden = block_losses(record, trials.folds, step.estimate.pv), step.held_out.losses
-    return noise_floor(residual, seen if np.nansum(seen) > np.nansum(hidden) else hidden, rng)
+    return noise_floor(_left(step, record), seen if np.nansum(seen) > np.nansum(hidden) else hidden, rng)
 
 
 def compared(bench: Workbench) -> Comparison:
@@ -78,3 +83,8 @@ def compared(bench: Workbench) -> Comparison:
         smallest_percent=smallest,
         reason=None,
     )
+
+
+def _left(step: Step, record: Record) -> FloatArray:
+    """Return PV less the model where it predicts best, PV units, (n,), NaN where PV counts for nothing."""
+    return np.where(record.weight > 0, record.pv - step.estimate.pv, np.nan)
