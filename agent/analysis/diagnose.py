@@ -43,7 +43,7 @@ LARGEST = 1e15
 """No plant has such numbers: historians mark lost values by 1e30 and the like."""
 DEFAULT_QUANTIFIER = "free_run"
 SURE = 0.8
-"""Probability from which the valve is blamed, or cleared: one of 168 simulated sound loops exceeds it, each
+"""Probability from which the valve is blamed, or cleared: one of 187 simulated sound loops exceeds it, each
 weighed by what the others taught."""
 COARSE = 15.0
 """Samples a period below which the shape of a stroke is hardly seen; the paper asks for 50."""

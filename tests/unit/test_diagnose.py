@@ -155,7 +155,7 @@ def test_disturbance_beside_stiction():
 
 
 def test_what_the_loop_does_is_said_where_the_valve_is_undecided():
-    found = judged(CALM, replace(STICKING, decision="undecided", turns=0))
+    found = judged(CALM, replace(STICKING, decision="undecided", turns=0, log_likelihood_ratio=20.0))
     assert (found.verdict, found.cause) == ("undecided", "no_oscillation")
 
 

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from agent.analysis.innovations.load_step import with_load_step
 from agent.analysis.innovations.noise_models import noise_models
 from agent.analysis.innovations.process_search import best_process
 from agent.analysis.innovations.valve_search import best_valve
 from agent.analysis.innovations.whitened import Fit, log_likelihood
 from agent.analysis.quantify.free_run.objective import S, valve_position
 from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.quantify.turns import turns
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -30,6 +30,10 @@ if TYPE_CHECKING:
 
 LEAST_S = 0.02
 """S below this share of the OP span takes noise off OP, which any record likes a little."""
+
+
+NOTHING = 2.0
+"""Nats that are not worth the search for a step of the load."""
 
 
 class Told(NamedTuple):
@@ -44,8 +48,8 @@ class Told(NamedTuple):
 def log_likelihood_ratio(window: LoopWindow, found: Quantification) -> float:
     """Return the log of how much more likely the record is with a sticking valve than without, nats, >= 0.
 
-    Both models see the same processes and choose their own noise. Valves: the one that ``found`` tells, and
-    those of a search of its own.
+    Both models see the same processes and choose their own noise, and the load of the sound one may step
+    once. Valves: the one that ``found`` tells, and those of a search of its own.
 
     Args:
         window: The record.
@@ -62,11 +66,14 @@ def log_likelihood_ratio(window: LoopWindow, found: Quantification) -> float:
     if linear is None:
         return 0.0
     sound = log_likelihood(linear, whitened[linear.noise])
-    sticking = [sound]
-    for fit, model in _sticking(told(window, found), whitened, window.hints, linear):
-        if turns(valve_position(fit.candidate, model)) > 0:
-            sticking.append(log_likelihood(fit, model))
-    return max(sticking) - sound
+    sticking = [
+        log_likelihood(fit, behind[fit.noise])
+        for fit, behind in _sticking(told(window, found), whitened, window.hints)
+    ]
+    best = max(sticking, default=sound)
+    if best - sound > NOTHING:
+        sound = max(sound, with_load_step(linear, whitened))
+    return max(0.0, best - sound)
 
 
 def scaled(window: LoopWindow) -> LoopWindow | None:
@@ -95,14 +102,21 @@ def told(window: LoopWindow, found: Quantification) -> Told | None:
 
 
 def _sticking(
-    valve: Told | None, whitened: Sequence[Problem], hints: LoopHints, linear: Fit
-) -> Iterator[tuple[Fit, Problem]]:
-    """Yield the best fit of the valve that was found, its stem as it moved, and that of a search."""
-    if valve is not None and valve.s >= LEAST_S and valve.stem is not None:
-        moved = [each._replace(op=valve.stem[: len(each.op)]) for each in whitened]
+    valve: Told | None, whitened: Sequence[Problem], hints: LoopHints
+) -> Iterator[tuple[Fit, Sequence[Problem]]]:
+    """Yield the best fit of the valve that was found and of that of a search, with the record behind it.
+
+    A stem counts whether it turns or not: where it stood while OP moved is told by the likelihood, and a load
+    that did the same is in the innovations of both models. With its stem known, each valve gets the processes
+    that the model without one may have.
+    """
+    stems = [] if valve is None or valve.s < LEAST_S or valve.stem is None else [valve.stem]
+    searched = best_valve(whitened, hints, None if valve is None else (valve.s, valve.j))
+    if searched is not None and searched.candidate[S] >= LEAST_S:
+        yield searched, whitened
+        stems.append(valve_position(searched.candidate, whitened[searched.noise]))
+    for stem in stems:
+        moved = [each._replace(op=stem[: len(each.op)]) for each in whitened]
         fit = best_process(moved, hints)
         if fit is not None:
-            yield fit, moved[fit.noise]
-    searched = best_valve(whitened, hints, linear, None if valve is None else (valve.s, valve.j))
-    if searched is not None and searched.candidate[S] >= LEAST_S:
-        yield searched, whitened[searched.noise]
+            yield fit, moved

@@ -26,22 +26,29 @@ if TYPE_CHECKING:
 SECONDS = {FOPDT: (0.0,), SOPDT: (-0.2, -1.0, -2.5), INTEGRATOR: (0.0,)}
 """Logs of the second time constant over the first that are tried. A second lag that the model without a
 valve lacks would be explained by a stem that takes its time."""
-EVALUATIONS = 40
+EVALUATIONS, MORE = 40, 20
+"""Of the simplex behind the first filter, and behind each other, which begins with what was found."""
 
 
 def best_process(whitened: Sequence[Problem], hints: LoopHints) -> Fit | None:
-    """Return the most likely process behind ``problem.op``, with its noise; None where nothing follows."""
-    fits = []
+    """Return the most likely process behind ``problem.op``, with its noise; None where nothing follows.
+
+    Processes are compared behind each filter as if the innovations were white, the best of each filter by
+    their whole likelihood.
+    """
+    best: dict[int, Fit] = {}
     for structure in structures(hints):
         for second in SECONDS[structure]:
             candidate = _from_grid(structure, second, whitened[len(whitened) // 2])
+            evaluations = EVALUATIONS
             for noise, problem in enumerate(whitened):
                 candidate[LOG_TAU2] = candidate[LOG_TAU] + second
-                fit = fitted(candidate, structure, problem, noise, EVALUATIONS)
+                fit = fitted(candidate, structure, problem, noise, evaluations)
+                evaluations = MORE
                 if math.isfinite(fit.score):
                     candidate = fit.candidate.copy()
-                    fits.append(fit)
-    return max(fits, key=lambda fit: log_likelihood(fit, whitened[fit.noise]), default=None)
+                    best[noise] = max(fit, best.get(noise, fit), key=lambda one: one.score)
+    return max(best.values(), key=lambda fit: log_likelihood(fit, whitened[fit.noise]), default=None)
 
 
 def _from_grid(structure: int, second: float, problem: Problem) -> FloatArray:

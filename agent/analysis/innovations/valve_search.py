@@ -1,7 +1,8 @@
 """A sticking valve that makes a whitened record likely: a coarse grid, then random steps.
 
 The search of ``free_run`` looks behind a filter that hides what takes longer than an oscillation. Here few
-slips decide, and wide basins: a coarse grid reaches them.
+slips decide, and wide basins: a coarse grid reaches them. Behind each filter another valve stands out, and
+which of them is the noise of the record is only known with the valve: so the grid is searched behind all.
 """
 
 from __future__ import annotations
@@ -11,15 +12,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.innovations.valve_grid import first_direction, scan_rests
 from agent.analysis.innovations.whitened import Fit, fitted, white_likelihood
 from agent.analysis.quantify.free_run.bank import bank
-from agent.analysis.quantify.free_run.coarse_grid import processes, scan, set_process, set_valve
+from agent.analysis.quantify.free_run.coarse_grid import processes, set_process
 from agent.analysis.quantify.free_run.local_search import random_steps
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
+    FIRST,
     FOPDT,
     INTEGRATOR,
+    J_RATIO,
+    LEVEL,
+    LOG_DAMPING,
     SIZE,
+    S,
 )
 from agent.analysis.quantify.free_run.problem import to_blocks
 from agent.analysis.quantify.free_run.search import STEMS, structures
@@ -35,52 +42,46 @@ if TYPE_CHECKING:
 S_SHARES = np.geomspace(0.02, 1.0, 18)
 """S of the grid, OP spans."""
 J_RATIOS = np.array([0.0, 0.3, 0.9])
-LEVEL_STEP, FINE_STEP = 0.04, 0.01
-"""Steps of the level of the first slip, OP spans: of the grid, and for the S and J that are told."""
-TAUS = 6
+REST_STEP, FINE_STEP = 0.04, 0.01
+"""Steps of the stem's first rest, OP spans: of the grid, and for the S and J that are told."""
+TAUS = 4
 ALL = 1e9
 """Periods of a record that is looked at as a whole."""
 DELAYS = 8
-RIGID = STEMS[:1]
+RIGID = STEMS[0]
 """He's valve."""
-STARTS = 8
-"""Cells that go on, of the grid and of what is told."""
-FINALISTS = 3
+STARTS = 4
+"""Cells that go on, of the grid and of what is told, behind each filter."""
+FINALISTS, WINNERS = 6, 2
+"""Valves that are looked at behind all filters, and those that then take more steps."""
 
 
-def best_valve(
-    whitened: Sequence[Problem], hints: LoopHints, linear: Fit, told: tuple[float, float] | None
-) -> Fit | None:
+def best_valve(whitened: Sequence[Problem], hints: LoopHints, told: tuple[float, float] | None) -> Fit | None:
     """Return the most likely sticking valve, its process and its noise; None where none moves.
 
     Args:
         whitened: The record behind each filter.
         hints: What the engineer knows.
-        linear: Best fit without stiction: the search begins with its noise.
         told: S and J of a valve to try as well, OP units.
     """
     rng = np.random.default_rng(0)
-    problem = whitened[linear.noise]
     climbed = []
-    for structure, candidate in _starts(problem, hints, told):
-        fit = fitted(candidate, structure, problem, linear.noise, 30, 0.5)
-        if math.isfinite(fit.score):
-            climbed.append(_stepped(fit, problem, 0.3, 60, rng))
-    climbed.sort(key=lambda fit: -fit.score)
+    for noise, problem in enumerate(whitened):
+        for structure, candidate in _starts(problem, hints, told):
+            fit = fitted(candidate, structure, problem, noise, 30, 0.5)
+            if math.isfinite(fit.score):
+                climbed.append(_stepped(fit, problem, 0.3, 60, rng))
     everywhere = [
         fitted(fit.candidate, fit.structure, each, noise, 40, 0.5)
-        for fit in climbed[:FINALISTS]
+        for fit in sorted(climbed, key=lambda fit: -fit.score)[:FINALISTS]
         for noise, each in enumerate(whitened)
     ]
-    if not everywhere:
-        return None
-    best = max(everywhere, key=lambda fit: fit.score)
-    stepped = _stepped(best, whitened[best.noise], 0.2, 150, rng)
-    return max(
-        stepped,
-        fitted(stepped.candidate, stepped.structure, whitened[best.noise], best.noise, 60, 0.3),
-        key=lambda fit: fit.score,
-    )
+    winners = []
+    for fit in sorted(everywhere, key=lambda fit: -fit.score)[:WINNERS]:
+        problem = whitened[fit.noise]
+        stepped = _stepped(fit, problem, 0.2, 150, rng)
+        winners += [stepped, fitted(stepped.candidate, fit.structure, problem, fit.noise, 60, 0.3)]
+    return max(winners, key=lambda fit: fit.score, default=None)
 
 
 def _stepped(fit: Fit, problem: Problem, scale: float, steps: int, rng: np.random.Generator) -> Fit:
@@ -93,35 +94,41 @@ def _stepped(fit: Fit, problem: Problem, scale: float, steps: int, rng: np.rando
 def _starts(
     problem: Problem, hints: LoopHints, told: tuple[float, float] | None
 ) -> Iterator[tuple[int, FloatArray]]:
-    """Yield the best cells of the grid, and of the levels for the valve that is told."""
-    yield from _cells(problem, hints, S_SHARES * problem.op_span, J_RATIOS, LEVEL_STEP)
+    """Yield the best cells of the grid, and of the rests for the valve that is told."""
+    yield from _cells(problem, hints, S_SHARES * problem.op_span, J_RATIOS, REST_STEP)
     if told is not None and told[0] > 0:
         s, j = told
         yield from _cells(problem, hints, np.array([s]), np.array([min(j / s, 1.0)]), FINE_STEP)
 
 
 def _cells(
-    problem: Problem, hints: LoopHints, s_values: FloatArray, j_ratios: FloatArray, level_step: float
+    problem: Problem, hints: LoopHints, s_values: FloatArray, j_ratios: FloatArray, rest_step: float
 ) -> Iterator[tuple[int, FloatArray]]:
     taus, ratios = processes(problem, TAUS, np.array([0.0]), integrates=hints.integrating)
     near = bank(problem, taus, ratios, ALL)
     delays = _delays(problem)
-    scores, places, levels = scan(
-        near, RIGID, s_values, j_ratios, level_step * problem.op_span, problem.period, delays
-    )
+    scores, places, rests = scan_rests(near, RIGID, s_values, j_ratios, rest_step * problem.op_span, delays)
     allowed = structures(hints)
-    for cell in np.argsort(-scores[0], axis=None)[:STARTS]:
-        i, j = np.unravel_index(cell, scores[0].shape)
-        if scores[0, i, j] <= 0:
+    for cell in np.argsort(-scores, axis=None)[:STARTS]:
+        i, j = np.unravel_index(cell, scores.shape)
+        if scores[i, j] <= 0:
             return
-        tau, delay = divmod(int(places[0, i, j]), len(delays))
+        tau, delay = divmod(int(places[i, j]), len(delays))
         candidate = np.empty(SIZE)
         set_process(candidate, taus[tau], ratios[tau], delays[delay], problem)
         if problem.fixed_delay > 0:
             candidate[DELAY] = problem.fixed_delay
-        set_valve(candidate, near.op, float(s_values[i]), float(j_ratios[j]), levels[0, i, j], RIGID[0])
+        _set_valve(candidate, near.op, float(s_values[i]), float(j_ratios[j]), float(rests[i, j]))
         integrates = bool(np.isinf(taus[tau]))
         yield (INTEGRATOR if integrates else FOPDT if FOPDT in allowed else allowed[0]), candidate
+
+
+def _set_valve(candidate: FloatArray, op: FloatArray, s: float, j_ratio: float, rest: float) -> None:
+    """Give a candidate a valve whose stem rests at ``rest`` (OP units) before the record."""
+    f_s = s * (1 + j_ratio) / 2
+    direction = first_direction(op, f_s, rest)
+    candidate[[S, J_RATIO, LEVEL, FIRST]] = s, j_ratio, rest + direction * f_s, direction
+    candidate[LOG_DAMPING : LOG_DAMPING + 3] = np.log(RIGID)
 
 
 def _delays(problem: Problem) -> NDArray[np.int64]:

@@ -77,14 +77,14 @@ def log_likelihood(fit: Fit, problem: Problem) -> float:
     are taken to have Student's distribution, so that one step of a load is no proof of a slip.
     """
     innovations = residual(fit, problem)
+    rows = len(innovations) - ORDER
     known = problem.weight > 0
-    lagged = np.stack([np.roll(innovations, lag) for lag in range(1, ORDER + 1)], axis=1)
-    usable = known & np.all([np.roll(known, lag) for lag in range(1, ORDER + 1)], axis=0)
-    usable[:ORDER] = False
+    usable = np.all([known[lag : rows + lag] for lag in range(ORDER + 1)], axis=0)
     count = int(usable.sum())
     if count <= ORDER:
         return -math.inf
-    past, now = lagged[usable], innovations[usable]
+    past = np.stack([innovations[lag : rows + lag][usable] for lag in range(ORDER)], axis=1)
+    now = innovations[ORDER:][usable]
     rest = now - past @ np.linalg.lstsq(past, now, rcond=None)[0]
     return student_likelihood(rest, LEAST_SHARE * float(problem.pv @ problem.pv) / count)
 

@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 
 from agent.analysis.innovations import log_likelihood_ratio
 from agent.analysis.innovations.noise_models import noise_models
+from agent.analysis.innovations.valve_grid import first_direction
 from agent.analysis.innovations.whitened import student_likelihood
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.recording import LoopWindow
@@ -47,6 +48,32 @@ def test_one_step_of_a_load_proves_nothing():
 
 def test_a_sticking_valve_is_seen_under_a_load_that_wanders():
     assert log_likelihood_ratio(record(sticks=True, walk=0.1), NOTHING_FOUND) > CLEAR
+
+
+def one_way(*, sticks, load_step=0.0):
+    """OP rises only, in three ramps; a stem that sticks stands, follows, and never turns."""
+    rng = np.random.default_rng(3)
+    op = 50 + np.interp(np.arange(N), [0, 80, 160, 280, 360, 460, 540, N], [0, 0, 4, 4, 6, 6, 9, 9])
+    stem = he2007(op, 4.0, 1.5, op[0]) if sticks else op
+    assert np.all(np.diff(stem) >= 0)
+    load = 0.005 * np.cumsum(rng.normal(size=N)) + load_step * (np.arange(N) > 140)
+    pv = lfilter([0.0, 0.4], [1.0, -0.6], stem - 50 + load) + 0.1 * rng.normal(size=N)
+    return LoopWindow("x", 0.0, 1.0, op=op, pv=pv)
+
+
+def test_a_stem_that_never_turns_is_seen_by_where_it_stood():
+    assert log_likelihood_ratio(one_way(sticks=True), NOTHING_FOUND) > CLEAR
+
+
+@pytest.mark.parametrize("load_step", [0.0, -3.0, 3.0])
+def test_op_that_never_turns_proves_nothing(load_step):
+    assert log_likelihood_ratio(one_way(sticks=False, load_step=load_step), NOTHING_FOUND) < CLEAR / 3
+
+
+@pytest.mark.parametrize(("f_s", "rest", "direction"), [(2.0, 0.0, 1.0), (2.0, 4.0, -1.0), (9.0, 0.0, 1.0)])
+def test_a_stem_slips_first_where_op_leaves_its_band(f_s, rest, direction):
+    op = np.array([1.0, 1.5, 3.0, -4.0]) if rest == 0.0 else np.array([3.0, 2.5, 1.0, 9.0])
+    assert first_direction(op, f_s, rest) == direction
 
 
 @pytest.mark.parametrize("span", [1e-3, 1e3])

@@ -1,0 +1,111 @@
+"""One step of a load beside a process: what a stem that slips once must beat.
+
+A slip comes at an instant that only the valve knows, but so does a step of the load. One of them leaves in PV
+what the other would; several slips are tied to each other by OP, and steps of a load are not.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from scipy.signal import fftconvolve
+
+from agent.analysis.innovations.whitened import Fit, fitted, log_likelihood
+from agent.analysis.quantify.free_run.objective import DELAY, LOG_TAU, LOG_TAU2, process_response
+from agent.analysis.quantify.free_run.search import process_grid
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.analysis.recording import FloatArray
+
+EVALUATIONS = 25
+LEAST_ENERGY = 0.05
+"""Of the whole response to a step: one that ends with the record sooner is not looked at."""
+ALIKE = 1e-3
+"""Part of the response to a step that OP must leave, to tell the two apart."""
+
+
+class LoadStep(NamedTuple):
+    """A step of the load, and the process that answers to OP and to it."""
+
+    taken: float
+    """Sum of squares that both take from PV, PV units squared."""
+    at: int
+    """Block of the step at the end of the dead time."""
+    height: float
+    """What PV goes by in the end, PV units (per block for an integrator)."""
+    candidate: FloatArray
+
+
+def with_load_step(linear: Fit, whitened: Sequence[Problem]) -> float:
+    """Return the log likelihood (nats, less a constant) of a process whose load steps once.
+
+    Gain and height are solved together for every instant and every process of a grid: fitted one after the
+    other, the process would first bend to the step.
+
+    Args:
+        linear: The best process without a valve; its structure is kept.
+        whitened: The record behind each filter.
+    """
+    likely = []
+    for problem in whitened[::2]:
+        step = _best_step(linear, problem)
+        for noise, behind in enumerate(whitened):
+            less = _without(behind, linear.structure, step)
+            fit = fitted(step.candidate, linear.structure, less, noise, EVALUATIONS)
+            likely.append(log_likelihood(fit, less))
+    return max(likely)
+
+
+def _best_step(linear: Fit, problem: Problem) -> LoadStep:
+    """Return the step that together with OP explains most of PV behind one filter."""
+    steps = []
+    for candidate in process_grid(problem, linear.candidate[LOG_TAU2] - linear.candidate[LOG_TAU]):
+        candidate[DELAY] = problem.fixed_delay or candidate[DELAY]
+        answer = process_response(problem.op, candidate, linear.structure, problem.block, problem.keep)
+        answer = answer * problem.weight
+        answer -= problem.basis @ (problem.basis.T @ answer)
+        steps.append(_beside(answer, _response(candidate, linear.structure, problem), problem, candidate))
+    return max(steps, key=lambda step: step.taken)
+
+
+def _beside(answer: FloatArray, shape: FloatArray, problem: Problem, candidate: FloatArray) -> LoadStep:
+    """Return the best step beside the answer to OP of gain one, (m,), OP units."""
+    energy = np.cumsum(shape * shape)[::-1]
+    usable = energy > LEAST_ENERGY * energy[0]
+    of_pv, of_answer = _covariances(problem.pv, shape), _covariances(answer, shape)
+    answers, gains = float(answer @ answer), float(answer @ problem.pv)
+    if answers <= 0:
+        return LoadStep(0.0, 0, 0.0, candidate)
+    left = energy - of_answer**2 / answers
+    usable &= left > ALIKE * energy
+    rest = of_pv - of_answer * gains / answers
+    height = np.where(usable, rest, 0.0) / np.where(usable, left, 1.0)
+    taken = height * rest
+    at = int(np.argmax(taken))
+    return LoadStep(float(taken[at]) + gains**2 / answers, at, float(height[at]), candidate)
+
+
+def _covariances(signal: FloatArray, shape: FloatArray) -> FloatArray:
+    """Return the covariance of the signal with the shape begun at each block, (m,)."""
+    return np.asarray(fftconvolve(signal, shape[::-1])[len(signal) - 1 :], dtype=np.float64)
+
+
+def _response(candidate: FloatArray, structure: int, problem: Problem) -> FloatArray:
+    """Return the filtered answer to a step of one OP unit at the first block, gain one, (m,)."""
+    at_once = candidate.copy()
+    at_once[DELAY] = 1.0
+    load = np.ones(len(problem.pv) * problem.block)
+    load[: problem.block] = 0.0
+    return process_response(load, at_once, structure, problem.block, problem.keep)
+
+
+def _without(problem: Problem, structure: int, step: LoadStep) -> Problem:
+    """Return the problem whose PV is less the answer to the step."""
+    shape = np.zeros(len(problem.pv))
+    shape[step.at :] = _response(step.candidate, structure, problem)[: len(shape) - step.at]
+    pv = (problem.pv - step.height * shape) * problem.weight
+    return problem._replace(pv=(pv - problem.basis @ (problem.basis.T @ pv)) * problem.weight)

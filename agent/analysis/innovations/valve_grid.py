@@ -1,0 +1,104 @@
+"""Every (S, J/S, rest) on a grid, scored by a bank of processes: where a sticking valve may be hidden.
+
+The grid of ``free_run`` (``coarse_grid``) takes the first slip to lie where a limit cycle slips again and
+again. Here the stem may stand anywhere that its friction lets it stand, and need not ever turn: a record of
+few moves tells of one stand, and of that alone.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.quantify.free_run.bank import (
+    Bank,
+    best_process,
+    covariances,
+    moves_of,
+    response_sums,
+)
+from agent.jit import kernel
+from agent.physics.valves.damped_stem import damped_stem
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from agent.analysis.recording import FloatArray
+
+ALIKE = 1e-3
+"""Positions, over f_S, by which two stems may differ after a quarter and half of the record and at its end
+and be one: stems soon forget where they rested."""
+
+
+@kernel
+def scan_rests(
+    bank: Bank,
+    stem: FloatArray,
+    s_values: FloatArray,
+    j_ratios: FloatArray,
+    rest_step: float,
+    delays: NDArray[np.int64],
+) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
+    """Return the best share of PV over all rests, (S, J), with its place in the bank and its rest.
+
+    Args:
+        bank: The record before many processes.
+        stem: Damping, supply and rest of the stem (``damped_stem``), (3,).
+        s_values: S, OP units.
+        j_ratios: J/S.
+        rest_step: Step of the position in which the stem rests before the record, OP units.
+        delays: Delays of the bank, blocks, ascending.
+    """
+    shape = (s_values.size, j_ratios.size)
+    scores, places, rests = np.zeros(shape), np.zeros(shape, np.int64), np.zeros(shape)
+    n = bank.op.size
+    m = n // bank.block
+    means, at, by = np.empty(m), np.empty(m, np.int64), np.empty(m)
+    response = np.empty((4, delays.size, bank.poles.size))
+    covariance = np.empty((delays.size, bank.poles.size))
+    every = np.arange(bank.poles.size)
+    met = np.empty((3, 2 + int(2.0 * s_values.max() / rest_step)))
+    for i in range(s_values.size):
+        for j in range(j_ratios.size):
+            f_s = s_values[i] * (1.0 + j_ratios[j]) / 2.0
+            f_d = s_values[i] * (1.0 - j_ratios[j]) / 2.0
+            count = max(2, int(2.0 * f_s / rest_step) + 1)
+            n_met = 0
+            for r in range(count):
+                x0 = bank.op[0] + f_s * ((2.0 * r + 1.0) / count - 1.0)
+                position = damped_stem(bank.op, f_s, f_d, x0, stem[0], stem[1], stem[2])
+                sight = position[n // 4], position[n // 2], position[n - 1]
+                known = False
+                for other in range(n_met):
+                    apart = 0.0
+                    for look in range(3):
+                        apart += abs(met[look, other] - sight[look])
+                    known = known or apart <= ALIKE * f_s
+                if known:
+                    continue
+                for look in range(3):
+                    met[look, n_met] = sight[look]
+                n_met += 1
+                moves = moves_of(position, bank.block, means, at, by)
+                if moves < 1:
+                    continue
+                response_sums(
+                    means, bank.keep, bank.poles, bank.second, bank.gains, delays, bank.burn, response
+                )
+                covariances(at, by, moves, bank.sums, every, delays, covariance)
+                best, q, pole = best_process(response, covariance, delays, bank)
+                if best > scores[i, j]:
+                    scores[i, j], places[i, j], rests[i, j] = best, pole * delays.size + q, x0
+    return scores, places, rests
+
+
+@kernel
+def first_direction(op: FloatArray, f_s: float, rest: float) -> float:
+    """Return 1 or -1, how a stem that rests at ``rest`` (OP units) slips first; 1 if it never does."""
+    for value in op:
+        if value > rest + f_s:
+            return 1.0
+        if value < rest - f_s:
+            return -1.0
+    return 1.0
