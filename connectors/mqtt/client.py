@@ -84,9 +84,10 @@ class Outgoing:
 
 
 class StrictClient(Client):
-    """aiomqtt's, which keeps two things to itself, and may write to a socket that is closed already.
+    """aiomqtt's, which keeps some things to itself, and may write to a socket that is closed already.
 
-    A broker that answers that it does not take a message (MQTT 5), and one that hangs up while it lets us in.
+    A broker that answers that it does not take a message (MQTT 5), and one that hangs up before it lets us
+    in, or at that moment.
     """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401 - all that aiomqtt takes
@@ -135,6 +136,19 @@ class StrictClient(Client):
                 self._loop.add_writer(sock.fileno(), write)
 
         self._loop.call_soon_threadsafe(register)  # paho may be in another thread
+
+    def _on_disconnect(
+        self,
+        client: Any,  # noqa: ANN401
+        userdata: Any,  # noqa: ANN401
+        flags: Any,  # noqa: ANN401
+        reason_code: Any,  # noqa: ANN401
+        properties: Any = None,  # noqa: ANN401
+    ) -> None:
+        """Notice one that hangs up before it lets us in, too; aiomqtt waits on for its whole timeout."""
+        if not self._connected.done():
+            self._connected.set_exception(MqttError("the broker hung up before it let us in"))
+        super()._on_disconnect(client, userdata, flags, reason_code, properties)
 
     def _on_publish(self, client: Any, userdata: Any, mid: int, reason_code: Any, properties: Any) -> None:  # noqa: ANN401
         if reason_code.is_failure:
