@@ -164,6 +164,16 @@ class CountsMalformed(Protocol):
         ...
 
 
+@runtime_checkable
+class OpensSlowly(Protocol):
+    """A connector whose sessions take their time to open, because there is much to build."""
+
+    @property
+    def opens_within(self) -> float:
+        """Longest time for it, s."""
+        ...
+
+
 class Connector(Protocol):
     """A configured bus. Each ``session()`` is a fresh client; retrying is the supervisor's business."""
 

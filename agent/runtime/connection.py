@@ -15,6 +15,7 @@ from connectors.base import (
     ConnectionLostError,
     Connector,
     CountsMalformed,
+    OpensSlowly,
     Order,
     Publication,
     RefusedError,
@@ -70,9 +71,12 @@ class Connection:
     async def attempt(self) -> None:
         """Open a fresh session and use it until it fails."""
         name = self._connector.name
-        self.health.expect("open", OPEN_WITHIN + MARGIN)
+        within = OPEN_WITHIN
+        if isinstance(self._connector, OpensSlowly):
+            within = max(within, self._connector.opens_within)
+        self.health.expect("open", within + MARGIN)
         try:
-            async with _opened(self._connector.session()) as session, asyncio.TaskGroup() as tasks:
+            async with _opened(self._connector.session(), within) as session, asyncio.TaskGroup() as tasks:
                 self.health.expect("open", None)
                 tasks.create_task(self._publish(session), name=f"publish {name}")
                 if self._deliver is None:
@@ -131,13 +135,13 @@ class Connection:
 
 
 @asynccontextmanager
-async def _opened(session: AbstractAsyncContextManager[Session]) -> AsyncIterator[Session]:
+async def _opened(session: AbstractAsyncContextManager[Session], within: float) -> AsyncIterator[Session]:
     """Open and close within bounded times, which a plain ``async with`` cannot do apart."""
     try:
-        async with asyncio.timeout(OPEN_WITHIN):
+        async with asyncio.timeout(within):
             opened = await session.__aenter__()
     except TimeoutError as error:
-        raise ConnectionLostError(f"no answer within {OPEN_WITHIN:.0f} s") from error
+        raise ConnectionLostError(f"no answer within {within:.0f} s") from error
     try:
         obey_cancellation()
         yield opened

@@ -27,6 +27,8 @@ logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # passwords at DEBUG, a
 
 _LOOK = 1.0
 """s between two looks at clients that do not read."""
+_LONGEST_BUILD = 0.25
+"""Time that a loop may take to be built, s."""
 
 ServedLoops = Mapping[str, LoopTags[NoTag, OpcUaServerTarget]]
 
@@ -41,6 +43,11 @@ class OpcUaServerConnector:
         self._options = options
         self._loops = loops
         self._newest: dict[str, Publication] = {}
+
+    @property
+    def opens_within(self) -> float:
+        """Longest time to build the address space, s: some 65 nodes a loop, 25 ms on an idle core."""
+        return _LONGEST_BUILD * len(self._loops)
 
     @asynccontextmanager
     async def session(self) -> AsyncIterator[Session]:

@@ -7,6 +7,7 @@ import logging
 import math
 import random
 import tracemalloc
+from contextlib import asynccontextmanager
 
 import async_solipsism
 import pytest
@@ -191,6 +192,27 @@ def test_a_peer_that_is_away_is_tried_with_growing_waits_and_told_of_once(caplog
     assert 250 < len(bus.attempts) < 700  # 1.5 s on average
     assert agent.connections[0].health.losses == len(bus.attempts)
     assert [r.message for r in caplog.records] == ["connection bus is down: refused"]
+
+
+class SlowBus(FakeBus):
+    """Opens within 45 s, longer than a peer may take that does not answer."""
+
+    opens_within = 50.0
+
+    @asynccontextmanager
+    async def _session(self):
+        async with super()._session():
+            await asyncio.sleep(45.0)
+            yield self
+
+
+def test_what_has_much_to_build_is_waited_for():
+    bus = SlowBus(stream(["FIC101"], 200))
+    (status,) = virtual(worked(agent_of(bus), 100.0))
+    assert (len(bus.opened), status.samples) == (1, 2 * 56)
+    bus.opens_within = 0.0
+    (status,) = virtual(worked(agent_of(bus), 100.0))
+    assert status.samples == 0
 
 
 def test_a_peer_that_falls_silent_is_noticed():
