@@ -21,6 +21,7 @@ from benchmarks import (
     soak,
     start_up,
     table_one,
+    wrong_cases,
 )
 from benchmarks.options import Options
 
@@ -37,7 +38,11 @@ BENCHMARKS = {
     "fault_matrix": fault_matrix.run,
     "soak": soak.run,
 }
-ONLY_NAMED = {"evidence_weights": evidence_weights.run, "gallery": gallery.run}
+ONLY_NAMED = {
+    "evidence_weights": evidence_weights.run,
+    "gallery": gallery.run,
+    "wrong_cases": wrong_cases.run,
+}
 """Run only where they are asked for: they set something, or write into the docs."""
 
 
