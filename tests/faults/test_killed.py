@@ -14,7 +14,7 @@ from tests.conftest import ROOT
 @pytest.mark.parametrize(
     "kills",
     [
-        pytest.param(2, marks=pytest.mark.timeout(240)),
+        pytest.param(1, marks=pytest.mark.timeout(240)),
         pytest.param(25, marks=[pytest.mark.bench, pytest.mark.timeout(600)]),
     ],
 )
