@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from agent.workbench.decision import LEAST_PERCENT, LEVEL, Decision, judge
 from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import by_chance, innovations, tells_more
+from agent.workbench.library import happens_once
 from agent.workbench.prediction_error import least_innovations
 from agent.workbench.step import Step, Verdict
 from agent.workbench.where import LEVEL as FOLLOWED
@@ -90,20 +91,22 @@ def _evidence(smaller: Fit, larger: Fit, record: Record, candidates: int) -> _Ev
     """
     answers = larger.model.effects[-1].stage != "disturbance"
     base = smaller.model.base
-    if answers and base.linear:
+    raw = [innovations(residual_of(each, record)) for each in (smaller, larger)]
+    least = raw
+    if base.linear:
         count = len(base.parameters(record.facts))
         starts = [each.values[:count] for each in (smaller, larger)]
-        before, after = (least_innovations(each, record, starts) for each in (smaller, larger))
-    else:
-        before, after = (innovations(residual_of(each, record)) for each in (smaller, larger))
-    if before is None or after is None:
+        least = [least_innovations(each, record, starts) for each in (smaller, larger)]
+    before, after = least if answers else raw
+    if before is None or after is None or least[0] is None or least[1] is None:
         return _Evidence(more=True, by_chance=1.0)
     searched = len(larger.values) - len(smaller.values)
     solved = len(larger.coefficients) - len(smaller.coefficients)
-    return _Evidence(
-        tells_more(before, after, searched if answers else 0),
-        by_chance(before, after, searched + solved, SCAN * candidates),
-    )
+    chance = 1.0
+    if base.linear and (answers or happens_once(larger.model.effects[-1], record.facts)):
+        # What goes on all the time, as a wave does, is in every block: there their signs tell.
+        chance = by_chance(least[0], least[1], searched + solved, SCAN * candidates)
+    return _Evidence(tells_more(before, after, searched if answers else 0), chance)
 
 
 def own_at_bound(fitted: Fit) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from agent.physics.effect import Effect
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from agent.physics.effect import Facts
     from agent.physics.loop_model import LoopModel
 
 Named = TypeVar("Named", Base, Effect)
@@ -61,6 +62,11 @@ def missing(model: LoopModel, effects: Iterable[Effect]) -> tuple[Effect, ...]:
     names = {each.name for each in model.effects}
     taken = {each.family for each in model.effects} & ONE_OF_A_KIND
     return tuple(each for each in effects if each.name not in names and each.family not in taken)
+
+
+def happens_once(effect: Effect, facts: Facts) -> bool:
+    """Return whether an effect is something that happened at an instant of the record."""
+    return effect.stage == "disturbance" and any(each.of_record for each in effect.parameters(facts))
 
 
 def _named(name: str, members: Sequence[Named], kind: str) -> Named:

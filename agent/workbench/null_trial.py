@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.workbench.fit import QUICK_ROUNDS, Fit, nested_fit, refit
+from agent.workbench.library import happens_once
 from agent.workbench.resampling import resampled
 
 if TYPE_CHECKING:
@@ -35,11 +36,14 @@ class NullTrial:
         return self.smaller.error / self.larger.error
 
     def __call__(self, seed: int) -> float:
-        """Return the same on PV of the smaller model plus its residual in another order.
+        """Return the same on PV of the smaller model plus a residual in another order.
 
-        The effect is searched with less effort than on the record, but also where it was found there.
+        The effect is searched with less effort than on the record, but also where it was found there. Where
+        it is something that happened once, the larger model's residual is taken: that of the smaller one
+        holds what happened, and cut in pieces shows it at every joint.
         """
-        residual = self.record.pv - self.smaller.pv
+        once = happens_once(self.larger.model.effects[-1], self.record.facts)
+        residual = self.record.pv - (self.larger if once else self.smaller).pv
         drawn = resampled(residual[self.record.weight > 0], self.block, np.random.default_rng(seed))
         pv = self.smaller.pv.copy()
         pv[self.record.weight > 0] += drawn

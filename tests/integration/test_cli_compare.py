@@ -28,7 +28,7 @@ def slipjump(capsys):
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory):
     """A loop with a dead band of 3 between OP and a lag of 8 samples."""
-    t = np.arange(700)
+    t = np.arange(500)
     op = 50 + 6 * np.sin(2 * np.pi * t / 35 + np.sin(t / 70))
     plug, pv = op[0], [20.0]
     for u in op[:-1]:
@@ -55,12 +55,13 @@ def test_auto_finds_the_slack_and_writes_model_and_page(slipjump, recording, tmp
     assert found["steps"][1]["parameters"]["deadband.s"]["value"] == pytest.approx(3.0, rel=0.05)
     assert yaml.safe_load(model.read_text())["effects"] == ["deadband"]
     assert "<html" in page.read_text()
-    code, out, _ = slipjump("compare", recording, *QUICK, "--load", model, "--drop", "deadband")
+    nothing_to_try = (*QUICK, "--without", "valve_hysteresis")
+    code, out, _ = slipjump("compare", recording, *nothing_to_try, "--load", model, "--drop", "deadband")
     assert code == 0
     assert "- deadband" in out
     other = recording.with_name("FIC8.csv")
     other.write_text(recording.read_text())
-    code, out, err = slipjump("compare", other, "--load", model)
+    code, out, err = slipjump("compare", other, "--load", model, *nothing_to_try)
     assert (code, out) == (2, "")
     assert "of the loop FIC7, not of FIC8" in err
 
