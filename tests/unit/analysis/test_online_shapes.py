@@ -38,7 +38,7 @@ def online(window):
 def test_online_and_batch_agree_on_simulated_loops(kind):
     """Within 0.1 in half of the loops, 0.2 in all; the areas, which feel a shift of zero more, by side."""
     apart = {name: [] for name in ("he_curve_fit", "rossi_scali", "hagglund_shape")}
-    for seed in range(6):
+    for seed in range(4):
         window = simulated(kind, seed)
         oscillation = detect_oscillation(window)
         found = online(window)
@@ -104,9 +104,9 @@ def test_a_signal_that_stands_still_has_no_shape():
 
 def test_memory_does_not_grow_with_the_samples():
     rng = np.random.default_rng(4)
-    wave = np.sin(2 * np.pi * np.arange(100_000) / 80) + 0.1 * rng.normal(size=100_000)
+    wave = np.sin(2 * np.pi * np.arange(70_000) / 80) + 0.1 * rng.normal(size=70_000)
     wave[rng.random(wave.size) < 1e-3] = np.nan
-    wave[60_000:90_000] = 0.1  # so slow that nothing ever crosses
+    wave[30_000:55_000] = 0.1  # so slow that nothing ever crosses
     samples = wave.tolist()
     shapes = OnlineShapes()
     peaks = []

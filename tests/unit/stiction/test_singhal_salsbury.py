@@ -62,7 +62,8 @@ def test_its_limits(n, period, integrating, reason):
 
 def test_simulated_loops():
     """Most of forty sticking loops are seen; see docs/methods/singhal_salsbury.md for all of them."""
-    seeds = [seed for seed in range(10) if not simulated("stiction", seed)[0].hints.integrating]
+    seeds = [seed for seed in range(4) if not simulated("stiction", seed)[0].hints.integrating]
     verdicts = [SinghalSalsbury().detect(*simulated("stiction", seed)[:2]).verdict for seed in seeds]
+    assert len(seeds) >= 2
     assert verdicts.count("stiction") >= len(seeds) - 1
     assert SinghalSalsbury().detect(*simulated("sinusoid", 0)[:2]).verdict != "stiction"
