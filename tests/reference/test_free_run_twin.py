@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from agent.analysis.quantify.free_run import bank as banks
 from agent.analysis.quantify.free_run import coarse_grid, local_search, objective
 from agent.analysis.quantify.free_run.climb import climb
+from agent.analysis.quantify.free_run.fitted import STEP
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FIRST,
@@ -23,7 +24,7 @@ from agent.analysis.quantify.free_run.objective import (
     S,
 )
 from agent.analysis.quantify.free_run.problem import from_blocks, high_pass, pose, to_blocks
-from agent.analysis.quantify.free_run.search import STEMS, STEP
+from agent.analysis.quantify.free_run.search import STEMS
 from agent.analysis.recording import LoopHints, LoopWindow
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow
@@ -241,7 +242,9 @@ def test_searches_never_lose_and_repeat_themselves(seed):
     axes = np.array([LOG_TAU, DELAY, LOG_TAU2])
     runs = [
         lambda rng: local_search.random_steps(start, before, 1.0, FOPDT, problem, 150, rng),
-        lambda _: local_search.simplex(start, STEP, axes, SOPDT, problem, 150),
+        lambda _: local_search.simplex(
+            start, STEP, axes, objective.valve_position(start, problem), SOPDT, problem, 150
+        ),
     ]
     for run, structure in zip(runs, (FOPDT, SOPDT), strict=True):
         found, error = run(np.random.default_rng(seed))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.fitted import STEP
 from agent.analysis.quantify.free_run.local_search import simplex
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
@@ -20,7 +21,6 @@ from agent.analysis.quantify.free_run.objective import (
     process_response,
     valve_position,
 )
-from agent.analysis.quantify.free_run.search import STEP
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
@@ -65,7 +65,10 @@ def fitted(
     if not axes:
         error = free_run_error(candidate, structure, problem)
     else:
-        candidate, error = simplex(candidate, scale * STEP, np.array(axes), structure, problem, evaluations)
+        position = valve_position(candidate, problem)
+        candidate, error = simplex(
+            candidate, scale * STEP, np.array(axes), position, structure, problem, evaluations
+        )
     score = white_likelihood(float(error), problem) if math.isfinite(error) else -math.inf
     return Fit(score, noise, structure, candidate)
 

@@ -74,27 +74,67 @@ def damped_stem_by_direction(
     All else is as in ``damped_stem``. That ``f_d`` is one number is no loss: kinetic friction that differs by
     direction is a shift of the position (docs/effects/asymmetric_stiction.md).
     """
-    n = op.size
-    position = np.empty(n)
-    jump = 0.0  # of the direction in which the stem last broke away, like ``stop``
-    stop = 0.0
+    position = np.empty(op.size)
+    state = stem_at(x0, op[0])
+    strokes(op, 0, op.size, state, (f_s_up, f_s_down, f_d), (damping, supply, rest), position, op.size)
+    return position
+
+
+@kernel
+def stem_at(x: float, force: float) -> NDArray[np.float64]:
+    """Return a resting stem as ``strokes`` moves it on, OP units, (5,).
+
+    Position, force of the actuator, direction of motion (0 at rest), and of the direction in which it last
+    broke away f_S - f_D and how far above f_D the force is when it stops.
+    """
+    state = np.zeros(5)
+    state[0] = x
+    state[1] = force
+    return state
+
+
+@kernel
+def strokes(
+    op: NDArray[np.float64],
+    begin: int,
+    end: int,
+    state: NDArray[np.float64],
+    bands: tuple[float, float, float],
+    stem: tuple[float, float, float],
+    position: NDArray[np.float64],
+    until_rest_after: int,
+) -> int:
+    """Move a stem through the samples ``begin`` to ``end`` and return the sample at which it goes on.
+
+    Args:
+        op: Controller output, OP units, (n,).
+        begin: First sample.
+        end: Sample before which it ends.
+        state: From ``stem_at``, or as the samples before left it; it is moved on, (5,).
+        bands: Static friction upward and downward, kinetic friction, OP units.
+        stem: Damping, supply (samples), rest.
+        position: Takes the positions at the end of each sample, OP units, (n,).
+        until_rest_after: Ends where the stem comes to rest in this sample or a later one; ``end`` or more:
+            it goes on to the end.
+    """
+    f_s_up, f_s_down, f_d = bands
+    damping, supply, rest = stem
     if abs(supply - damping) < 1e-6 * damping:
         supply *= 1.0 + 1e-5
     damping_keeps = math.exp(-1.0 / damping)
     supply_keeps = math.exp(-1.0 / supply)
     feeds = damping / (supply - damping)
     at_once = damping + supply < AT_ONCE
-    x = x0
-    force = op[0]  # of the actuator, OP units
-    direction = 0.0  # of motion, 0 at rest
-    t = 0
-    while t < n:
+    x, force, direction, jump, stop = state[0], state[1], state[2], state[3], state[4]
+    t = begin
+    while t < end:
+        comes_to_rest = False
         if direction == 0.0:
             # The force lies between what it was and OP: while OP is within f_S nothing can happen.
-            while t < n and -f_s_down <= op[t] - x <= f_s_up:
+            while t < end and -f_s_down <= op[t] - x <= f_s_up:
                 position[t] = x
                 t += 1
-            if t == n:
+            if t == end:
                 break
         if math.isnan(op[t]):
             direction = 0.0
@@ -130,6 +170,7 @@ def damped_stem_by_direction(
             way = direction * (before - x) - f_d
             if way <= stop and direction * (force - x) - f_d <= stop:
                 direction = 0.0
+                comes_to_rest = True
         if direction != 0.0:
             # The way left obeys w' = -w / damping + the rise of the actuator's force.
             still = 1.0
@@ -161,9 +202,13 @@ def damped_stem_by_direction(
                 if direction * (reached - x) > 0.0:
                     x = reached
                 direction = 0.0
+                comes_to_rest = True
         position[t] = x
         t += 1
-    return position
+        if comes_to_rest and t > until_rest_after:
+            break
+    state[0], state[1], state[2], state[3], state[4] = x, force, direction, jump, stop
+    return t
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from agent.analysis.quantify.free_run.fitted import Fitted
 from agent.analysis.quantify.free_run.intervals import (
     ALIKE,
     ALIKE_IN_J,
@@ -26,7 +27,7 @@ from agent.analysis.quantify.free_run.objective import (
     SOPDT,
     S,
 )
-from agent.analysis.quantify.free_run.search import Fitted, Found
+from agent.analysis.quantify.free_run.search import Found
 
 SPAN = 10.0
 PROBLEM = SimpleNamespace(op_span=SPAN)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.fitted import Fitted
 from agent.analysis.quantify.free_run.intervals import (
     process_intervals,
     profile,
@@ -33,7 +34,7 @@ from agent.analysis.quantify.free_run.objective import (
 )
 from agent.analysis.quantify.free_run.problem import Problem, bridge, high_pass, pose
 from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
-from agent.analysis.quantify.free_run.search import Fitted, Found, best_linear, best_stiction
+from agent.analysis.quantify.free_run.search import Found, best_linear, best_stiction
 from agent.analysis.quantify.turns import turns
 from agent.analysis.results import MethodVerdict, ProcessEstimate, ProcessIntervals, Quantification
 
@@ -71,7 +72,7 @@ class FreeRun:
         linear = best_linear(problem, window.hints, found.best if found else None)
         if linear is None:
             return unanswered(self.name, "no process within bounds follows OP")
-        evidence = max(1.0, linear.error / max(found.best.error, 1e-300)) if found else 1.0
+        evidence = max(1.0, linear.error / max(found.least_error, 1e-300)) if found else 1.0
         if found is None or evidence == 1.0:
             found = None
         decision = decide(evidence, found, problem)

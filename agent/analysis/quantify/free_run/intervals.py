@@ -16,8 +16,9 @@ from agent.analysis.quantify.free_run.objective import DELAY, J_RATIO, LOG_TAU, 
 from agent.analysis.results import Estimate, ProcessIntervals, Profile, StictionEstimate
 
 if TYPE_CHECKING:
+    from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.quantify.free_run.search import Fitted, Found
+    from agent.analysis.quantify.free_run.search import Found
 
 ALIKE = 1.5
 """Sum of squares over the least up to which a model counts as alike (simulated loops, seeds 2000 to 2199)."""
@@ -35,7 +36,7 @@ PROFILE_POINTS = 40
 
 def alike(found: Found, times: float = ALIKE) -> list[Fitted]:
     """Return the models whose sum of squares is up to ``times`` the least, the best model first."""
-    limit = times * min(found.best.error, found.others[0].error)
+    limit = times * found.least_error
     return [found.best, *(f for f in found.others if f.error <= limit)]
 
 

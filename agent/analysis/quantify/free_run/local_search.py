@@ -17,6 +17,7 @@ from agent.analysis.quantify.free_run.objective import (
     LOG_TAU2,
     S,
     free_run_error,
+    process_error,
 )
 from agent.analysis.quantify.free_run.problem import Problem
 from agent.jit import kernel
@@ -32,11 +33,15 @@ def simplex(
     start: FloatArray,
     step: FloatArray,
     axes: NDArray[np.int64],
+    position: FloatArray,
     structure: int,
     problem: Problem,
     evaluations: int,
 ) -> tuple[FloatArray, float]:
-    """Return the best candidate over the coordinates ``axes`` and its error (Nelder and Mead 1965)."""
+    """Return the best candidate over the coordinates ``axes`` and its error (Nelder and Mead 1965).
+
+    The coordinates are of the process: its valve stays at ``position``, OP units, (n,).
+    """
     k = axes.size
     points = np.empty((k + 1, start.size))
     errors = np.empty(k + 1)
@@ -44,10 +49,10 @@ def simplex(
         points[i] = start
         if i > 0:
             points[i, axes[i - 1]] += step[axes[i - 1]]
-        errors[i] = free_run_error(points[i], structure, problem)
+        errors[i] = process_error(position, points[i], structure, problem)
         if i > 0 and not np.isfinite(errors[i]):
             points[i, axes[i - 1]] -= 2.0 * step[axes[i - 1]]
-            errors[i] = free_run_error(points[i], structure, problem)
+            errors[i] = process_error(position, points[i], structure, problem)
     used = k + 1
     while used < evaluations:
         order = np.argsort(errors)
@@ -59,11 +64,11 @@ def simplex(
         for i in range(k):
             centre += points[i] / k
         reflected = 2.0 * centre - points[k]
-        e_reflected = free_run_error(reflected, structure, problem)
+        e_reflected = process_error(position, reflected, structure, problem)
         used += 1
         if e_reflected < errors[0]:
             expanded = 3.0 * centre - 2.0 * points[k]
-            e_expanded = free_run_error(expanded, structure, problem)
+            e_expanded = process_error(position, expanded, structure, problem)
             used += 1
             if e_expanded < e_reflected:
                 points[k], errors[k] = expanded, e_expanded
@@ -74,17 +79,20 @@ def simplex(
         else:
             toward = reflected if e_reflected < errors[k] else points[k]
             contracted = 0.5 * (centre + toward)
-            e_contracted = free_run_error(contracted, structure, problem)
+            e_contracted = process_error(position, contracted, structure, problem)
             used += 1
             if e_contracted < min(e_reflected, errors[k]):
                 points[k], errors[k] = contracted, e_contracted
             else:
                 for i in range(1, k + 1):
                     points[i] = 0.5 * (points[0] + points[i])
-                    errors[i] = free_run_error(points[i], structure, problem)
+                    errors[i] = process_error(position, points[i], structure, problem)
                 used += k
     best = np.argmin(errors)
-    return points[best].copy(), errors[best]
+    found = start.copy()  # the other coordinates to the last digit: a stem may hang on it
+    for axis in axes:
+        found[axis] = points[best, axis]
+    return found, errors[best]
 
 
 @kernel

@@ -7,7 +7,7 @@ linear in gain, coefficients and start-up, so only the rest is searched (design,
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -57,16 +57,25 @@ def valve_position(candidate: FloatArray, problem: Problem) -> FloatArray:
     )
 
 
-@summing_kernel
-def process_response(
-    position: FloatArray, candidate: FloatArray, structure: int, block: int, keep: float
-) -> FloatArray:
-    """Return the high-passed response of gain one in blocks to the valve position, OP units, (m,).
+class Process(NamedTuple):
+    """High pass, process of gain one and delay, in blocks."""
 
-    y(t) depends first on position(t - delay); a fraction of a block is interpolated. One loop for all
-    filters, so that the processor works on them side by side.
-    """
-    m = position.size // block
+    pole: float
+    pole2: float
+    in_gain: float
+    keep: float
+    """Pole of the high-pass filter."""
+    block: int
+    """Samples in a block."""
+    whole: int
+    """Blocks of the delay,"""
+    part: float
+    """and the fraction that is left, interpolated."""
+
+
+@kernel
+def process_of(candidate: FloatArray, structure: int, block: int, keep: float, m: int) -> Process:
+    """Return the process of a candidate for a record of ``m`` blocks."""
     pole = 1.0
     in_gain = 1.0 * block
     if structure != INTEGRATOR:
@@ -78,15 +87,33 @@ def process_response(
     in_gain *= 1.0 - pole2
     # A block of PV lies (block - 1) / 2 samples after its first, a block's response at its end.
     lag = to_blocks(candidate[DELAY], block)
-    whole = min(int(lag), m)
-    part = lag - int(lag)
-    response = np.empty(m)
-    response[:whole] = 0.0
-    passed = 0.0
-    former = position[0] if block == 1 else position[:block].mean()
-    first = 0.0
-    second = 0.0
-    for b in range(m - whole):
+    return Process(pole, pole2, in_gain, keep, block, min(int(lag), m), lag - int(lag))
+
+
+@kernel
+def at_rest(position: FloatArray, block: int) -> FloatArray:
+    """Return the memory of a process in balance with the first block, (4,).
+
+    Position high-passed, the block's mean, and the two lags.
+    """
+    memory = np.zeros(4)
+    memory[1] = position[0] if block == 1 else position[:block].mean()
+    return memory
+
+
+@summing_kernel
+def respond(
+    position: FloatArray, begin: int, end: int, process: Process, memory: FloatArray, response: FloatArray
+) -> None:
+    """Add to the response (m,) what the blocks ``begin`` to ``end`` of the position (n,) cause; OP units.
+
+    ``memory`` (4,) is of the blocks before, and moved on. y(t) depends first on position(t - delay). One loop
+    for all filters, so that the processor works on them side by side.
+    """
+    block, keep, pole, pole2 = process.block, process.keep, process.pole, process.pole2
+    in_gain, part, whole = process.in_gain, process.part, process.whole
+    passed, former, first, second = memory[0], memory[1], memory[2], memory[3]
+    for b in range(begin, min(end, response.size - whole)):
         mean = position[b]
         if block > 1:
             mean = 0.0
@@ -99,6 +126,19 @@ def process_response(
         older = second
         second = pole2 * second + first
         response[b + whole] = (1.0 - part) * second + part * older
+    memory[0], memory[1], memory[2], memory[3] = passed, former, first, second
+
+
+@kernel
+def process_response(
+    position: FloatArray, candidate: FloatArray, structure: int, block: int, keep: float
+) -> FloatArray:
+    """Return the high-passed response of gain one in blocks to the valve position, OP units, (m,)."""
+    m = position.size // block
+    process = process_of(candidate, structure, block, keep, m)
+    response = np.empty(m)
+    response[: process.whole] = 0.0
+    respond(position, 0, m, process, at_rest(position, block), response)
     return response
 
 
@@ -174,6 +214,13 @@ def free_run_error(candidate: FloatArray, structure: int, problem: Problem) -> f
     """Return the sum of squares of PV minus its free run, PV units squared; infinite out of bounds."""
     if not in_bounds(candidate, problem):
         return IMPOSSIBLE
-    position = valve_position(candidate, problem)
+    return process_error(valve_position(candidate, problem), candidate, structure, problem)
+
+
+@kernel
+def process_error(position: FloatArray, candidate: FloatArray, structure: int, problem: Problem) -> float:
+    """Return the same of a candidate whose valve is at ``position``, OP units, (n,)."""
+    if not in_bounds(candidate, problem):
+        return IMPOSSIBLE
     response = process_response(position, candidate, structure, problem.block, problem.keep)
     return max(0.0, fit_gain(response, candidate, structure, problem)[0])

@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from agent.analysis.quantify.free_run.fitted import smooth, start
 from agent.analysis.quantify.free_run.problem import Problem, bridge, high_pass, nuisance_basis
-from agent.analysis.quantify.free_run.search import best_linear, smooth, start
+from agent.analysis.quantify.free_run.search import best_linear
 from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.search import Fitted
+    from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.recording import LoopWindow
 
 PASS_TIME = 0.1

@@ -18,7 +18,7 @@ import numpy as np
 from agent.analysis.quantify.free_run.bank import bank
 from agent.analysis.quantify.free_run.climb import climb
 from agent.analysis.quantify.free_run.coarse_grid import S_BINS, coarse_candidates, log_tau2, processes
-from agent.analysis.quantify.free_run.local_search import random_steps, simplex
+from agent.analysis.quantify.free_run.fitted import Fitted, by_error, refine, restart, smooth, start
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FIRST,
@@ -34,9 +34,9 @@ from agent.analysis.quantify.free_run.objective import (
     SIZE,
     SOPDT,
     S,
-    free_run_error,
 )
 from agent.analysis.quantify.free_run.problem import first_periods
+from agent.analysis.quantify.free_run.shooting_search import shot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.recording import FloatArray, LoopHints
 
-SEARCHED = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY, LOG_TAU2), INTEGRATOR: (DELAY,)}
-STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 STEMS = np.array([(0.01, 0.01, 1e-8), (0.15, 0.1, 0.003), (0.3, 0.15, 0.01)])
 """Damping, supply and rest that a search starts from: He's valve, which stays as it is, and two that take
 their time."""
@@ -75,17 +73,19 @@ class Horizon(NamedTuple):
 
 
 HORIZONS = (
-    Horizon(5, 0.5, (20, 50), 300),
-    Horizon(8, 0.4, (30, 60), 100),
-    Horizon(12, 0.3, (30, 60), 40),
-    Horizon(20, 0.2, (30, 80), 20),
-    Horizon(40, 0.2, (30, 80), 12),
-    Horizon(math.inf, 0.15, (30, 80), 8),
+    Horizon(5, 0.5, (20, 50), 160),
+    Horizon(8, 0.4, (30, 60), 50),
+    Horizon(12, 0.3, (30, 60), 20),
+    Horizon(20, 0.2, (30, 80), 12),
+    Horizon(40, 0.2, (30, 80), 8),
+    Horizon(math.inf, 0.15, (30, 80), 6),
 )
 OF_ONE_BIN = 3
 SPREAD_FROM = 8
 """Horizon (periods) whose best of each bin go to the whole record, for the intervals."""
-FINALISTS = 3
+FINALISTS = 2
+SURER = 0.8
+"""Error of shots over that of the best free run below which the shots decide."""
 OFFSETS = (0.0025, 0.005, 0.01, 0.02, 0.04)
 """Distances from the best S, OP spans, at which all else is fitted again; three times that in J."""
 SLIPS_DIFFER = 0.45
@@ -95,26 +95,17 @@ WORTH_A_PARAMETER = 0.99
 
 
 @dataclass(frozen=True, slots=True)
-class Fitted:
-    """A candidate with its structure and its free-run sum of squares, PV units squared."""
-
-    error: float
-    structure: int
-    candidate: FloatArray
-
-    @property
-    def sticks(self) -> bool:
-        """Whether the valve does not simply follow OP."""
-        return bool(self.candidate[S] > 0)
-
-
-@dataclass(frozen=True, slots=True)
 class Found:
     """What the search for a sticking valve found."""
 
     best: Fitted
     others: tuple[Fitted, ...]
-    """The best model of each bin of S and J, and those close to the best one."""
+    """The best model of each bin of S and J, and those close to the best one; the least error first."""
+
+    @property
+    def least_error(self) -> float:
+        """Sum of squares of the free run that fits best, which the shots may have decided against."""
+        return min(f.error for f in (self.best, *self.others[:1]))
 
 
 def structures(hints: LoopHints) -> tuple[int, ...]:
@@ -128,9 +119,11 @@ def structures(hints: LoopHints) -> tuple[int, ...]:
 def best_stiction(problem: Problem, hints: LoopHints) -> Found | None:
     """Return the best sticking model and its neighbours, or None where no candidate moves the valve."""
     rng = np.random.default_rng(0)
-    followed, spread = follow(climbed(problem, hints, rng), problem, rng)
+    followed, spread, early = follow(climbed(problem, hints, rng), problem, rng)
     if not followed:
         return None
+    surest, free = shot(early, followed[0], problem, rng)
+    followed += [start(each.candidate, each.structure, problem) for each in free]
     finalists = by_error([refine(f, problem, 0.1, (80, 250), rng) for f in followed])[:FINALISTS]
     final = list(finalists)
     for fitted in finalists:
@@ -141,24 +134,31 @@ def best_stiction(problem: Problem, hints: LoopHints) -> Found | None:
     if not allowed:
         return None
     best = refine(simplest(allowed), problem, 0.03, (100, 300), rng)
+    if surest is not None and surest.error < SURER * best.error and surest.structure in structures(hints):
+        best = start(surest.candidate, surest.structure, problem)
     return Found(best, tuple(by_error([*spread, *followed, *final, *around(best, problem, rng)])))
 
 
 def follow(
     starts: Sequence[Fitted], problem: Problem, rng: np.random.Generator
-) -> tuple[list[Fitted], list[Fitted]]:
-    """Return the candidates that follow the growing record to its end, and the best of each bin there."""
+) -> tuple[list[Fitted], list[Fitted], list[Fitted]]:
+    """Return the candidates that follow the growing record to its end, and the best of each bin there.
+
+    And those of the first horizon, for the search by shots.
+    """
     spread: list[Fitted] = []
+    early: list[Fitted] = []
     for horizon in HORIZONS:
         part = problem if math.isinf(horizon.periods) else first_periods(problem, horizon.periods)
         begun = [restart(fitted, fitted.structure, part) for fitted in starts]
         lowered = [refine(fitted, part, horizon.scale, horizon.evaluations, rng) for fitted in begun]
+        early = early or best_by_bin(lowered, problem)
         if horizon.periods == SPREAD_FROM:
             spread = [restart(f, f.structure, problem) for f in best_by_bin(lowered, problem)]
         starts = best_by_bin(lowered, problem, OF_ONE_BIN)[: horizon.kept]
         if len(part.pv) == len(problem.pv):
             break
-    return list(starts), [refine(f, problem, 0.2, (30, 40), rng) for f in spread]
+    return list(starts), [refine(f, problem, 0.2, (30, 40), rng) for f in spread], early
 
 
 def climbed(problem: Problem, hints: LoopHints, rng: np.random.Generator) -> list[Fitted]:
@@ -198,45 +198,6 @@ def best_by_bin(fits: Sequence[Fitted], problem: Problem, top: int = 1) -> list[
     return by_error([fitted for one_bin in bins.values() for fitted in one_bin])
 
 
-def restart(fitted: Fitted, structure: int, problem: Problem) -> Fitted:
-    """Evaluate a candidate by its sum of squares, with a structure that may be another."""
-    candidate = fitted.candidate.copy()
-    candidate[LOG_TAU2] = min(candidate[LOG_TAU2], candidate[LOG_TAU])
-    return start(candidate, structure, problem)
-
-
-def start(candidate: FloatArray, structure: int, problem: Problem) -> Fitted:
-    """Evaluate a candidate as it stands."""
-    return Fitted(float(free_run_error(candidate, structure, problem)), structure, candidate)
-
-
-def smooth(fitted: Fitted, problem: Problem, scale: float, evaluations: int) -> Fitted:
-    """Improve delay and time constants."""
-    axes = [a for a in SEARCHED[fitted.structure] if not (a == DELAY and problem.fixed_delay > 0)]
-    if not axes:
-        return fitted
-    candidate, error = simplex(
-        fitted.candidate,
-        STEP * scale,
-        np.array(axes),
-        fitted.structure,
-        problem,
-        evaluations,
-    )
-    return Fitted(float(error), fitted.structure, candidate)
-
-
-def refine(
-    fitted: Fitted, problem: Problem, scale: float, evaluations: tuple[int, int], rng: np.random.Generator
-) -> Fitted:
-    """Improve the process, then the valve with the process following; ``evaluations`` for each."""
-    fitted = smooth(fitted, problem, scale, evaluations[0])
-    candidate, error = random_steps(
-        fitted.candidate, fitted.error, scale, fitted.structure, problem, evaluations[1], rng
-    )
-    return Fitted(float(error), fitted.structure, candidate)
-
-
 def around(best: Fitted, problem: Problem, rng: np.random.Generator) -> list[Fitted]:
     """Start again a little off the best S, and J, so that the neighbourhood of the best is seen."""
     fits = []
@@ -256,11 +217,6 @@ def around(best: Fitted, problem: Problem, rng: np.random.Generator) -> list[Fit
             candidate[S], candidate[J_RATIO] = s, min(max(j / s, 0.0), 1.0)
             fits.append(refine(start(candidate, best.structure, problem), problem, 0.05, (30, 40), rng))
     return fits
-
-
-def by_error(fits: Sequence[Fitted]) -> list[Fitted]:
-    """Sort those that are possible, best first."""
-    return sorted((f for f in fits if math.isfinite(f.error)), key=lambda fitted: fitted.error)
 
 
 def best_linear(problem: Problem, hints: LoopHints, also: Fitted | None) -> Fitted | None:

@@ -1,0 +1,96 @@
+"""A candidate with its structure and error, and how it is improved by the two local searches."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.quantify.free_run.local_search import random_steps, simplex
+from agent.analysis.quantify.free_run.objective import (
+    DELAY,
+    FOPDT,
+    INTEGRATOR,
+    LOG_TAU,
+    LOG_TAU2,
+    SOPDT,
+    S,
+    free_run_error,
+    valve_position,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.analysis.recording import FloatArray
+
+SEARCHED = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY, LOG_TAU2), INTEGRATOR: (DELAY,)}
+STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+"""First steps in a process, for each coordinate of a candidate."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fitted:
+    """A candidate with its structure and its free-run sum of squares, PV units squared."""
+
+    error: float
+    structure: int
+    candidate: FloatArray
+
+    @property
+    def sticks(self) -> bool:
+        """Whether the valve does not simply follow OP."""
+        return bool(self.candidate[S] > 0)
+
+
+def by_error(fits: Sequence[Fitted]) -> list[Fitted]:
+    """Sort those that are possible, best first."""
+    return sorted((f for f in fits if math.isfinite(f.error)), key=lambda fitted: fitted.error)
+
+
+def searched(structure: int, problem: Problem) -> list[int]:
+    """Return the coordinates of the process that are searched."""
+    return [a for a in SEARCHED[structure] if not (a == DELAY and problem.fixed_delay > 0)]
+
+
+def restart(fitted: Fitted, structure: int, problem: Problem) -> Fitted:
+    """Evaluate a candidate by its sum of squares, with a structure that may be another."""
+    candidate = fitted.candidate.copy()
+    candidate[LOG_TAU2] = min(candidate[LOG_TAU2], candidate[LOG_TAU])
+    return start(candidate, structure, problem)
+
+
+def start(candidate: FloatArray, structure: int, problem: Problem) -> Fitted:
+    """Evaluate a candidate as it stands."""
+    return Fitted(float(free_run_error(candidate, structure, problem)), structure, candidate)
+
+
+def smooth(fitted: Fitted, problem: Problem, scale: float, evaluations: int) -> Fitted:
+    """Improve delay and time constants."""
+    axes = searched(fitted.structure, problem)
+    if not axes:
+        return fitted
+    candidate, error = simplex(
+        fitted.candidate,
+        STEP * scale,
+        np.array(axes),
+        valve_position(fitted.candidate, problem),
+        fitted.structure,
+        problem,
+        evaluations,
+    )
+    return Fitted(float(error), fitted.structure, candidate)
+
+
+def refine(
+    fitted: Fitted, problem: Problem, scale: float, evaluations: tuple[int, int], rng: np.random.Generator
+) -> Fitted:
+    """Improve the process, then the valve with the process following; ``evaluations`` for each."""
+    fitted = smooth(fitted, problem, scale, evaluations[0])
+    candidate, error = random_steps(
+        fitted.candidate, fitted.error, scale, fitted.structure, problem, evaluations[1], rng
+    )
+    return Fitted(float(error), fitted.structure, candidate)
