@@ -48,6 +48,7 @@ class BlockReader:
         try:
             answer = await self._client.read(block.table, block.address, block.count)
         except DeviceError as error:
+            self._parking.answered(block)
             if error.code in UNREACHABLE:
                 self._unreachable, self._due = error, clock.time() + PROBE
             raise
@@ -56,6 +57,7 @@ class BlockReader:
                 raise
         else:
             self._answered = block
+            self._parking.answered(block)
             return answer
         self._parking.park(block)
         await self._ask_another()

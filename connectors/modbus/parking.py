@@ -58,6 +58,9 @@ class Parking:
         self._blocks.pop(str(block), None)
         if not self._blocks:
             self._filled.clear()
+
+    def answered(self, block: Block) -> None:
+        """Log, once, that it is answered among all others again."""
         if str(block) in self._told:
             self._told.discard(str(block))
             _LOG.info(
@@ -73,7 +76,7 @@ class Parking:
             await self._filled.wait()
             await asyncio.sleep(PROBE)
             for block in list(self._blocks.values()):
-                if await _answers(options, block):
+                if not await _is_silent(options, block):
                     self.release(block)
             obey_cancellation()
 
@@ -91,12 +94,16 @@ async def probed(parking: Parking, options: ModbusOptions) -> AsyncIterator[None
             probing.result()  # it never ends by itself: raise what ended it
 
 
-async def _answers(options: ModbusOptions, block: Block) -> bool:
+async def _is_silent(options: ModbusOptions, block: Block) -> bool:
+    """Whether the device leaves it unanswered; no where it allows no second connection to ask it on."""
     try:
         async with connected(options) as client:
-            await client.read(block.table, block.address, block.count)
-    except DeviceError:
-        return True  # why there is no value, its loop is told when it reads it
+            try:
+                await client.read(block.table, block.address, block.count)
+            except DeviceError:
+                return False  # why there is no value, its loop is told when it reads it
+            except ConnectionLostError:
+                return client.silent
     except ConnectionLostError:
         return False
-    return True
+    return False

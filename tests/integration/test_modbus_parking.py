@@ -29,6 +29,7 @@ class Device:
         self.unreachable = False
         self.asked = []
         """Addresses."""
+        self.most_connections = 9
         self._serving = set()
 
     async def __aenter__(self):
@@ -44,6 +45,9 @@ class Device:
             await asyncio.wait(self._serving)
 
     async def _serve(self, reader, writer):
+        if sum(not task.done() for task in self._serving) >= self.most_connections:
+            writer.close()
+            return
         self._serving.add(asyncio.current_task())
         with contextlib.suppress(ConnectionError, asyncio.CancelledError), contextlib.closing(writer):
             while request := await reader.read(12):
@@ -100,6 +104,19 @@ async def test_a_silent_block_is_asked_for_apart_while_the_others_are_read(caplo
         assert len(told) == 2
         assert "no answer within 0.2 s" in told[0]
         assert "answers again" in told[1]
+
+
+async def test_on_a_device_that_allows_one_connection_it_is_asked_for_on_that(caplog):
+    async with Device() as device:
+        device.silent, device.most_connections = {100}, 1
+        with caplog.at_level("INFO"):
+            async with device.connector().session() as session, Reading(session) as reading:
+                await until(lambda: device.asked.count(100) >= 3)
+                polls = len(good(reading, "FIC101"))
+                assert polls > 2 * device.asked.count(100)
+                device.silent = set()
+                await until(lambda: good(reading, "FIC102"))
+    assert len([record for record in caplog.records if "input 100 to 103" in record.message]) == 2
 
 
 async def test_a_block_that_holds_up_its_connection_is_left_out_of_the_next():
