@@ -29,9 +29,14 @@ from agent.analysis.quantify.free_run.coarse_grid import (
     processes,
     scan,
 )
+from agent.analysis.quantify.free_run.fitted import STEP as PROCESS_STEP
+from agent.analysis.quantify.free_run.fitted import searched
 from agent.analysis.quantify.free_run.objective import S, free_run_error
 from agent.analysis.quantify.free_run.problem import Problem, first_periods, pose
+from agent.analysis.quantify.free_run.random_shots import settled
 from agent.analysis.quantify.free_run.search import STEMS, best_stiction
+from agent.analysis.quantify.free_run.shooting import track_for
+from agent.analysis.quantify.free_run.shooting_search import STAGES
 from agent.analysis.recording import FloatArray, LoopHints, LoopWindow
 from agent.analysis.stiction import DETECTORS, StictionDetector
 from agent.cli.recordings import loop_window
@@ -173,6 +178,36 @@ def errors_over_s(problem: Problem) -> tuple[FloatArray, FloatArray, FloatArray]
             squares.append(100 * free_run_error(candidate, best.structure, part) / np.sum(part.pv**2))
         errors.append(np.array(squares))
     return s_values, errors[0], errors[1]
+
+
+def shots() -> Figure:
+    """Draw the error against S by free run and by shots."""
+    window, truth = recorded("pic401_direct_stick_slip")
+    problem = pose(window)
+    found = None if isinstance(problem, str) else best_stiction(problem, LoopHints())
+    if isinstance(problem, str) or found is None:
+        raise TypeError(problem)
+    best = found.best
+    s_values = best.candidate[S] + np.linspace(-0.06, 0.06, 121) * problem.op_span
+    axes = np.array(searched(best.structure, problem))
+    errors = []
+    for s in s_values:
+        candidate = best.candidate.copy()
+        candidate[S] = s
+        track, price = track_for(problem), STAGES[0].shots
+        _, _, by_shots = settled(candidate, PROCESS_STEP, axes, best.structure, problem, price, track)
+        errors.append((free_run_error(candidate, best.structure, problem), by_shots))
+    free, in_shots = 100 * np.array(errors).T / np.sum(problem.pv**2)
+    figure = Figure(figsize=(7.0, 4.0), layout="constrained")
+    panel = figure.subplots()
+    panel.semilogy(s_values, free, color=MEASURED, linewidth=0.9, label="free run")
+    panel.semilogy(s_values, in_shots, color=VALVE, linewidth=0.9, label="shots, price included")
+    panel.axvline(truth.f_s + truth.f_d, color=MODEL, linewidth=0.9, linestyle="--", label="truth")
+    panel.set_xlabel("S (OP units)")
+    panel.set_ylabel("error over the variance of PV, %")
+    panel.legend(fontsize=9)
+    tidy(panel)
+    return figure
 
 
 def slow_triangle() -> tuple[FloatArray, FloatArray]:
@@ -401,6 +436,7 @@ if __name__ == "__main__":
     for draw in (
         oscillation_peak,
         free_run_search,
+        shots,
         contour_map,
         profile,
         process_steps,
