@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
 
-ALIKE = 1.5
+ALIKE = 1.3
 """Sum of squares over the least up to which a model counts as alike (simulated loops, seeds 2000 to 2199)."""
-ALIKE_IN_J = 1.3
+ALIKE_IN_J = 1.2
 """Likewise for the interval of J, which fewer misplaced slips disturb."""
-MARGIN_S = 0.02
+MARGIN_S = 0.03
 """Added on each side of S, over the OP span: friction that the stem of the model does not have."""
-MARGIN_J = 0.03
+MARGIN_J = 0.02
 NARROW_S = 0.10
 """Width of the interval of S, over the OP span, up to which the record determines S."""
-NARROW_J = 0.20
+NARROW_J = 0.25
 """Likewise of J."""
 PROFILE_POINTS = 40
 
