@@ -111,6 +111,5 @@ def in_processes(left: Sequence[Job]) -> Iterator[list[Case]]:
 
 
 def get_ready() -> None:
-    """Prepare a process of the pool: it gives way to others, for it keeps its core busy for minutes."""
-    os.nice(19)
+    """Prepare a process of the pool."""
     warm([each.name for each in QUANTIFIERS])
