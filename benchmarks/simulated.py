@@ -6,7 +6,6 @@ Nothing is told to the quantifiers but OP and PV. The seeds are not those that t
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import as_completed
 from dataclasses import dataclass
