@@ -24,6 +24,8 @@ ALIKE = 1.3
 """Sum of squares over the least up to which a model counts as alike (simulated loops, seeds 2000 to 2199)."""
 ALIKE_IN_J = 1.2
 """Likewise for the interval of J, which fewer misplaced slips disturb."""
+ALIKE_IN_PROCESS = 1.5
+"""Likewise for the process, whose intervals have no margin."""
 MARGIN_S = 0.03
 """Added on each side of S, over the OP span: friction that the stem of the model does not have."""
 MARGIN_J = 0.02
@@ -94,7 +96,7 @@ def process_intervals(found: Found, gains: list[float], ts: float) -> ProcessInt
 
 def same_structure(found: Found) -> list[Fitted]:
     """Return the models alike whose process has the best one's structure, the best first."""
-    return [f for f in alike(found) if f.structure == found.best.structure]
+    return [f for f in alike(found, ALIKE_IN_PROCESS) if f.structure == found.best.structure]
 
 
 def ends(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
