@@ -174,7 +174,7 @@ async def test_no_event_is_lost_that_comes_while_the_broker_is_away(fault, mosqu
         FaultProxy(port) as proxy,
     ):
         agent = agent_of(FakeBus(lambda _: ()), scada=connector(proxy.port, keepalive=1, timeout=1.0))
-        pipeline, scada = agent._pipelines["FIC101"], agent._connections["plant"]
+        pipeline, scada = agent._pipelines["FIC101"], agent._wiring.connections["plant"]
         work = asyncio.create_task(agent.run())
         try:
             await until(lambda: verbs(heard)[:2] == ["NBIRTH", "DBIRTH"], 30)
