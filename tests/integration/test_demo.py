@@ -23,14 +23,14 @@ def demo(*words, cwd, timeout):
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(150)
+@pytest.mark.timeout(230)
 def test_every_verdict_is_the_truth_and_every_bus_has_an_alarm_that_was_seen(tmp_path):
-    done = demo("--seconds", "90", "--no-web", "--json", cwd=tmp_path, timeout=140)
+    done = demo("--seconds", "150", "--no-web", "--json", cwd=tmp_path, timeout=200)
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr
     told = json.loads(done.stdout)
     assert set(told) == {"loops", "seconds"}
-    assert 0 < told["seconds"] < 92
+    assert 0 < told["seconds"] < 152  # it ends as soon as all is told
     assert len(told["loops"]) >= 6
     for loop in told["loops"]:
         assert set(loop) == {"loop", "bus", "truth", "verdict", "alarm", "alarm_seen_on_bus"}
