@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +22,8 @@ from agent.workbench.comparison_text import verdict_words
 from agent.workbench.session import Workbench
 from benchmarks.markdown import table
 from benchmarks.options import Options
-from benchmarks.recordings_folder import ROOT, recordings_folder
+from benchmarks.page import put
+from benchmarks.recordings_folder import ROOT, indexed, recordings_folder
 from connectors.recording import read_recording
 
 SHOWN = (
@@ -45,7 +45,6 @@ SHOWN = (
 """Loops of the index: all of the ISDB, and of the refinery some of each kind and label."""
 PAGE = ROOT / "docs" / "workbench" / "gallery.md"
 PICTURES = ROOT / "docs" / "pictures"
-BEGIN, END = "<!-- by python -m benchmarks gallery -->\n", "<!-- end -->"
 PERIODS = 12.0
 """Of OP that a picture shows, from the middle of the record."""
 DPI = 75
@@ -93,8 +92,7 @@ def run(_options: Options) -> None:
     if folder is None:
         print("No recordings folder (SLIPJUMP_DATA): there is nothing to show.\n")
         return
-    with (folder / "index.csv").open(encoding="utf-8", newline="") as file:
-        index = {row["loop"]: row for row in csv.DictReader(file)}
+    index = {row["loop"]: row for row in indexed(folder)}
     jobs = [
         (folder / index[name]["file"], index[name]["label"], index[name]["integrating"]) for name in SHOWN
     ]
@@ -103,7 +101,7 @@ def run(_options: Options) -> None:
         rows: list[tuple[object, ...]] = []
         for each in track(found, "gallery", len(jobs), console=Console(stderr=True)):
             rows.append(each.row())
-            write(rows)
+            put(told(rows), PAGE, "gallery")
     print(told(rows))
 
 
@@ -111,13 +109,6 @@ def told(rows: Sequence[Sequence[object]]) -> str:
     """Return the table."""
     columns = ("recording", "label", "base", "missing", "held-out RMSE", "fit %", "what the last model lacks")
     return table("### What was found", columns, rows)
-
-
-def write(rows: Sequence[Sequence[object]]) -> None:
-    """Put the table between the marks of the page, which keeps what stands around them."""
-    before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-    after = rest.partition(END)[2]
-    PAGE.write_text(f"{before}{BEGIN}\n{told(rows)}\n{END}{after}", encoding="utf-8")
 
 
 def shown(file: Path, label: str, integrating: str) -> Shown:

@@ -6,7 +6,6 @@ with several recordings goes by majority.
 
 from __future__ import annotations
 
-import csv
 import json
 import subprocess
 import sys
@@ -17,7 +16,7 @@ from pathlib import Path
 
 from benchmarks.markdown import table, words
 from benchmarks.options import Options
-from benchmarks.recordings_folder import recordings_folder
+from benchmarks.recordings_folder import indexed, recordings_folder
 
 QUANTIFIERS = ("free_run", "lee2008")
 NOT_SCORED = {"PAP4"}
@@ -52,8 +51,7 @@ def run(_options: Options) -> None:
     if folder is None:
         print("No recordings folder (SLIPJUMP_DATA): the real recordings are left out.\n")
         return
-    with (folder / "index.csv").open(encoding="utf-8", newline="") as file:
-        index = list(csv.DictReader(file))
+    index = indexed(folder)
     judged = {name: diagnosed(folder, index, name) for name in QUANTIFIERS}
     print(summary(judged))
     print(valves(judged))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 from pathlib import Path
 
@@ -12,3 +13,9 @@ def recordings_folder() -> Path | None:
     """Return the folder that SLIPJUMP_DATA names, or None where it is missing."""
     folder = Path(os.environ.get("SLIPJUMP_DATA", ROOT.parent / "shared" / "data"))
     return folder if folder.is_dir() else None
+
+
+def indexed(folder: Path) -> list[dict[str, str]]:
+    """Return the rows of the folder's index."""
+    with (folder / "index.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))

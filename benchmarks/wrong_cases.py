@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,13 +23,13 @@ from agent.runtime.process_pool import process_pool
 from benchmarks.markdown import table, words
 from benchmarks.options import Options
 from benchmarks.oscillation import Flagged, flagged
+from benchmarks.page import put
 from benchmarks.real_recordings import NOT_SCORED, is_right
-from benchmarks.recordings_folder import ROOT, recordings_folder
+from benchmarks.recordings_folder import ROOT, indexed, recordings_folder
 from connectors.recording import read_recording
 
 PAGE = ROOT / "docs" / "wrong_cases.md"
 PICTURES = ROOT / "docs" / "pictures"
-BEGIN, END = "<!-- by python -m benchmarks wrong_cases -->\n", "<!-- end -->"
 DPI = 70
 MOST_POINTS = 1500
 """Of a curve in a picture."""
@@ -65,12 +64,7 @@ def run(_options: Options) -> None:
     if folder is None:
         print("No recordings folder (SLIPJUMP_DATA): there is nothing to show.\n")
         return
-    with (folder / "index.csv").open(encoding="utf-8", newline="") as file:
-        jobs = [
-            (folder / row["file"], row["label"])
-            for row in csv.DictReader(file)
-            if row["group"] not in NOT_SCORED
-        ]
+    jobs = [(folder / row["file"], row["label"]) for row in indexed(folder) if row["group"] not in NOT_SCORED]
     with process_pool() as pool:
         answers = pool.map(judged, *zip(*jobs, strict=True))
         shown = track(answers, "wrong cases", len(jobs), console=Console(stderr=True))
@@ -80,7 +74,9 @@ def run(_options: Options) -> None:
     for record in flagged(folder):
         if not record.agrees:
             picture_of_flag(record).savefig(PICTURES / f"flag_{record.loop}.png", dpi=DPI)
-    write([each.row() for each in wrong])
+    found = told([each.row() for each in wrong])
+    put(found, PAGE, "wrong_cases")
+    print(found)
 
 
 def judged(file: Path, label: str) -> Wrong | None:
@@ -90,14 +86,10 @@ def judged(file: Path, label: str) -> Wrong | None:
     return None if is_right(label, said.verdict) else Wrong(file.stem, label, window, said)
 
 
-def write(rows: Sequence[Sequence[object]]) -> None:
-    """Put the table between the marks of the page, which keeps what stands around them, and print it."""
+def told(rows: Sequence[Sequence[object]]) -> str:
+    """Return the table."""
     columns = ("recording", "label", "said", "evidence", "nats", "turns of the valve", "S over OP span")
-    told = table("### Recordings where the label says otherwise", columns, rows)
-    before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-    after = rest.partition(END)[2]
-    PAGE.write_text(f"{before}{BEGIN}\n{told}\n{END}{after}", encoding="utf-8")
-    print(told)
+    return table("### Recordings where the label says otherwise", columns, rows)
 
 
 def picture(wrong: Wrong) -> Figure:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy import linalg, stats
+from scipy import linalg, signal, stats
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,11 +38,13 @@ class Innovations:
     """Of e, square of the residual's unit, with the degrees of freedom that the fit took."""
 
     def filtered(self, other: FloatArray) -> FloatArray:
-        """Return another series (n,) less the same sum over its own past; the first p samples are NaN."""
-        order = len(self.coefficients)
-        past = sliding_window_view(other, order + 1)
-        out = np.full(len(other), np.nan)
-        out[order:] = past[:, -1] - past[:, :-1] @ self.coefficients[::-1]
+        """Return another series (n,), or several (n, k), less the same sum over its own past.
+
+        The first p samples are NaN.
+        """
+        polynomial = np.concatenate((np.ones(1), -self.coefficients))
+        out = np.asarray(signal.lfilter(polynomial, np.ones(1), other, axis=0), dtype=np.float64)
+        out[: len(self.coefficients)] = np.nan
         return out
 
 

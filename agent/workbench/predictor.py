@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import linalg, signal
+from scipy import linalg
 
-from agent.workbench.innovations import innovations
+from agent.workbench.innovations import Innovations, innovations
 from agent.workbench.nuisance import nuisance
 from agent.workbench.projection import VANISHES, nuisance_part, target_of
 from agent.workbench.search import Objective, lowered_by_simplex, objective_of
@@ -43,8 +43,8 @@ class Predictor:
     """One-step predictions of a model whose residual is autoregressive, as a function of its values."""
 
     objective: Objective
-    coefficients: FloatArray
-    """Of the autoregression, (p,)."""
+    noise: Innovations
+    """The autoregression."""
     kept: NDArray[np.bool_]
     """Samples with all that the autoregression needs, (n,)."""
     pv: FloatArray
@@ -97,7 +97,7 @@ class Predictor:
         columns = self.objective.columns(at)
         if not np.isfinite(columns).all():
             return np.zeros(columns.shape[1]), np.full(len(self.pv), np.nan)
-        white = _whitened(columns, self.coefficients)[self.kept]
+        white = self.noise.filtered(columns)[self.kept]
         white -= self.basis @ (self.basis.T @ white)
         solved = np.asarray(np.linalg.lstsq(white, self.pv, rcond=VANISHES)[0], dtype=np.float64)
         return solved, self.pv - white @ solved
@@ -134,13 +134,7 @@ def _predictor(objective: Objective, model_pv: FloatArray) -> Predictor | None:
         return None
     order = len(noise.coefficients)
     kept = np.convolve(record.weight, np.ones(order + 1))[: len(record)] > order + 0.5
-    drift = _whitened(nuisance(len(record), record.period), noise.coefficients)[kept]
+    drift = noise.filtered(nuisance(len(record), record.period))[kept]
     basis = linalg.orth(drift / np.linalg.norm(drift, axis=0), rcond=VANISHES)
-    pv = _whitened(record.pv[:, np.newaxis], noise.coefficients)[kept, 0]
-    return Predictor(objective, noise.coefficients, kept, pv - basis @ (basis.T @ pv), basis)
-
-
-def _whitened(columns: FloatArray, coefficients: FloatArray) -> FloatArray:
-    """Return columns (n, k) less what the autoregression tells of each from its past."""
-    polynomial = np.concatenate((np.ones(1), -coefficients))
-    return np.asarray(signal.lfilter(polynomial, np.ones(1), columns, axis=0), dtype=np.float64)
+    pv = noise.filtered(record.pv)[kept]
+    return Predictor(objective, noise, kept, pv - basis @ (basis.T @ pv), basis)

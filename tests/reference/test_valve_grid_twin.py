@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from agent.analysis.innovations.valve_grid import first_direction, scan_rests
+from agent.analysis.innovations.valve_grid import scan_rests
 from agent.analysis.quantify.free_run.bank import bank
+from agent.analysis.quantify.free_run.coarse_grid import first_slip
 from agent.analysis.quantify.free_run.search import STEMS
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow
@@ -56,4 +57,4 @@ def test_the_first_direction_is_that_of_the_first_move():
         rest = op[0] + f_s * rng.uniform(-0.9, 0.9)
         moves = np.diff(damped_stem(op, f_s, 0.5 * f_s, rest, *STEMS[0]), prepend=rest)
         moved = moves[moves != 0]
-        assert first_direction(op, f_s, rest) == (np.sign(moved[0]) if moved.size else 1.0)
+        assert first_slip(op, 2 * f_s, rest + f_s)[1] == (np.sign(moved[0]) if moved.size else 1.0)

@@ -11,13 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.bank import (
-    Bank,
-    best_process,
-    covariances,
-    moves_of,
-    response_sums,
-)
+from agent.analysis.quantify.free_run.bank import Bank, best_share, room_for
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import damped_stem
 
@@ -53,11 +47,7 @@ def scan_rests(
     shape = (s_values.size, j_ratios.size)
     scores, places, rests = np.zeros(shape), np.zeros(shape, np.int64), np.zeros(shape)
     n = bank.op.size
-    m = n // bank.block
-    means, at, by = np.empty(m), np.empty(m, np.int64), np.empty(m)
-    response = np.empty((4, delays.size, bank.poles.size))
-    covariance = np.empty((delays.size, bank.poles.size))
-    every = np.arange(bank.poles.size)
+    room = room_for(bank, delays)
     met = np.empty((3, 2 + int(2.0 * s_values.max() / rest_step)))
     for i in range(s_values.size):
         for j in range(j_ratios.size):
@@ -80,25 +70,7 @@ def scan_rests(
                 for look in range(3):
                     met[look, n_met] = sight[look]
                 n_met += 1
-                moves = moves_of(position, bank.block, means, at, by)
-                if moves < 1:
-                    continue
-                response_sums(
-                    means, bank.keep, bank.poles, bank.second, bank.gains, delays, bank.burn, response
-                )
-                covariances(at, by, moves, bank.sums, every, delays, covariance)
-                best, q, pole = best_process(response, covariance, delays, bank)
+                best, place = best_share(position, bank, delays, 1, room)
                 if best > scores[i, j]:
-                    scores[i, j], places[i, j], rests[i, j] = best, pole * delays.size + q, x0
+                    scores[i, j], places[i, j], rests[i, j] = best, place, x0
     return scores, places, rests
-
-
-@kernel
-def first_direction(op: FloatArray, f_s: float, rest: float) -> float:
-    """Return 1 or -1, how a stem that rests at ``rest`` (OP units) slips first; 1 if it never does."""
-    for value in op:
-        if value > rest + f_s:
-            return 1.0
-        if value < rest - f_s:
-            return -1.0
-    return 1.0

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.innovations.valve_grid import first_direction, scan_rests
+from agent.analysis.innovations.valve_grid import scan_rests
 from agent.analysis.innovations.whitened import Fit, fitted, white_likelihood
 from agent.analysis.quantify.free_run.bank import bank
-from agent.analysis.quantify.free_run.coarse_grid import processes, set_process
+from agent.analysis.quantify.free_run.coarse_grid import first_slip, processes, set_process
 from agent.analysis.quantify.free_run.local_search import random_steps
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
@@ -126,8 +126,8 @@ def _cells(
 def _set_valve(candidate: FloatArray, op: FloatArray, s: float, j_ratio: float, rest: float) -> None:
     """Give a candidate a valve whose stem rests at ``rest`` (OP units) before the record."""
     f_s = s * (1 + j_ratio) / 2
-    direction = first_direction(op, f_s, rest)
-    candidate[[S, J_RATIO, LEVEL, FIRST]] = s, j_ratio, rest + direction * f_s, direction
+    candidate[S], candidate[J_RATIO] = s, j_ratio
+    candidate[LEVEL], candidate[FIRST] = first_slip(op, 2 * f_s, rest + f_s)
     candidate[LOG_DAMPING : LOG_DAMPING + 3] = np.log(RIGID)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.fitted import STEP
+from agent.analysis.quantify.free_run.fitted import STEP, not_given
 from agent.analysis.quantify.free_run.local_search import simplex
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
@@ -61,7 +61,7 @@ def fitted(
     candidate: FloatArray, structure: int, problem: Problem, noise: int, evaluations: int, scale: float = 1.0
 ) -> Fit:
     """Return the candidate with delay and time constant fitted."""
-    axes = [axis for axis in AXES[structure] if not (axis == DELAY and problem.fixed_delay > 0)]
+    axes = not_given(AXES[structure], problem)
     if not axes:
         error = free_run_error(candidate, structure, problem)
     else:

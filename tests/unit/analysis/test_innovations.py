@@ -10,8 +10,8 @@ from scipy.signal import lfilter
 
 from agent.analysis.innovations import log_likelihood_ratio
 from agent.analysis.innovations.noise_models import noise_models
-from agent.analysis.innovations.valve_grid import first_direction
 from agent.analysis.innovations.whitened import student_likelihood
+from agent.analysis.quantify.free_run.coarse_grid import first_slip
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.recording import LoopWindow
 from agent.analysis.results import Quantification
@@ -73,7 +73,7 @@ def test_op_that_never_turns_proves_nothing(load_step):
 @pytest.mark.parametrize(("f_s", "rest", "direction"), [(2.0, 0.0, 1.0), (2.0, 4.0, -1.0), (9.0, 0.0, 1.0)])
 def test_a_stem_slips_first_where_op_leaves_its_band(f_s, rest, direction):
     op = np.array([1.0, 1.5, 3.0, -4.0]) if rest == 0.0 else np.array([3.0, 2.5, 1.0, 9.0])
-    assert first_direction(op, f_s, rest) == direction
+    assert first_slip(op, 2 * f_s, rest + f_s)[1] == direction
 
 
 @pytest.mark.parametrize("span", [1e-3, 1e3])

@@ -252,6 +252,52 @@ def best_process(
     return best, best_q, best_i
 
 
+class Room(NamedTuple):
+    """Room for what a score needs, so that scores of one bank at the same delays share it."""
+
+    means: FloatArray
+    at: NDArray[np.int64]
+    by: FloatArray
+    response: FloatArray
+    covariance: FloatArray
+    every: NDArray[np.int64]
+    """The places of all processes."""
+
+
+@kernel
+def room_for(bank: Bank, delays: NDArray[np.int64]) -> Room:
+    """Return room for the bank at these delays."""
+    m = bank.op.size // bank.block
+    k = bank.poles.size
+    return Room(
+        np.empty(m),
+        np.empty(m, np.int64),
+        np.empty(m),
+        np.empty((4, delays.size, k)),
+        np.empty((delays.size, k)),
+        np.arange(k),
+    )
+
+
+@kernel
+def best_share(
+    position: FloatArray, bank: Bank, delays: NDArray[np.int64], least_moves: int, room: Room
+) -> tuple[float, int]:
+    """Return the share of PV that the best process explains behind a position, and its place, process first.
+
+    0 where the position (n,) moves less often than ``least_moves``; ``delays`` in blocks, ascending.
+    """
+    moves = moves_of(position, bank.block, room.means, room.at, room.by)
+    if moves < least_moves:
+        return 0.0, 0
+    response_sums(
+        room.means, bank.keep, bank.poles, bank.second, bank.gains, delays, bank.burn, room.response
+    )
+    covariances(room.at, room.by, moves, bank.sums, room.every, delays, room.covariance)
+    best, q, pole = best_process(room.response, room.covariance, delays, bank)
+    return best, pole * delays.size + q
+
+
 @kernel
 def best_between(
     response: FloatArray, covariance: FloatArray, delays: NDArray[np.int64], bank: Bank

@@ -6,7 +6,6 @@ along.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,10 +28,11 @@ from agent.analysis.quantify.free_run.objective import (
     STEM_HIGH,
     STEM_LOW,
     S,
+    stem_of,
+    valve_of,
 )
 from agent.analysis.quantify.free_run.problem import from_blocks, to_blocks
 from agent.jit import kernel
-from agent.physics.valves.damped_stem import damped_stem
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
@@ -82,12 +82,7 @@ def climb(
         delays = np.arange(low, low + 2 * DELAYS_AROUND)
         response = np.empty((4, delays.size, around.size))
         covariance = np.empty((delays.size, around.size))
-        f_s = trial[S] * (1.0 + trial[J_RATIO]) / 2.0
-        f_d = trial[S] * (1.0 - trial[J_RATIO]) / 2.0
-        x0 = trial[LEVEL] - trial[FIRST] * f_s
-        position = damped_stem(
-            bank.op, f_s, f_d, x0, math.exp(trial[6]), math.exp(trial[7]), math.exp(trial[8])
-        )
+        position = stem_of(valve_of(trial), bank.op)
         moves = moves_of(position, bank.block, means, at, by)
         response_sums(
             means,

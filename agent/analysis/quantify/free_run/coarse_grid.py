@@ -12,14 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.bank import (
-    Bank,
-    bank,
-    best_process,
-    covariances,
-    moves_of,
-    response_sums,
-)
+from agent.analysis.quantify.free_run.bank import Bank, bank, best_share, room_for
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FIRST,
@@ -52,6 +45,8 @@ TAUS = 7
 RATIOS = np.array([0.0, 0.6])
 S_BINS = 16
 PER_BIN = 5
+LEAST_MOVES = 3
+"""Of a valve that is looked at."""
 
 
 def coarse_candidates(
@@ -172,15 +167,9 @@ def scan(
     high = early_op.max()
     scores = np.zeros(shape)
     places = np.zeros(shape, np.int64)
-    m = bank.op.size // bank.block
     meeting = min(bank.op.size, int(1.5 * period))
-    means = np.empty(m)
-    at = np.empty(m, np.int64)
-    by = np.empty(m)
-    response = np.empty((4, delays.size, bank.poles.size))
-    covariance = np.empty((delays.size, bank.poles.size))
+    room = room_for(bank, delays)
     met = np.empty(int((high - low) / level_step) + 4)
-    every = np.arange(bank.poles.size)
     for k in range(stems.shape[0]):
         for i in range(s_values.size):
             for j in range(j_ratios.size):
@@ -205,16 +194,7 @@ def scan(
                     met[n_met] = early[-1]
                     n_met += 1
                     position = damped_stem(bank.op, f_s, f_d, x0, stems[k, 0], stems[k, 1], stems[k, 2])
-                    moves = moves_of(position, bank.block, means, at, by)
-                    if moves < 3:
-                        continue
-                    response_sums(
-                        means, bank.keep, bank.poles, bank.second, bank.gains, delays, bank.burn, response
-                    )
-                    covariances(at, by, moves, bank.sums, every, delays, covariance)
-                    best, q, pole = best_process(response, covariance, delays, bank)
+                    best, place = best_share(position, bank, delays, LEAST_MOVES, room)
                     if best > scores[k, i, j]:
-                        scores[k, i, j] = best
-                        places[k, i, j] = pole * delays.size + q
-                        levels[k, i, j] = up
+                        scores[k, i, j], places[k, i, j], levels[k, i, j] = best, place, up
     return scores, places, levels

@@ -34,7 +34,10 @@ STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 
 @dataclass(frozen=True, slots=True)
 class Fitted:
-    """A candidate with its structure and its free-run sum of squares, PV units squared."""
+    """A candidate with its structure and its sum of squares, PV units squared.
+
+    Of the free run; in the search by shots that of the shots, with what the set-off stems cost.
+    """
 
     error: float
     structure: int
@@ -53,7 +56,12 @@ def by_error(fits: Sequence[Fitted]) -> list[Fitted]:
 
 def searched(structure: int, problem: Problem) -> list[int]:
     """Return the coordinates of the process that are searched."""
-    return [a for a in SEARCHED[structure] if not (a == DELAY and problem.fixed_delay > 0)]
+    return not_given(SEARCHED[structure], problem)
+
+
+def not_given(axes: Sequence[int], problem: Problem) -> list[int]:
+    """Return the coordinates without the delay where the user gave it."""
+    return [axis for axis in axes if not (axis == DELAY and problem.fixed_delay > 0)]
 
 
 def restart(fitted: Fitted, structure: int, problem: Problem) -> Fitted:

@@ -39,22 +39,43 @@ STEM_HIGH = (math.log(0.9), math.log(0.5), math.log(0.3))
 """Bounds of damping, supply and rest of every other stem."""
 
 
+class Valve(NamedTuple):
+    """What ``damped_stem`` takes beside OP."""
+
+    f_s: float
+    f_d: float
+    x0: float
+    damping: float
+    supply: float
+    rest: float
+
+
 @kernel
-def valve_position(candidate: FloatArray, problem: Problem) -> FloatArray:
-    """Return the stem position of a candidate's valve, OP units, (n,)."""
-    if candidate[S] == 0.0:
-        return problem.op
+def valve_of(candidate: FloatArray) -> Valve:
+    """Return the valve of a candidate that sticks."""
     f_s = candidate[S] * (1.0 + candidate[J_RATIO]) / 2.0
-    f_d = candidate[S] * (1.0 - candidate[J_RATIO]) / 2.0
-    return damped_stem(
-        problem.op,
+    return Valve(
         f_s,
-        f_d,
+        candidate[S] * (1.0 - candidate[J_RATIO]) / 2.0,
         candidate[LEVEL] - candidate[FIRST] * f_s,
         math.exp(candidate[LOG_DAMPING]),
         math.exp(candidate[LOG_SUPPLY]),
         math.exp(candidate[LOG_REST]),
     )
+
+
+@kernel
+def stem_of(valve: Valve, op: FloatArray) -> FloatArray:
+    """Return the stem position that ``op`` (n,) causes, OP units, (n,)."""
+    return damped_stem(op, valve.f_s, valve.f_d, valve.x0, valve.damping, valve.supply, valve.rest)
+
+
+@kernel
+def valve_position(candidate: FloatArray, problem: Problem) -> FloatArray:
+    """Return the stem position of a candidate's valve, OP units, (n,)."""
+    if candidate[S] == 0.0:
+        return problem.op
+    return stem_of(valve_of(candidate), problem.op)
 
 
 class Process(NamedTuple):

@@ -16,22 +16,18 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agent.analysis.quantify.free_run.objective import (
-    FIRST,
     IMPOSSIBLE,
     INTEGRATOR,
-    J_RATIO,
-    LEVEL,
-    LOG_DAMPING,
-    LOG_REST,
-    LOG_SUPPLY,
     LOG_TAU,
     Process,
     S,
+    Valve,
     at_rest,
     fit_gain,
     in_bounds,
     process_of,
     respond,
+    valve_of,
 )
 from agent.analysis.quantify.free_run.problem import Problem
 from agent.jit import kernel
@@ -103,63 +99,79 @@ def shot_error(
     return max(0.0, error) + shots.price * aim.variance * count, count
 
 
+class Shot(NamedTuple):
+    """One shot, as it stands where its stem rests."""
+
+    t: int
+    """Sample with which it goes on."""
+    begin: int
+    """First block that it moves."""
+    state: FloatArray
+    """Of the stem (``stem_at``), (5,)."""
+    memory: FloatArray
+    """Of the process (``at_rest``), (4,)."""
+    valve: Valve
+    process: Process
+
+
 @kernel
 def shoot(
     candidate: FloatArray, structure: int, problem: Problem, aim: Aim, shots: Shots, track: Track
 ) -> int:
     """Fill the track shot by shot and return how often the stem was set off."""
-    s = candidate[S]
-    f_s, f_d = s * (1.0 + candidate[J_RATIO]) / 2.0, s * (1.0 - candidate[J_RATIO]) / 2.0
-    bands = (f_s, f_s, f_d)
-    stem = (
-        math.exp(candidate[LOG_DAMPING]),
-        math.exp(candidate[LOG_SUPPLY]),
-        math.exp(candidate[LOG_REST]),
-    )
-    op, block, m = problem.op, problem.block, problem.pv.size
+    block, m = problem.block, problem.pv.size
     n = m * block
     length = int(shots.periods * problem.period)
+    valve = valve_of(candidate)
     process = process_of(candidate, structure, block, problem.keep, m)
     track.response[: process.whole] = 0.0
-    state = stem_at(candidate[LEVEL] - candidate[FIRST] * f_s, op[0])
-    t = strokes(op, 0, n, state, bands, stem, track.position, block)
+    state = stem_at(valve.x0, problem.op[0])
+    t = move(valve, problem, 0, n, state, track.position, block)
     memory = at_rest(track.position, block)
-    b = blocks_before(t, n, block)
-    respond(track.position, 0, b, process, memory, track.response)
+    begin = blocks_before(t, n, block)
+    respond(track.position, 0, begin, process, memory, track.response)
     count = 0
     while t < n:
-        ahead, recalled = state.copy(), memory.copy()
-        end = strokes(op, t, n, ahead, bands, stem, track.position, t + length)
-        last = blocks_before(end, n, block)
-        respond(track.position, b, last, process, recalled, track.response)
-        error = squares(track.response, b, last, process, problem, aim, np.inf)
-        usual = aim.variance * (last - b)
-        if last - b >= LEAST_BLOCKS and error > max(TOO_LARGE * usual, shots.price * aim.variance) > 0.0:
-            shift = best_shift(
-                t,
-                b,
-                last,
-                state,
-                memory,
-                s,
-                error - shots.price * aim.variance,
-                bands,
-                stem,
-                process,
-                problem,
-                aim,
-                track,
-            )
+        shot = Shot(t, begin, state.copy(), memory.copy(), valve, process)
+        next_t, end = go_on(shot, state, memory, length, problem, track)
+        error = squares(track.response, begin, end, process, problem, aim)
+        usual = aim.variance * (end - begin)
+        price = shots.price * aim.variance
+        if end - begin >= LEAST_BLOCKS and error > max(TOO_LARGE * usual, price) > 0.0:
+            shift = best_shift(shot, end, candidate[S], error - price, problem, aim, track)
             if shift != 0.0:
                 count += 1
+                state[:], memory[:] = shot.state, shot.memory
                 state[0] += shift
                 track.position[t - 1] = state[0]
-                ahead, recalled = state.copy(), memory.copy()
-                end = strokes(op, t, n, ahead, bands, stem, track.position, t + length)
-                last = blocks_before(end, n, block)
-                respond(track.position, b, last, process, recalled, track.response)
-        state, memory, b, t = ahead, recalled, last, end
+                next_t, end = go_on(shot, state, memory, length, problem, track)
+        begin, t = end, next_t
     return count
+
+
+@kernel
+def move(
+    valve: Valve, problem: Problem, begin: int, end: int, state: FloatArray, position: FloatArray, until: int
+) -> int:
+    """Move a stem on from ``begin`` to ``end``, as ``strokes`` does, and return where it goes on."""
+    bands = (valve.f_s, valve.f_s, valve.f_d)
+    stem = (valve.damping, valve.supply, valve.rest)
+    return strokes(problem.op, begin, end, state, bands, stem, position, until)
+
+
+@kernel
+def go_on(
+    shot: Shot, state: FloatArray, memory: FloatArray, length: int, problem: Problem, track: Track
+) -> tuple[int, int]:
+    """Move stem and process on to the first rest after ``length`` samples, into the track.
+
+    Returns the sample and the block with which they go on.
+    """
+    n = problem.pv.size * problem.block
+    t = move(shot.valve, problem, shot.t, n, state, track.position, shot.t + length)
+    end = blocks_before(t, n, problem.block)
+    respond(track.position, shot.begin, end, shot.process, memory, track.response)
+    return t, end
 
 
 @kernel
@@ -170,53 +182,34 @@ def blocks_before(t: int, n: int, block: int) -> int:
 
 @kernel
 def squares(
-    response: FloatArray, begin: int, end: int, process: Process, problem: Problem, aim: Aim, limit: float
+    response: FloatArray, begin: int, end: int, process: Process, problem: Problem, aim: Aim
 ) -> float:
-    """Return the sum of squares that the blocks ``begin`` to ``end`` of the valve cause.
-
-    PV units squared; infinite above ``limit``.
-    """
+    """Return the sum of squares that the blocks ``begin`` to ``end`` of the valve cause, PV units squared."""
     error = 0.0
     for b in range(begin + process.whole, min(end + process.whole, response.size)):
         error += ((aim.target[b] - aim.gain * response[b]) * problem.weight[b]) ** 2
-    return error if error <= limit else np.inf
+    return error
 
 
 @kernel
 def best_shift(
-    t: int,
-    begin: int,
-    end: int,
-    state: FloatArray,
-    memory: FloatArray,
-    s: float,
-    least: float,
-    bands: tuple[float, float, float],
-    stem: tuple[float, float, float],
-    process: Process,
-    problem: Problem,
-    aim: Aim,
-    track: Track,
+    shot: Shot, end: int, s: float, least: float, problem: Problem, aim: Aim, track: Track
 ) -> float:
-    """Return how far from its rest in sample t - 1 the stem best is, OP units.
+    """Return how far from its rest the stem best is, OP units, by the errors up to the block ``end``.
 
-    0 where no error is below ``least``.
+    0 where none of them is below ``least``.
     """
     best = 0.0
     for part in OFFSETS:
         for shift in (part * s, -part * s):
-            error = shifted(
-                t, begin, end, state, memory, shift, least, bands, stem, process, problem, aim, track
-            )
+            error = shifted(shot, end, shift, least, problem, aim, track)
             if error < least:
                 best, least = shift, error
     step = 0.5 * abs(best)
     for _ in range(HALVINGS if best != 0.0 else 0):
         centre = best
         for shift in (centre + step, centre - step):
-            error = shifted(
-                t, begin, end, state, memory, shift, least, bands, stem, process, problem, aim, track
-            )
+            error = shifted(shot, end, shift, least, problem, aim, track)
             if error < least:
                 best, least = shift, error
         step *= 0.5
@@ -225,36 +218,23 @@ def best_shift(
 
 @kernel
 def shifted(
-    t: int,
-    begin: int,
-    end: int,
-    state: FloatArray,
-    memory: FloatArray,
-    shift: float,
-    limit: float,
-    bands: tuple[float, float, float],
-    stem: tuple[float, float, float],
-    process: Process,
-    problem: Problem,
-    aim: Aim,
-    track: Track,
+    shot: Shot, end: int, shift: float, limit: float, problem: Problem, aim: Aim, track: Track
 ) -> float:
     """Return the sum of squares of a shot with the stem set off, infinite once above ``limit``."""
-    block = problem.block
+    block, begin, t = problem.block, shot.begin, shot.t
     position, response = track.tried_position, track.tried_response
-    moved, recalled = state.copy(), memory.copy()
-    moved[0] += shift
+    state, memory = shot.state.copy(), shot.memory.copy()
+    state[0] += shift
     position[begin * block : t - 1] = track.position[begin * block : t - 1]
-    position[t - 1] = moved[0]
+    position[t - 1] = state[0]
     error = 0.0
-    done = t
     for first in range(begin, end, CHUNK):
         last = min(end, first + CHUNK)
-        if last * block > done:
-            strokes(problem.op, done, last * block, moved, bands, stem, position, problem.op.size)
-            done = last * block
-        respond(position, first, last, process, recalled, response)
-        error += squares(response, first, last, process, problem, aim, limit)
+        if last * block > t:
+            move(shot.valve, problem, t, last * block, state, position, problem.op.size)
+            t = last * block
+        respond(position, first, last, shot.process, memory, response)
+        error += squares(response, first, last, shot.process, problem, aim)
         if error > limit:
             return np.inf
     return error

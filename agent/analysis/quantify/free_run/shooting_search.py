@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.fitted import STEP, searched
+from agent.analysis.quantify.free_run.fitted import STEP, Fitted, by_error, searched
 from agent.analysis.quantify.free_run.problem import first_periods
 from agent.analysis.quantify.free_run.random_shots import random_shots
 from agent.analysis.quantify.free_run.shooting import Shots
@@ -20,9 +20,7 @@ from agent.analysis.quantify.free_run.shooting import Shots
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray
 
 
 class Stage(NamedTuple):
@@ -49,31 +47,25 @@ JOINS = 2
 """Stage that the best of the other search joins."""
 
 
-class Shot(NamedTuple):
-    """A candidate and its error of shots, PV units squared, of the last stage but one."""
-
-    error: float
-    structure: int
-    candidate: FloatArray
-
-
 def shot(
     starts: Sequence[Fitted], other: Fitted, problem: Problem, rng: np.random.Generator
-) -> tuple[Shot | None, list[Shot]]:
+) -> tuple[Fitted | None, list[Fitted]]:
     """Return the best by shots, and those that may fit the free run; ``other`` is the best by free run."""
-    found = [Shot(f.error, f.structure, f.candidate) for f in starts[:STARTS]]
+    found = list(starts[:STARTS])
     for number, stage in enumerate(STAGES):
         if number == JOINS:
-            found.append(Shot(other.error, other.structure, other.candidate))
+            found.append(other)
         found = compared(found, stage, problem, rng)
     return (found[0] if found else None), compared(found, LAST, problem, rng)
 
 
-def compared(shots: Sequence[Shot], stage: Stage, problem: Problem, rng: np.random.Generator) -> list[Shot]:
-    """Return the best of a stage, best first."""
+def compared(
+    fits: Sequence[Fitted], stage: Stage, problem: Problem, rng: np.random.Generator
+) -> list[Fitted]:
+    """Return the best of a stage with their errors of shots, best first."""
     part = problem if math.isinf(stage.periods) else first_periods(problem, stage.periods)
     lowered = []
-    for each in shots:
+    for each in fits:
         candidate, error = random_shots(
             each.candidate,
             stage.scale,
@@ -85,6 +77,5 @@ def compared(shots: Sequence[Shot], stage: Stage, problem: Problem, rng: np.rand
             stage.evaluations,
             rng,
         )
-        if math.isfinite(error):
-            lowered.append(Shot(float(error), each.structure, candidate))
-    return sorted(lowered, key=lambda each: each.error)[: stage.kept]
+        lowered.append(Fitted(float(error), each.structure, candidate))
+    return by_error(lowered)[: stage.kept]
