@@ -45,6 +45,22 @@ def plant(tmp_path):
     return path
 
 
+def test_only_libraries_of_its_own_buses_are_loaded(plant):
+    program = """if True:
+        import sys
+        from pathlib import Path
+        import agent.runtime.agent, agent.runtime.http, agent.runtime.reload
+        from agent.settings import load_settings
+        load_settings(Path(sys.argv[1]))  # which makes the connectors
+        libraries = ("pymodbus", "asyncua", "aiomqtt", "google.protobuf")
+        print(*(each for each in libraries if each in sys.modules))
+    """
+    loaded = subprocess.run(
+        [sys.executable, "-c", program, plant], capture_output=True, text=True, check=True
+    )
+    assert loaded.stdout.split() == ["pymodbus"]
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_run_ends_well_within_five_seconds_of_a_signal(plant, number):
     with subprocess.Popen(
@@ -62,7 +78,7 @@ def test_run_ends_well_within_five_seconds_of_a_signal(plant, number):
         assert process.wait(timeout=10) == 0
         assert time.monotonic() - began < 5
     assert "watching 1 loops on 1 connections" in said[0]
-    assert "stopped" in said[-1]
+    assert "stopped" in said[-1], "".join(said)
     assert "Traceback" not in "".join(said)
 
 
