@@ -62,11 +62,18 @@ class Connection:
         self._obey = obey
         self._interrupted = interrupted
         self._data_age = data_age
+        self._malformed_before = 0
+
+    def count_on(self, former: Connection) -> None:
+        """Let the counters go on from those of the connection that this one takes the place of."""
+        self.health.count_on(former.health)
+        self._malformed_before = former.malformed
 
     @property
     def malformed(self) -> int:
         """Messages that could not be read, since the start; 0 on buses that have none of their own kind."""
-        return self._connector.malformed if isinstance(self._connector, CountsMalformed) else 0
+        now = self._connector.malformed if isinstance(self._connector, CountsMalformed) else 0
+        return self._malformed_before + now
 
     async def attempt(self) -> None:
         """Open a fresh session and use it until it fails."""

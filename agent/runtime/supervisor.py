@@ -13,7 +13,7 @@ from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NoReturn, TypeVar
 
-from connectors.base import ConnectionLostError
+from connectors.base import AccessDeniedError, ConnectionLostError
 from connectors.cancellation import obey_cancellation
 
 LOG = logging.getLogger(__name__)
@@ -46,8 +46,8 @@ class Health:
 
     problem: str = ""
     """What is wrong now, as last logged."""
-    told: set[type[ConnectionLostError]] = field(default_factory=set)
-    """Kinds of losses that were logged since it worked."""
+    told: set[bool] = field(default_factory=set)
+    """Losses that were logged since it worked: False, that the peer is gone; True, that it denies access."""
     about: Mapping[str, str] = field(default_factory=dict)
     """What it is about, for the log: {"connection": NAME} or {"loop": NAME}."""
     signs: dict[str, float] = field(default_factory=dict)
@@ -64,6 +64,11 @@ class Health:
         """Return what should have been done by ``now`` (s of the event loop's clock); None where all was."""
         return next((sign for sign, due in self.signs.items() if due < now), None)
 
+    def count_on(self, former: Health) -> None:
+        """Let the counters go on from those of the work that this one takes the place of."""
+        self.losses += former.losses
+        self.faults += former.faults
+
     def works(self) -> None:
         """Say that it does what it should; logged when it did not before."""
         self.worked = True
@@ -78,8 +83,9 @@ class Health:
         Being denied is logged although it was gone before: that does not pass by itself.
         """
         self.losses += 1
-        if type(error) not in self.told:
-            self.told.add(type(error))
+        denied = isinstance(error, AccessDeniedError)
+        if denied not in self.told:
+            self.told.add(denied)
             self.problem = str(error)
             LOG.warning("%s is down: %s", self.name, error, extra={"event": "down", **self.about})
         self._failed()

@@ -100,8 +100,7 @@ class Wiring:
         self.pipelines.clear()  # the same object still: others look loops up in it
         self.pipelines |= {loop.name: changed.get(loop.name) or former[loop.name] for loop in settings.loops}
         self.health = {
-            name: Health(f"loop {name}", about={"loop": name}) if name in changed else self.health[name]
-            for name in self.pipelines
+            name: self._loop_health(name) if name in changed else self.health[name] for name in self.pipelines
         }
         if at_work:
             for pipeline in self.pipelines.values():
@@ -149,4 +148,13 @@ class Wiring:
                 pipeline.window.interrupt()
 
         obey = functools.partial(self.orders.obey, name) if connector.takes_orders else None
-        return Connection(connector, outbox, deliver if read() else None, interrupted, data_age, obey)
+        made = Connection(connector, outbox, deliver if read() else None, interrupted, data_age, obey)
+        if name in self.connections:
+            made.count_on(self.connections[name])
+        return made
+
+    def _loop_health(self, loop: str) -> Health:
+        made = Health(f"loop {loop}", about={"loop": loop})
+        if loop in self.health:
+            made.count_on(self.health[loop])
+        return made

@@ -349,8 +349,11 @@ def test_the_longest_wait_can_be_chosen():
 
 
 def test_being_denied_is_told_though_the_peer_was_gone_before(caplog):
+    class CertificateError(AccessDeniedError):
+        """Which some bus may tell apart."""
+
     faults = iter([ConnectionLostError("refused"), AccessDeniedError("wrong password; check it")])
-    last = AccessDeniedError("wrong password; check it")
+    last = CertificateError("wrong certificate")
     bus = FakeBus(lambda _: iter([next(faults, last)]))
     virtual(worked(agent_of(bus), 600.0))
     assert len(bus.opened) > 100

@@ -10,7 +10,7 @@ from agent.runtime.agent import Agent
 from agent.runtime.plan import difference
 from agent.runtime.workers import InlineExecutor
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, Settings, settings_of
-from connectors.base import WITHDRAWN, ConfigError
+from connectors.base import WITHDRAWN, ConfigError, ConnectionLostError
 from connectors.options import Options, Target
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import loop_settings
@@ -85,11 +85,14 @@ def test_a_connection_that_changed_is_opened_anew_and_its_loops_keep_their_windo
     old, new, other = bus("a", "A1", "A2"), bus("a", "A1", "A2"), bus("b", "B1")
     new.opened.append(0.0)  # it plays on where the former one was, with a source time that goes on
     new.source = lambda _: stream(["A1", "A2"], 600)(1)
-    _, first, second, _ = virtual(reloaded(BEFORE, after, [old, other], [new, bus("b")]))
+    old.source = lambda n: [ConnectionLostError("reset")] if n == 0 else stream(["A1", "A2"], 5000)(0)
+    old.malformed, new.malformed = 3, 4
+    _, first, second, overview = virtual(reloaded(BEFORE, after, [old, other], [new, bus("b")]))
     assert (old.open, len(other.opened)) == (0, 1)
     assert second["A1"].samples == first["A1"].samples + 8
     assert second["B1"].samples == first["B1"].samples + 6
     assert second["A1"].gaps == 99  # the window goes on, and what nobody heard is a gap in it
+    assert [(each.losses, each.malformed) for each in overview.connections] == [(1, 7), (0, 0)]
 
 
 def test_a_loop_that_went_leaves_no_task_and_its_alarm_is_there_when_it_comes_back():
