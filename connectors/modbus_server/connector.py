@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 
 from connectors.base import ConfigError, ConnectionLostError, Order, Publication, Session, TargetReport
 from connectors.cancellation import obey_cancellation
+from connectors.malformed import Malformed
 from connectors.modbus_server import register_map as at
 from connectors.modbus_server.image import Image
 from connectors.modbus_server.listening import listening
@@ -33,11 +34,17 @@ class ModbusServerConnector:
         """In the order of their blocks."""
         self._options = options
         self._image = Image(self.loops, options.order, takes_orders=options.orders)
+        self._malformed = Malformed("Modbus server")
+
+    @property
+    def malformed(self) -> int:
+        """What clients sent that could not be read, since the start."""
+        return self._malformed.count
 
     @asynccontextmanager
     async def session(self) -> AsyncIterator[Session]:
         """Listen; raises ConnectionLostError where the port is taken, AccessDeniedError."""
-        async with listening(self._options, self._image) as server:
+        async with listening(self._options, self._image, self._malformed) as server:
             yield ModbusServerSession(server, self._image, self.loops)
 
 

@@ -16,6 +16,7 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 from connectors.base import ConnectionLostError
+from connectors.malformed import Malformed
 from connectors.modbus_server.image import Image
 from connectors.modbus_server.options import ModbusServerOptions
 from connectors.modbus_server.pdu import answer
@@ -34,22 +35,22 @@ _TARGET_FAILED = 0x0B
 class Clients:
     """All connections of one server."""
 
-    def __init__(self, options: ModbusServerOptions, image: Image) -> None:
-        self.malformed = 0
-        """Connections that were dropped because they do not speak Modbus."""
+    def __init__(self, options: ModbusServerOptions, image: Image, malformed: Malformed) -> None:
         self.turned_away = 0
         """Those that may not connect, or were too many."""
         self._options = options
         self._image = image
+        self._malformed = malformed
         self._open: dict[asyncio.Task[None] | None, asyncio.StreamWriter] = {}
         self._told: set[str] = set()
 
     async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Answer one client until it goes, is silent for too long or speaks nonsense."""
         task: asyncio.Task[None] | None = asyncio.current_task()
-        address = str(writer.get_extra_info("peername")[0])
+        peer = writer.get_extra_info("peername")  # None where it was gone before we looked
+        address = "" if peer is None else str(peer[0])
         try:
-            if not self._may_connect(address):
+            if peer is None or not self._may_connect(address):
                 return
             self._open[task] = writer
             await self._converse(reader, writer, _name(writer, address))
@@ -73,16 +74,24 @@ class Clients:
         while True:
             async with asyncio.timeout(self._options.idle):
                 first = await reader.readexactly(1)
-            async with asyncio.timeout(_READ_WITHIN):
-                head = first + await reader.readexactly(_HEADER.size - 1)
-                transaction, protocol, length, unit = _HEADER.unpack(head)
-                if protocol != 0 or not 2 <= length <= _LONGEST:
-                    self.malformed += 1
-                    self._tell(f"{name} does not speak Modbus TCP and is dropped")
-                    return
-                request = await reader.readexactly(length - 1)
+            try:
+                async with asyncio.timeout(_READ_WITHIN):
+                    head = first + await reader.readexactly(_HEADER.size - 1)
+                    transaction, protocol, length, unit = _HEADER.unpack(head)
+                    if protocol != 0 or not 2 <= length <= _LONGEST:
+                        self._malformed.note(name, "does not speak Modbus TCP and is dropped")
+                        return
+                    request = await reader.readexactly(length - 1)
+            except (asyncio.IncompleteReadError, TimeoutError):
+                self._malformed.note(name, "does not end what it asks for and is dropped")
+                raise
             if self._options.unit in (None, unit):
-                said = answer(request, self._image, name)
+                said = answer(
+                    request,
+                    self._image,
+                    name,
+                    lambda: self._malformed.note(name, "asks for what is no request to this server"),
+                )
             else:
                 said = bytes([request[0] | 0x80, _TARGET_FAILED])
             writer.write(_HEADER.pack(transaction, 0, len(said) + 1, unit) + said)
@@ -108,10 +117,12 @@ class Clients:
 
 
 @asynccontextmanager
-async def listening(options: ModbusServerOptions, image: Image) -> AsyncIterator[asyncio.Server]:
+async def listening(
+    options: ModbusServerOptions, image: Image, malformed: Malformed
+) -> AsyncIterator[asyncio.Server]:
     """Let clients come in; raises ConnectionLostError, AccessDeniedError."""
     tls = None if options.tls is None else options.tls.context()
-    clients = Clients(options, image)
+    clients = Clients(options, image, malformed)
     try:
         server = await asyncio.start_server(
             clients.serve,

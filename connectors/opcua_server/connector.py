@@ -11,6 +11,7 @@ from asyncua import Server, ua
 
 from connectors.base import WITHDRAWN, Order, Publication, Session, TargetReport
 from connectors.cancellation import obey_cancellation
+from connectors.malformed import Malformed
 from connectors.opcua_server.agent_view import AgentView
 from connectors.opcua_server.commands import Commands
 from connectors.opcua_server.condition import Condition
@@ -43,6 +44,12 @@ class OpcUaServerConnector:
         self._options = options
         self._loops = loops
         self._newest: dict[str, Publication] = {}
+        self._malformed = Malformed("OPC UA server")
+
+    @property
+    def malformed(self) -> int:
+        """What clients sent that could not be read, since the start."""
+        return self._malformed.count
 
     @property
     def opens_within(self) -> float:
@@ -52,7 +59,7 @@ class OpcUaServerConnector:
     @asynccontextmanager
     async def session(self) -> AsyncIterator[Session]:
         """Listen; raises ConnectionLostError where the port is taken, AccessDeniedError."""
-        server = await prepared(self.name, self._options)
+        server = await prepared(self.name, self._options, self._malformed)
         session = await served(server, self._options, self._loops, self._newest)
         async with listening(server, self._options):
             yield session

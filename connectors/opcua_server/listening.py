@@ -12,14 +12,16 @@ from asyncua import Server, ua
 from cryptography.hazmat.primitives.serialization import Encoding
 
 from connectors.base import ConnectionLostError
+from connectors.malformed import Malformed
 from connectors.opcua.credentials import application_uri, certificate_in, private_key_in
 from connectors.opcua_server.access import Access
 from connectors.opcua_server.caller import CallerServer
 from connectors.opcua_server.options import OpcUaServerOptions
+from connectors.opcua_server.strict import StrictServer
 
 _LOG = logging.getLogger(__name__)
 _MOST_BYTES = 8 * 2**20
-"""What may wait for a client that does not read, or of a message that does not end, bytes."""
+"""What may wait for a client that does not read, bytes."""
 _MOST_SUBSCRIPTIONS = 200
 _LONGEST_QUEUE = 1000
 """Values or events that may wait for a monitored item."""
@@ -31,12 +33,12 @@ _MESSAGE = 2**20
 """Largest message that a client may send, bytes."""
 
 
-async def prepared(name: str, options: OpcUaServerOptions) -> Server:
+async def prepared(name: str, options: OpcUaServerOptions, malformed: Malformed) -> Server:
     """Return a server with the standard address space; raises ConnectionLostError, AccessDeniedError."""
     with _as_connection_lost(options):
         _try_port(options)  # loading the standard address space takes a second, finding this out takes none
     internal = CallerServer(user_manager=Access(options))
-    server = Server(iserver=internal)
+    server = StrictServer(malformed, iserver=internal)
     server.name, server.product_uri, server.manufacturer_name = f"slipjump {name}", "urn:slipjump", "slipjump"
     server.application_type = ua.ApplicationType.Server
     _bound(server, options)
@@ -64,12 +66,8 @@ def look_after(server: Server) -> None:
     if listener is None or not listener.is_serving():
         raise ConnectionLostError("the OPC UA server no longer listens")
     for client in list(server.bserver.clients):
-        unread = client.transport.get_write_buffer_size()
-        unfinished = len(client._buffer)  # noqa: SLF001
-        if max(unread, unfinished) > _MOST_BYTES:
-            _LOG.warning(
-                "OPC UA server: client %s is dropped, it does not read or does not end", client.peer_name
-            )
+        if client.transport.get_write_buffer_size() > _MOST_BYTES:
+            _LOG.warning("OPC UA server: client %s is dropped, it does not read", client.peer_name)
             client.transport.abort()
 
 

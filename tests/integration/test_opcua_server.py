@@ -294,11 +294,8 @@ async def test_what_a_client_may_ask_for_is_bounded(served, monkeypatch):
 
 
 async def test_a_client_that_sends_without_end_is_dropped(served):
-    server = served.session._server
     reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
-    writer.write(b"HELF" + struct.pack("<I", 2**31) + bytes(9 * 2**20))
-    await until(lambda: any(len(client._buffer) > 8 * 2**20 for client in server.bserver.clients), 30.0)
-    look_after(server)
+    writer.write(b"HELF" + struct.pack("<I", 2**31) + bytes(2**20))
     with contextlib.suppress(ConnectionError):
         assert await reader.read() == b""
     writer.close()

@@ -177,7 +177,7 @@ def test_nothing_else_can_be_written(address, values, code):
 def test_without_orders_every_write_is_an_unknown_function():
     served = image(takes_orders=False)
     for request in (b"\x05\x00\x00\xff\x00", b"\x06\x00\x26\x00\x01", b"\x0f\x00\x00\x00\x01\x01\x01"):
-        assert answer(request, served, "modbus a") == bytes([request[0] | 0x80, 1])
+        assert answered(request, served) == (bytes([request[0] | 0x80, 1]), 0)
     assert served.oldest() is None
 
 
@@ -204,6 +204,13 @@ def test_every_place_of_the_map_is_there_once_and_nothing_lies_over_another():
             assert ("register", address) not in writable
         else:
             assert ("register", address) in writable
+
+
+def answered(request, served):
+    """The answer, and how often the request was told to be none."""
+    malformed = []
+    said = answer(request, served, "modbus a", lambda: malformed.append(1))
+    return said, len(malformed)
 
 
 def asked(function, *words, data=b""):
@@ -234,13 +241,14 @@ def asked(function, *words, data=b""):
     ],
 )
 def test_requests_and_answers_byte_by_byte(request_, said):
-    assert answer(request_, image(), "modbus a") == said
+    is_no_request = said[0] >= 0x80 and said[1] != 2
+    assert answered(request_, image()) == (said, is_no_request)
 
 
 @given(st.binary(min_size=1, max_size=253))
 @example(b"\xff")
 @example(b"\x10" + b"\xff" * 252)
 def test_no_bytes_break_it_and_every_answer_fits_a_frame(request_):
-    said = answer(request_, image(), "modbus a")
+    said, _ = answered(request_, image())
     assert said[0] & 0x7F == request_[0] & 0x7F
     assert 2 <= len(said) <= 253

@@ -1,0 +1,26 @@
+"""What a server's clients send that cannot be read: counted, and told in the log when it is new."""
+
+from __future__ import annotations
+
+import logging
+
+_LOG = logging.getLogger(__name__)
+_MOST = 100
+"""Lines in the log: clients can come from as many addresses as they like."""
+
+
+class Malformed:
+    """Counts over all sessions of a server."""
+
+    def __init__(self, where: str) -> None:
+        self.count = 0
+        """Messages that could not be read."""
+        self._where = where
+        self._told: set[tuple[str, str]] = set()
+
+    def note(self, client: str, what: str) -> None:
+        """Count a message; logged where ``client`` sends one of this kind for the first time."""
+        self.count += 1
+        if (client, what) not in self._told and len(self._told) < _MOST:
+            self._told.add((client, what))
+            _LOG.warning("%s: %s %s", self._where, client, what)
