@@ -62,7 +62,7 @@ class StrictProtocol(OPCUAProtocol):  # type: ignore[misc]
         )
         self._malformed = malformed
         self._buffer: bytes
-        self.processor: UaProcessor | None
+        self.processor: StrictProcessor | None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Let the client in, or turn it away where there are too many."""
@@ -81,7 +81,7 @@ class StrictProtocol(OPCUAProtocol):  # type: ignore[misc]
 
     def connection_lost(self, ex: BaseException | None) -> None:
         """Note a client that went amid a message."""
-        if self._buffer:
+        if self._buffer or (self.processor is not None and self.processor.waits_for_more):
             self._note(_ENDS_AMID)
         super().connection_lost(ex)
 
@@ -97,11 +97,18 @@ class StrictProcessor(UaProcessor):  # type: ignore[misc]
         super().__init__(server, transport, limits)
         self._note = note
 
+    @property
+    def waits_for_more(self) -> bool:
+        """Whether a message has begun whose last chunk has not come."""
+        return bool(self._connection._incoming_parts)  # noqa: SLF001 - asyncua tells it nowhere else
+
     async def process(self, header: Any, body: Any) -> bool:  # noqa: ANN401
         """Obey a frame; return whether the connection goes on."""
         going_on = False
         try:
             with self._noted(_NO_OPCUA, ua.uaerrors.UaStatusCodeError):
+                if header.MessageType in _PLAIN and header.ChunkType != ua.ChunkType.Single:
+                    raise ServiceError(ua.StatusCodes.BadTcpMessageTypeInvalid)
                 going_on = bool(await super().process(header, body))
         finally:
             if not going_on:

@@ -52,11 +52,12 @@ async def served(connector, caplog):
             orders.extend([each async for each in session.samples()])
 
         listening = asyncio.create_task(listen())
-        yield session
-        assert not listening.done()
-        listening.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await listening
+        try:
+            yield session
+            assert not listening.done()
+        finally:
+            listening.cancel()
+            await asyncio.wait({listening})
     gc.collect()
     assert (escaped, orders) == ([], [])
     said = [each.message for each in caplog.records if each.name == "connectors.malformed"]
