@@ -172,6 +172,8 @@ def _metric(field: Any) -> Metric:  # noqa: ANN401 - a message of protobuf
         raise MalformedError("a metric has no name")
     held = field.WhichOneof("value")
     value = None if field.is_null or held is None else getattr(field, held)
+    if isinstance(field.name, bytes) or (held == "string_value" and isinstance(value, bytes)):
+        raise MalformedError("a text is not UTF-8")  # protobuf gives its bytes
     kind = _type(field.datatype)
     if kind is DataType.DATE_TIME and isinstance(value, int):
         value = value / 1000

@@ -4,7 +4,7 @@ import math
 import struct
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from connectors.sparkplug.payload import DataType, MalformedError, Metric, Payload, decode, encode
@@ -101,9 +101,12 @@ def test_what_is_no_number_is_null(value):
 
 
 @given(st.binary(max_size=300) | st.integers(0, len(BY_PYSPARKPLUG)).map(lambda n: BY_PYSPARKPLUG[:n]))
+@example(b"\x12\x04\n\x02n\x80")  # a name that is no UTF-8; protobuf lets it pass
+@example(b"\x12\x06\n\x01n\x7a\x01\x80")  # a value
 def test_nothing_that_comes_breaks_it(raw):
     try:
         payload = decode(raw)
     except MalformedError:
         return
-    assert all(metric.name for metric in payload.metrics)
+    assert all(metric.name and isinstance(metric.name, str) for metric in payload.metrics)
+    assert not any(isinstance(metric.value, bytes) for metric in payload.metrics)

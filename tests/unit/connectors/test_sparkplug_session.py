@@ -95,7 +95,12 @@ TYPED = st.one_of(
     st.tuples(st.just(DataType.INT64), st.integers(-(2**63), 2**63 - 1)),
 )
 METRICS = st.tuples(NAMES, TYPED).map(lambda each: Metric(each[0], each[1][1], each[1][0]))
-PAYLOADS = st.binary(max_size=100) | st.lists(METRICS, max_size=4).map(lambda each: encode(each, 1.0))
+COMMANDED = st.lists(METRICS, max_size=4).map(lambda each: encode(each, 1.0))
+CHANGED = st.tuples(COMMANDED.filter(len), st.integers(0, 500), st.integers(1, 255)).map(
+    lambda each: bytes(b ^ each[2] * (k == each[1] % len(each[0])) for k, b in enumerate(each[0]))
+)
+CUT = st.tuples(COMMANDED, st.integers(1, 20)).map(lambda each: each[0][: -each[1]])
+PAYLOADS = st.binary(max_size=100) | COMMANDED | CHANGED | CUT
 
 
 @pytest.mark.parametrize(("_name", "often"), OFTEN, ids=lambda each: each if isinstance(each, str) else "")
