@@ -14,6 +14,8 @@ from typing import Literal
 LOG = logging.getLogger(__name__)
 BUSY = 1.0
 """How long to wait for another process that writes, s; it needs milliseconds."""
+CACHE = 256
+"""KiB of memory for pages of the file; SQLite's own 2000 fill over days, and hardly a page is read again."""
 LARGEST_LOG = 1_000_000
 """Bytes to which the write-ahead log is cut back."""
 _UNREADABLE = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
@@ -98,6 +100,7 @@ class Database:
         else:
             self._recognise(database)
         database.execute("PRAGMA journal_mode = WAL")
+        database.execute(f"PRAGMA cache_size = -{CACHE}")
         database.execute(f"PRAGMA synchronous = {self._content.synchronous}")
         database.execute(f"PRAGMA journal_size_limit = {LARGEST_LOG}")
         if is_new:
