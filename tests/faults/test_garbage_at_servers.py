@@ -22,7 +22,7 @@ from tests.integration.buses import free_port
 OFTEN = pytest.mark.parametrize(
     "times",
     [
-        pytest.param(60, marks=pytest.mark.timeout(240)),
+        pytest.param(40, marks=pytest.mark.timeout(240)),
         pytest.param(10_000, marks=[pytest.mark.bench, pytest.mark.timeout(3600)]),
     ],
 )

@@ -1,6 +1,8 @@
 """What was, remembered on disk: bounded, off the event loop, and shown by `slipjump history`."""
 
+import _sqlite3
 import asyncio
+import ctypes
 import json
 import sqlite3
 
@@ -69,6 +71,21 @@ def test_the_file_stays_below_its_size_and_keeps_the_newest(path):
     assert kept == list(range(kept[0], 6000))
     assert 1500 < len(kept) < 4000
     assert path.stat().st_size < 1_100_000
+
+
+def test_memory_does_not_grow_with_what_is_kept(path):
+    used = ctypes.CDLL(_sqlite3.__file__).sqlite3_memory_used
+    used.restype = ctypes.c_int64
+
+    def grown(file):
+        file.write([entry(0)], 0.0)
+        before = used()
+        for k in range(60):
+            file.write([entry(50 * k + n, size=1000) for n in range(50)], 0.0)
+        return used() - before
+
+    assert opened(path, grown) < 500_000
+    assert path.stat().st_size > 3_000_000
 
 
 async def test_an_agent_remembers_verdicts_and_alarms(tmp_path):
