@@ -20,9 +20,8 @@ from agent.analysis.quantify import quantifier
 from agent.analysis.quantify.error_map import error_map
 from agent.analysis.quantify.free_run.bank import bank
 from agent.analysis.quantify.free_run.coarse_grid import (
-    J_RATIOS,
+    COARSE,
     LEVEL_STEP,
-    PERIODS,
     RATIOS,
     TAUS,
     bank_delays,
@@ -34,9 +33,10 @@ from agent.analysis.quantify.free_run.fitted import searched
 from agent.analysis.quantify.free_run.objective import S, free_run_error
 from agent.analysis.quantify.free_run.problem import Problem, first_periods, pose
 from agent.analysis.quantify.free_run.random_shots import settled
-from agent.analysis.quantify.free_run.search import STEMS, best_stiction
+from agent.analysis.quantify.free_run.search import best_stiction
 from agent.analysis.quantify.free_run.shooting import track_for
 from agent.analysis.quantify.free_run.shooting_search import STAGES
+from agent.analysis.quantify.free_run.starts import STEMS
 from agent.analysis.recording import FloatArray, LoopHints, LoopWindow
 from agent.analysis.stiction import DETECTORS, StictionDetector
 from agent.cli.recordings import loop_window
@@ -111,11 +111,13 @@ def free_run_search() -> Figure:
     grid, basins = figure.subplots(1, 2)
 
     s_values = np.linspace(0.01, 1.0, 160) * problem.op_span
-    near = bank(problem, *processes(problem, TAUS, RATIOS, integrates=None), PERIODS)
+    near = bank(problem, *processes(problem, TAUS, RATIOS, integrates=None), COARSE.periods)
     level_step = LEVEL_STEP * problem.op_span
-    scores, _, _ = scan(near, STEMS[:1], s_values, J_RATIOS, level_step, problem.period, bank_delays(problem))
+    scores, _, _ = scan(
+        near, STEMS[:1], s_values, COARSE.j_ratios, level_step, problem.period, bank_delays(problem)
+    )
     image = grid.pcolormesh(
-        s_values, J_RATIOS, 100 * (1 - scores[0].T), cmap="viridis", shading="nearest", vmax=15
+        s_values, COARSE.j_ratios, 100 * (1 - scores[0].T), cmap="viridis", shading="nearest", vmax=15
     )
     figure.colorbar(image, ax=grid, extend="max", label="PV left unexplained, %")
     s, j = truth.f_s + truth.f_d, truth.f_s - truth.f_d

@@ -24,7 +24,7 @@ from agent.analysis.quantify.free_run.objective import (
     S,
 )
 from agent.analysis.quantify.free_run.problem import from_blocks, high_pass, pose, to_blocks
-from agent.analysis.quantify.free_run.search import STEMS
+from agent.analysis.quantify.free_run.starts import STEMS
 from agent.analysis.recording import LoopHints, LoopWindow
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow

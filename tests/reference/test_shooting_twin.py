@@ -76,8 +76,8 @@ def test_shots_are_those_made_by_hand(seed, structure, slowness, part):
     assert error == pytest.approx(expected, rel=1e-6, abs=1e-6 * np.sum(problem.pv**2))
 
 
-def loop_whose_stem_rests_elsewhere_once():
-    """A noisy loop and its true candidate; once amid the record the stem rests 20 % of S off."""
+def loop_whose_stem_rests_elsewhere_once(off=0.2):
+    """A noisy loop and its true candidate; once amid the record the stem rests ``off`` S off."""
     random = np.random.default_rng(1)
     t = np.arange(600)
     op = 50 + 4 * np.sin(t / 8) + 1.5 * np.sin(t / 37) + 0.05 * random.standard_normal(len(t))
@@ -85,7 +85,7 @@ def loop_whose_stem_rests_elsewhere_once():
     f_s, f_d = (s + j) / 2, (s - j) / 2
     position, state = np.empty(len(op)), stem_at(op[0], op[0])
     rest = strokes(op, 0, len(op), state, (f_s, f_s, f_d), STEM, position, 300)
-    state[0] -= 0.2 * s
+    state[0] -= off * s
     strokes(op, rest, len(op), state, (f_s, f_s, f_d), STEM, position, len(op))
     answer = 2 * slow.first_order(position - position[0], 12.0)
     pv = 80 + np.concatenate([np.zeros(3), answer[:-3]]) + 0.02 * random.standard_normal(len(t))

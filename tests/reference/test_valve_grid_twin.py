@@ -6,7 +6,7 @@ import pytest
 from agent.analysis.innovations.valve_grid import scan_rests
 from agent.analysis.quantify.free_run.bank import bank
 from agent.analysis.quantify.free_run.coarse_grid import first_slip
-from agent.analysis.quantify.free_run.search import STEMS
+from agent.analysis.quantify.free_run.starts import STEMS
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow
 from tests.reference.test_free_run_twin import problem_of

@@ -35,6 +35,7 @@ from agent.analysis.quantify.free_run.objective import (
 from agent.analysis.quantify.free_run.problem import Problem, bridge, high_pass, pose
 from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
 from agent.analysis.quantify.free_run.search import Found, best_linear, best_stiction
+from agent.analysis.quantify.free_run.second_search import converged_search
 from agent.analysis.quantify.turns import turns
 from agent.analysis.results import MethodVerdict, ProcessEstimate, ProcessIntervals, Quantification
 
@@ -72,8 +73,11 @@ class FreeRun:
         linear = best_linear(problem, window.hints, found.best if found else None)
         if linear is None:
             return unanswered(self.name, "no process within bounds follows OP")
-        evidence = max(1.0, linear.error / max(found.least_error, 1e-300)) if found else 1.0
-        if found is None or evidence == 1.0:
+        evidence = evidence_of(found, linear)
+        if found is not None and evidence >= STICKS_ABOVE:
+            found = converged_search(found, problem, window.hints)
+            evidence = evidence_of(found, linear)
+        if evidence == 1.0:
             found = None
         decision = decide(evidence, found, problem)
         best = found.best if found else linear
@@ -94,6 +98,11 @@ class FreeRun:
             quick_evidence=quick_evidence(window, problem, best) if found else 1.0,
             turns=turns(valve_position(best.candidate, problem)) if found else 0,
         )
+
+
+def evidence_of(found: Found | None, linear: Fitted) -> float:
+    """Return the linear over the sticking error, at least 1."""
+    return max(1.0, linear.error / max(found.least_error, 1e-300)) if found else 1.0
 
 
 def unanswered(name: str, failure: str) -> Quantification:

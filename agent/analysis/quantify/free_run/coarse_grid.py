@@ -8,7 +8,7 @@ are one.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -34,40 +34,68 @@ if TYPE_CHECKING:
 
     from agent.analysis.recording import FloatArray
 
-PERIODS = 8.0
-"""Periods looked at: more add needles to the haystack, not information at this resolution."""
-S_STEPS = 60
-J_RATIOS = np.array([0.0, 0.04, 0.09, 0.15, 0.25, 0.4, 0.6, 0.8, 0.97])
-J_GROUPS = tuple(np.array(group) for group in ((0, 1, 2, 3, 4), (5, 6, 7, 8)))
 LEVEL_STEP = 0.02
 """Step of the level of OP at the first slip, OP spans."""
 TAUS = 7
 RATIOS = np.array([0.0, 0.6])
 S_BINS = 16
-PER_BIN = 5
 LEAST_MOVES = 3
 """Of a valve that is looked at."""
 
 
+class Grid(NamedTuple):
+    """The valves that are looked at, and over how long."""
+
+    periods: float
+    """More add needles to the haystack, not information at this resolution."""
+    s_steps: int
+    """To the OP span."""
+    j_ratios: FloatArray
+    groups: tuple[int, ...]
+    """How many of them in a row make a group."""
+    per_bin: int
+    """Valves kept of each bin of S, group and stem."""
+
+    def group_places(self) -> list[NDArray[np.int64]]:
+        """Return the places of each group among ``j_ratios``."""
+        ends = np.cumsum(self.groups)
+        return [np.arange(end - size, end) for end, size in zip(ends, self.groups, strict=True)]
+
+
+COARSE = Grid(8.0, 60, np.array([0.0, 0.04, 0.09, 0.15, 0.25, 0.4, 0.6, 0.8, 0.97]), (5, 4), 5)
+
+
+class Family(NamedTuple):
+    """Processes that are searched together; None leaves both."""
+
+    integrates: bool | None
+    second: bool | None = None
+    """Whether they have a second pole."""
+
+    def of(self, ratios: FloatArray) -> FloatArray:
+        """Return which of these ratios of the second time constant to the first are theirs."""
+        return ratios if self.second is None else ratios[(ratios > 0) == self.second]
+
+
 def coarse_candidates(
-    problem: Problem, stems: FloatArray, *, integrates: bool | None
+    problem: Problem, stems: FloatArray, family: Family, grid: Grid
 ) -> tuple[FloatArray, FloatArray]:
     """Return the best few of each bin of S and J for each stem, (k, SIZE), and their shares of PV, (k,).
 
     By bins, because the cells of one broad wrong basin would crowd out the needles.
     """
-    s_values = np.linspace(1.0 / S_STEPS, 1.0, S_STEPS) * problem.op_span
-    taus, ratios = processes(problem, TAUS, RATIOS, integrates=integrates)
+    s_values = np.linspace(1.0 / grid.s_steps, 1.0, grid.s_steps) * problem.op_span
+    taus, ratios = processes(problem, TAUS, family.of(RATIOS), integrates=family.integrates)
     delays = bank_delays(problem)
-    near = bank(problem, taus, ratios, PERIODS)
+    near = bank(problem, taus, ratios, grid.periods)
     level_step = LEVEL_STEP * problem.op_span
-    scores, places, levels = scan(near, stems, s_values, J_RATIOS, level_step, problem.period, delays)
+    scores, places, levels = scan(near, stems, s_values, grid.j_ratios, level_step, problem.period, delays)
     found, shares = [], []
-    for k, i, j in best_cells(scores, (s_values / problem.op_span * S_BINS).astype(int)):
+    for k, i, j in best_cells(scores, (s_values / problem.op_span * S_BINS).astype(int), grid):
         tau, delay = divmod(int(places[k, i, j]), len(delays))
         candidate = np.empty(SIZE)
         set_process(candidate, taus[tau], ratios[tau], delays[delay], problem)
-        set_valve(candidate, near.op, s_values[i], J_RATIOS[j], levels[k, i, j], stems[k])
+        set_valve(candidate, near.op, s_values[i], grid.j_ratios[j], levels[k, i, j], stems[k])
         found.append(candidate)
         shares.append(scores[k, i, j])
     return np.array(found).reshape(-1, SIZE), np.array(shares)
@@ -89,15 +117,15 @@ def set_valve(
     candidate[LOG_DAMPING : LOG_DAMPING + 3] = np.log(stem)
 
 
-def best_cells(scores: FloatArray, bins: NDArray[np.int64]) -> list[tuple[int, int, int]]:
-    """Return the ``PER_BIN`` best cells (stem, S, J) of each bin of S, group of J and stem."""
+def best_cells(scores: FloatArray, bins: NDArray[np.int64], grid: Grid) -> list[tuple[int, int, int]]:
+    """Return the best cells (stem, S, J) of each bin of S, group of J and stem."""
     chosen = []
     for one_bin in np.unique(bins):
         rows = np.flatnonzero(bins == one_bin)
-        for group in J_GROUPS:
+        for group in grid.group_places():
             for k in range(len(scores)):
                 part = scores[k][np.ix_(rows, group)]
-                for cell in np.argsort(-part, axis=None)[:PER_BIN]:
+                for cell in np.argsort(-part, axis=None)[: grid.per_bin]:
                     row, column = np.unravel_index(cell, part.shape)
                     if part[row, column] > 0:
                         chosen.append((k, int(rows[row]), int(group[column])))

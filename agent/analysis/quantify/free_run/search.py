@@ -15,9 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.bank import bank
-from agent.analysis.quantify.free_run.climb import climb
-from agent.analysis.quantify.free_run.coarse_grid import S_BINS, coarse_candidates, log_tau2, processes
+from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
 from agent.analysis.quantify.free_run.fitted import Fitted, by_error, refine, restart, smooth, start
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
@@ -25,18 +23,16 @@ from agent.analysis.quantify.free_run.objective import (
     FOPDT,
     INTEGRATOR,
     J_RATIO,
-    LEAST_LOG_TAU,
     LEVEL,
-    LOG_REST,
     LOG_TAU,
     LOG_TAU2,
-    RIGID,
     SIZE,
     SOPDT,
     S,
 )
 from agent.analysis.quantify.free_run.problem import first_periods
-from agent.analysis.quantify.free_run.shooting_search import shot
+from agent.analysis.quantify.free_run.shooting_search import STAGES, shot
+from agent.analysis.quantify.free_run.starts import best_by_bin, climbed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -44,17 +40,6 @@ if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.recording import FloatArray, LoopHints
 
-STEMS = np.array([(0.01, 0.01, 1e-8), (0.15, 0.1, 0.003), (0.3, 0.15, 0.01)])
-"""Damping, supply and rest that a search starts from: He's valve, which stays as it is, and two that take
-their time."""
-TAUS = 12
-RATIOS = np.array([0.0, 0.15, 0.3, 0.5, 0.75, 1.0])
-"""Second time constants of the bank, over the first."""
-PERIODS = 15.0
-"""Periods that the bank looks at."""
-CLIMB = 6
-FAST = -1.0
-"""Log of a second time constant (samples) that changes little, for a search to start from."""
 TO_A_BIN = 5
 """Candidates of a bin that the first horizon sees."""
 
@@ -83,13 +68,13 @@ HORIZONS = (
 OF_ONE_BIN = 3
 SPREAD_FROM = 8
 """Horizon (periods) whose best of each bin go to the whole record, for the intervals."""
+SHOT = 40
+"""Candidates of the first horizon that the search by shots starts from."""
 FINALISTS = 2
 SURER = 0.8
 """Error of shots over that of the best free run below which the shots decide."""
 OFFSETS = (0.0025, 0.005, 0.01, 0.02, 0.04)
 """Distances from the best S, OP spans, at which all else is fitted again; three times that in J."""
-SLIPS_DIFFER = 0.45
-"""J/S below which a valve mostly slides, above which it mostly jumps."""
 WORTH_A_PARAMETER = 0.99
 """A second pole must lower the error to this share, or the simpler model is reported."""
 
@@ -101,6 +86,8 @@ class Found:
     best: Fitted
     others: tuple[Fitted, ...]
     """The best model of each bin of S and J, and those close to the best one; the least error first."""
+    by_shots: float = math.inf
+    """Error of the best by shots, with what the set-off stems cost, PV units squared."""
 
     @property
     def least_error(self) -> float:
@@ -119,11 +106,24 @@ def structures(hints: LoopHints) -> tuple[int, ...]:
 def best_stiction(problem: Problem, hints: LoopHints) -> Found | None:
     """Return the best sticking model and its neighbours, or None where no candidate moves the valve."""
     rng = np.random.default_rng(0)
-    followed, spread, early = follow(climbed(problem, hints, rng), problem, rng)
+    starts = climbed(problem, Family(hints.integrating), COARSE, TO_A_BIN, rng)
+    followed, spread, early = follow(starts, problem, rng)
     if not followed:
         return None
-    surest, free = shot(early, followed[0], problem, rng)
+    surest, free = shot(early[:SHOT], followed[0], STAGES, problem, rng)
     followed += [start(each.candidate, each.structure, problem) for each in free]
+    return concluded(followed, surest, spread, problem, hints, rng)
+
+
+def concluded(
+    followed: Sequence[Fitted],
+    surest: Fitted | None,
+    spread: Sequence[Fitted],
+    problem: Problem,
+    hints: LoopHints,
+    rng: np.random.Generator,
+) -> Found | None:
+    """Return what a search found: the best of ``followed``, or the ``surest`` by shots where that decides."""
     finalists = by_error([refine(f, problem, 0.1, (80, 250), rng) for f in followed])[:FINALISTS]
     final = list(finalists)
     for fitted in finalists:
@@ -136,7 +136,8 @@ def best_stiction(problem: Problem, hints: LoopHints) -> Found | None:
     best = refine(simplest(allowed), problem, 0.03, (100, 300), rng)
     if surest is not None and surest.error < SURER * best.error and surest.structure in structures(hints):
         best = start(surest.candidate, surest.structure, problem)
-    return Found(best, tuple(by_error([*spread, *followed, *final, *around(best, problem, rng)])))
+    others = by_error([*spread, *followed, *final, *around(best, problem, rng)])
+    return Found(best, tuple(others), surest.error if surest else math.inf)
 
 
 def follow(
@@ -159,43 +160,6 @@ def follow(
         if len(part.pv) == len(problem.pv):
             break
     return list(starts), [refine(f, problem, 0.2, (30, 40), rng) for f in spread], early
-
-
-def climbed(problem: Problem, hints: LoopHints, rng: np.random.Generator) -> list[Fitted]:
-    """Return the best of each bin after a short climb in the bank, with processes.
-
-    A second pole is always in the search: without one where it is needed no candidate reaches the basin.
-    """
-    candidates, shares = coarse_candidates(problem, STEMS, integrates=hints.integrating)
-    taus, ratios = processes(problem, TAUS, RATIOS, integrates=hints.integrating)
-    near = bank(problem, taus, ratios, PERIODS)
-    log_taus = np.minimum(np.log(np.minimum(taus, 1e9)), problem.max_log_tau)
-    log_taus2 = np.array([log_tau2(a, r, problem) for a, r in zip(log_taus, ratios, strict=True)])
-    grid = (len(taus) // len(RATIOS), len(RATIOS))
-    climbs = []
-    for i in np.argsort(-shares):
-        apart = np.abs(log_taus - candidates[i, LOG_TAU])
-        apart += 0.5 * np.abs(np.maximum(log_taus2, -1) - max(candidates[i, LOG_TAU2], -1))
-        candidate, share, place = climb(
-            candidates[i], near, grid, int(np.argmin(apart)), problem.op_span, 1.0, CLIMB, rng
-        )
-        candidate[LOG_TAU] = log_taus[place]
-        candidate[LOG_TAU2] = max(min(max(log_taus2[place], FAST), log_taus[place]), LEAST_LOG_TAU)
-        candidate[DELAY] = problem.fixed_delay or min(max(candidate[DELAY], 1.0), problem.max_delay)
-        integrates = bool(np.isinf(taus[place])) and ratios[place] == 0
-        climbs.append(Fitted(-float(share), INTEGRATOR if integrates else SOPDT, candidate))
-    return best_by_bin(climbs, problem, TO_A_BIN)
-
-
-def best_by_bin(fits: Sequence[Fitted], problem: Problem, top: int = 1) -> list[Fitted]:
-    """Return the ``top`` best of each bin of S, each half of J/S and each kind of stem, best first."""
-    bins: dict[tuple[int, bool, float], list[Fitted]] = {}
-    for fitted in by_error(fits):
-        x = fitted.candidate
-        key = (int(x[S] / problem.op_span * S_BINS), bool(x[J_RATIO] > SLIPS_DIFFER), min(x[LOG_REST], RIGID))
-        if len(bins.setdefault(key, [])) < top:
-            bins[key].append(fitted)
-    return by_error([fitted for one_bin in bins.values() for fitted in one_bin])
 
 
 def around(best: Fitted, problem: Problem, rng: np.random.Generator) -> list[Fitted]:

@@ -42,20 +42,23 @@ STAGES = (
 )
 LAST = Stage(math.inf, Shots(1.0, 30.0), 0.15, 100, 3)
 """From there the free run is near."""
-STARTS = 40
-JOINS = 2
-"""Stage that the best of the other search joins."""
 
 
 def shot(
-    starts: Sequence[Fitted], other: Fitted, problem: Problem, rng: np.random.Generator
+    starts: Sequence[Fitted],
+    other: Fitted,
+    stages: Sequence[Stage],
+    problem: Problem,
+    rng: np.random.Generator,
 ) -> tuple[Fitted | None, list[Fitted]]:
-    """Return the best by shots, and those that may fit the free run; ``other`` is the best by free run."""
-    found = list(starts[:STARTS])
-    for number, stage in enumerate(STAGES):
-        if number == JOINS:
-            found.append(other)
+    """Return the best by shots, and those that may fit the free run.
+
+    ``other`` is the best that was found otherwise; it joins the last stage.
+    """
+    found = list(starts)
+    for stage in stages[:-1]:
         found = compared(found, stage, problem, rng)
+    found = compared([*found, other], stages[-1], problem, rng)
     return (found[0] if found else None), compared(found, LAST, problem, rng)
 
 

@@ -1,0 +1,69 @@
+"""When a search is taken up once more, and what it may change."""
+
+import numpy as np
+import pytest
+
+from agent.analysis.quantify.free_run import second_search
+from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
+from agent.analysis.quantify.free_run.fitted import start
+from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, J_RATIO, SOPDT, S
+from agent.analysis.quantify.free_run.search import Found
+from agent.analysis.quantify.free_run.second_search import GRIDS, converged, converged_search, searched_again
+from agent.analysis.recording import LoopHints
+from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once
+
+
+def found_of(problem, candidate, by_shots=np.inf):
+    return Found(start(candidate, FOPDT, problem), (), by_shots)
+
+
+def test_the_true_valve_has_converged_and_is_not_sought_again(monkeypatch):
+    problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
+    found = found_of(problem, candidate)
+    assert converged(found, problem)
+    monkeypatch.setattr(second_search, "searched_again", None)
+    assert converged_search(found, problem, LoopHints()) is found
+
+
+def test_a_valve_that_loses_its_way_has_not_converged():
+    problem, candidate = loop_whose_stem_rests_elsewhere_once()
+    assert not converged(found_of(problem, candidate), problem)
+
+
+def test_a_valve_that_needs_shots_has_not_converged():
+    problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
+    error = start(candidate, FOPDT, problem).error
+    assert not converged(found_of(problem, candidate, 0.5 * error), problem)
+
+
+def test_what_needs_more_by_shots_changes_nothing():
+    problem, candidate = loop_whose_stem_rests_elsewhere_once()
+    found = found_of(problem, candidate, by_shots=0.0)
+    again = searched_again(found, GRIDS[1], problem, LoopHints(False, 1), np.random.default_rng(0))
+    assert again is found
+
+
+@pytest.mark.parametrize("off", [0.3, -0.3])
+def test_it_finds_the_valve_that_the_first_search_missed(off):
+    problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
+    wrong = candidate.copy()
+    wrong[S] *= 1 + off
+    wrong[J_RATIO] = 0.4
+    hints = LoopHints(False, 1)
+    again = searched_again(found_of(problem, wrong), GRIDS[0], problem, hints, np.random.default_rng(0))
+    assert again.best.candidate[S] == pytest.approx(candidate[S], rel=0.02)
+    assert again.best.error < start(wrong, FOPDT, problem).error
+
+
+def test_each_family_has_its_processes_alone():
+    ratios = np.array([0.0, 0.3, 0.6])
+    assert list(Family(None).of(ratios)) == list(ratios)
+    assert list(Family(False, False).of(ratios)) == [0.0]
+    assert list(Family(False, True).of(ratios)) == [0.3, 0.6]
+    assert set(second_search.FAMILIES) == {FOPDT, SOPDT, INTEGRATOR}
+
+
+@pytest.mark.parametrize("grid", [COARSE, *GRIDS])
+def test_the_groups_of_a_grid_hold_each_j_once(grid):
+    places = np.concatenate(grid.group_places())
+    np.testing.assert_array_equal(places, np.arange(len(grid.j_ratios)))
