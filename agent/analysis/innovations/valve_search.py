@@ -29,7 +29,8 @@ from agent.analysis.quantify.free_run.objective import (
     S,
 )
 from agent.analysis.quantify.free_run.problem import to_blocks
-from agent.analysis.quantify.free_run.starts import STEMS, structures
+from agent.analysis.quantify.free_run.search import structures
+from agent.analysis.quantify.free_run.starts import STEMS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
