@@ -1,4 +1,5 @@
 """Pictures of what the search of ``free_run`` sees; ``make.py`` draws them."""
+# ruff: noqa: INP001 - beside its pictures, no package
 
 from __future__ import annotations
 
