@@ -16,12 +16,15 @@ def warm() -> None:
     from agent.analysis.diagnose import diagnose
     from agent.analysis.quantify import QUANTIFIERS
     from agent.analysis.recording import LoopHints, LoopWindow
+    from agent.runtime.trigger import trigger
 
     print("slipjump: compiling the numerical kernels, once ...", flush=True)  # noqa: T201 - the command's output
     started = time.perf_counter()
-    t = np.arange(120.0)
+    t = np.arange(600.0)
     op = 50 + 5 * np.sin(2 * np.pi * t / 40)
     pv = 20 + 2 * np.sin(2 * np.pi * (t - 6) / 40)
+    trigger(LoopWindow("warm", 0.0, 1.0, op, pv))  # in fewer samples some detectors see too little
+    op, pv = op[:120], pv[:120]
     for quantifier in QUANTIFIERS:
         for order in (1, 2):
             for integrating in (False, True):

@@ -10,6 +10,8 @@ import pytest
 
 from agent.analysis.recording import LoopHints, LoopWindow
 from agent.analysis.results import Diagnosis, Profile, Quantification
+from agent.analysis.stiction.nearest_neighbours import prediction_error
+from agent.analysis.stiction.time_warping import warped_distances
 from agent.cli import main
 from agent.cli.compilation import COMPILING
 from agent.cli.pictures import draw
@@ -208,6 +210,8 @@ def test_warm_compiles_every_quantifier(slipjump):
     code, out, err = slipjump("warm")
     assert (code, err) == (0, "")
     assert "done in" in out
+    detectors = (warped_distances, prediction_error)  # which short records do not reach
+    assert all(kernel.signatures for kernel in detectors)
 
 
 def test_help_imports_nothing_heavy():
