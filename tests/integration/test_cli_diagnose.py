@@ -206,6 +206,7 @@ def test_installed_command_is_quiet_and_quick_to_help(still):
     assert json.loads(done.stdout)["verdict"] == "not_testable"
 
 
+@pytest.mark.timeout(300)  # where nothing is compiled yet
 def test_warm_compiles_every_quantifier(slipjump):
     code, out, err = slipjump("warm")
     assert (code, err) == (0, "")
