@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import statistics
+from array import array
 from collections import deque
 from typing import TYPE_CHECKING
 
@@ -48,7 +49,7 @@ class HalfCycleStream:
     def _restart(self) -> None:
         self._side = 0
         self._whole = False
-        self._values: list[float] = []
+        self._values = array("d")  # a list of floats takes five times the memory
 
     def push(self, value: float) -> FloatArray | None:
         """Take the next sample, NaN for a gap; return the half cycle it ends, (100,), without its sign."""

@@ -121,3 +121,14 @@ def test_memory_does_not_grow_with_the_samples():
     assert shapes.indices["he_curve_fit"] < 0.4
     assert max(peaks) < 2 * LONGEST * 40  # two lists of floats
     assert peaks[-1] < peaks[0] + 100_000
+
+
+def test_a_signal_that_does_not_swing_costs_little():
+    stream = HalfCycleStream()
+    tracemalloc.start()
+    try:
+        for k in range(LONGEST):
+            assert stream.push(float(k)) is None
+        assert tracemalloc.get_traced_memory()[0] < 12 * LONGEST  # a list of floats would take 40 each
+    finally:
+        tracemalloc.stop()
