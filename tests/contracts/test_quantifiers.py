@@ -201,7 +201,7 @@ def test_an_odd_record_ends_in_an_answer_or_a_failure_in_words(member, op, pv):
 
 @EACH
 @pytest.mark.slow
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(400)
 def test_20000_samples_end_in_bounded_time(member):
     window = loop(swinging_op(20_000), 4.0, 1.0, hints=HINTS)
     sound(member.quantify(window), window)

@@ -23,14 +23,14 @@ def demo(*words, cwd, timeout):
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(230)
+@pytest.mark.timeout(420)  # a slow machine takes its time; it ends as soon as all is told
 def test_every_verdict_is_the_truth_and_every_bus_has_an_alarm_that_was_seen(tmp_path):
-    done = demo("--seconds", "150", "--no-web", "--json", cwd=tmp_path, timeout=200)
+    done = demo("--seconds", "300", "--no-web", "--json", cwd=tmp_path, timeout=380)
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr
     told = json.loads(done.stdout)
     assert set(told) == {"loops", "seconds"}
-    assert 0 < told["seconds"] < 152  # it ends as soon as all is told
+    assert 0 < told["seconds"] < 302
     assert len(told["loops"]) >= 6
     for loop in told["loops"]:
         assert set(loop) == {"loop", "bus", "truth", "verdict", "alarm", "alarm_seen_on_bus"}
@@ -43,7 +43,7 @@ def test_every_verdict_is_the_truth_and_every_bus_has_an_alarm_that_was_seen(tmp
 
 
 def test_a_demo_that_is_cut_short_shows_a_table_of_what_it_knows(tmp_path):
-    done = demo("--seconds", "1", cwd=tmp_path, timeout=50)
+    done = demo("--seconds", "1", cwd=tmp_path, timeout=200)
     assert done.returncode == 0, done.stderr
     assert "on bus" in done.stdout
     loops = [line for line in done.stdout.splitlines() if line.startswith(("FIC", "LIC", "TIC", "PIC"))]
@@ -55,7 +55,7 @@ def test_a_demo_that_is_cut_short_shows_a_table_of_what_it_knows(tmp_path):
     ("words", "expected"), [(["--seconds", "0"], "--seconds"), (["--second", "9"], "--second")]
 )
 def test_bad_usage(tmp_path, words, expected):
-    done = demo(*words, cwd=tmp_path, timeout=30)
+    done = demo(*words, cwd=tmp_path, timeout=120)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.count("\n") == 1
     assert expected in done.stderr
