@@ -286,3 +286,4 @@ def test_short_horizons_keep_eighty_blocks_and_long_ones_the_record():
     problem = pose(plant("fic101_stick_slip")[1])
     assert len(first_periods(problem, 1.0).pv) == 80
     assert len(first_periods(problem, 1e6).pv) == len(problem.pv)
+    assert first_periods(problem, np.inf) is problem

@@ -58,8 +58,7 @@ class Grid(NamedTuple):
 
     def group_places(self) -> list[NDArray[np.int64]]:
         """Return the places of each group among ``j_ratios``."""
-        ends = np.cumsum(self.groups)
-        return [np.arange(end - size, end) for end, size in zip(ends, self.groups, strict=True)]
+        return np.split(np.arange(len(self.j_ratios)), np.cumsum(self.groups)[:-1])
 
 
 COARSE = Grid(8.0, 60, np.array([0.0, 0.04, 0.09, 0.15, 0.25, 0.4, 0.6, 0.8, 0.97]), (5, 4), 5)

@@ -108,7 +108,9 @@ def pose(window: LoopWindow) -> Problem | str:
 
 
 def first_periods(problem: Problem, periods: float) -> Problem:
-    """Return the problem of the first ``periods`` periods of the record, at least 80 blocks."""
+    """Return the problem of the first ``periods`` periods, at least 80 blocks; infinite: all of it."""
+    if math.isinf(periods):
+        return problem
     m = min(len(problem.pv), max(80, math.ceil(periods * problem.period / problem.block)))
     weight = problem.weight[:m]
     basis = nuisance_basis(weight, problem.keep)

@@ -18,7 +18,7 @@ from agent.analysis.quantify.free_run.coarse_grid import Family, Grid
 from agent.analysis.quantify.free_run.fitted import refine, restart, start
 from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, SOPDT
 from agent.analysis.quantify.free_run.problem import first_periods
-from agent.analysis.quantify.free_run.search import HORIZONS, concluded, structures
+from agent.analysis.quantify.free_run.search import HORIZONS, concluded, fitted_to, structures
 from agent.analysis.quantify.free_run.shooting import Shots
 from agent.analysis.quantify.free_run.shooting_search import Stage, shot
 from agent.analysis.quantify.free_run.starts import best_by_bin, climbed
@@ -78,9 +78,7 @@ def searched_again(
     starts: list[Fitted] = []
     for structure in structures(hints):
         pool = climbed(problem, FAMILIES[structure], grid, TO_A_BIN, rng)
-        begun = [restart(fitted, fitted.structure, few) for fitted in pool]
-        lowered = [refine(fitted, few, first.scale, first.evaluations, rng) for fitted in begun]
-        starts += best_by_bin(lowered, problem)[:STARTS]
+        starts += best_by_bin(fitted_to(few, pool, first, rng), problem)[:STARTS]
     surest, free = shot(starts, found.best, STAGES, problem, rng)
     if surest is None or surest.error >= found.by_shots:
         return found

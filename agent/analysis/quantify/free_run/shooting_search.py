@@ -66,7 +66,7 @@ def compared(
     fits: Sequence[Fitted], stage: Stage, problem: Problem, rng: np.random.Generator
 ) -> list[Fitted]:
     """Return the best of a stage with their errors of shots, best first."""
-    part = problem if math.isinf(stage.periods) else first_periods(problem, stage.periods)
+    part = first_periods(problem, stage.periods)
     lowered = []
     for each in fits:
         candidate, error = random_shots(

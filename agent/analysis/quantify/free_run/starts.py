@@ -64,11 +64,12 @@ def climbed(
     candidate reaches the basin.
     """
     candidates, shares = coarse_candidates(problem, STEMS, family, grid)
-    taus, ratios = processes(problem, TAUS, family.of(RATIOS), integrates=family.integrates)
+    allowed = family.of(RATIOS)
+    taus, ratios = processes(problem, TAUS, allowed, integrates=family.integrates)
     near = bank(problem, taus, ratios, PERIODS)
     log_taus = np.minimum(np.log(np.minimum(taus, 1e9)), problem.max_log_tau)
     log_taus2 = np.array([log_tau2(a, r, problem) for a, r in zip(log_taus, ratios, strict=True)])
-    shape = (len(taus) // len(family.of(RATIOS)), len(family.of(RATIOS)))
+    shape = (len(taus) // len(allowed), len(allowed))
     climbs = []
     for i in np.argsort(-shares):
         apart = np.abs(log_taus - candidates[i, LOG_TAU])
