@@ -63,6 +63,7 @@ class PoolExecutor:
         self._workers = workers
         self._within = within
         self._free = asyncio.Semaphore(workers)
+        self._ended = False
         self._pool = self._new_pool()
 
     async def run(self, function: Callable[..., T], *args: object) -> T:
@@ -87,6 +88,8 @@ class PoolExecutor:
         try:
             return await asyncio.get_running_loop().run_in_executor(pool, function, *args)
         except BrokenProcessPool:
+            if self._ended:
+                raise
             if pool is self._pool:  # the first of those that waited for this pool
                 pool.shutdown(wait=False)
                 self._pool = self._new_pool()
@@ -101,8 +104,11 @@ class PoolExecutor:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """End the workers at once, whatever they do: nobody waits for their answers any more."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        self._ended = True
+        # Waits for the pool's own thread: Python's end would race it for a pipe that it is closing (CPython 3.11).
+        shut = asyncio.get_running_loop().run_in_executor(None, lambda: self._pool.shutdown(cancel_futures=True))
         self._end_workers()
+        await shut
 
     @staticmethod
     def _end_workers() -> None:
