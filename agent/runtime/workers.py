@@ -105,10 +105,9 @@ class PoolExecutor:
     ) -> None:
         """End the workers at once, whatever they do: nobody waits for their answers any more."""
         self._ended = True
-        # Waits for the pool's own thread: Python's end would race it for a pipe that it is closing (CPython 3.11).
-        shut = asyncio.get_running_loop().run_in_executor(None, lambda: self._pool.shutdown(cancel_futures=True))
         self._end_workers()
-        await shut
+        # Waits for the pool's own thread: the end of Python 3.11 would race it for a pipe that it is closing.
+        await asyncio.to_thread(self._pool.shutdown, cancel_futures=True)
 
     @staticmethod
     def _end_workers() -> None:

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.quantify.free_run import bank as banks
+from agent.analysis.quantify.free_run import bank_score as scores
 from agent.analysis.quantify.free_run import coarse_grid, local_search, objective
 from agent.analysis.quantify.free_run.climb import climb
 from agent.analysis.quantify.free_run.fitted import STEP
@@ -161,20 +162,20 @@ def test_the_bank_scores_as_least_squares_on_its_regressors(seed, acting, slowne
     op = near.op.copy()
     op[: near.block] = op[0]  # a stem that moves before the record's first mean is known to neither
     means, at, by = np.empty(m), np.empty(m, np.int64), np.empty(m)
-    moves = banks.moves_of(damped_stem(op, 1.0, 0.5, op[0], 0.01, 0.01, 1e-8), near.block, means, at, by)
+    moves = scores.moves_of(damped_stem(op, 1.0, 0.5, op[0], 0.01, 0.01, 1e-8), near.block, means, at, by)
     assert np.sum(by[:moves]) == pytest.approx(means[-1])
     response, covariance = np.empty((4, 6, 3)), np.empty((6, 3))
-    banks.response_sums(means, near.keep, near.poles, near.second, near.gains, DELAYS, near.burn, response)
-    banks.covariances(at, by, moves, near.sums, np.arange(3), DELAYS, covariance)
+    scores.response_sums(means, near.keep, near.poles, near.second, near.gains, DELAYS, near.burn, response)
+    scores.covariances(at, by, moves, near.sums, np.arange(3), DELAYS, covariance)
     late = np.array([[slow.bank_response(means, d, i, near) for i in range(3)] for d in DELAYS])
     np.testing.assert_allclose(response[0], late[:, :, near.burn :].sum(axis=2), rtol=1e-6, atol=1e-6)
     np.testing.assert_allclose(response[1], (late[:, :, near.burn :] ** 2).sum(axis=2), rtol=1e-6)
     fits = [[slow.bank_share(one, problem.pv[:m], near) for one in row] for row in late]
     shares = np.array([[f[0] if f[1] * near.gain_sign >= 0 else 0.0 for f in row] for row in fits])
-    best, q, i = banks.best_process(response, covariance, DELAYS, near)
+    best, q, i = scores.best_process(response, covariance, DELAYS, near)
     assert best == pytest.approx(shares.max(), abs=1e-6)
     assert best == pytest.approx(shares[q, i], abs=1e-6)
-    between, delay, i = banks.best_between(response, covariance, DELAYS, near)
+    between, delay, i = scores.best_between(response, covariance, DELAYS, near)
     q, part = int(delay) - 1, delay % 1
     mixed = late[q, i] if part == 0 else (1 - part) * late[q, i] + part * late[q + 1, i]
     assert between >= best - 1e-9

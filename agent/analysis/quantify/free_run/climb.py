@@ -10,13 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.bank import (
-    Bank,
-    best_between,
-    covariances,
-    moves_of,
-    response_sums,
-)
+from agent.analysis.quantify.free_run.bank import Bank
+from agent.analysis.quantify.free_run.bank_score import best_between, covariances, moves_of, response_sums
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FIRST,

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.bank import Bank, bank, best_share, room_for
+from agent.analysis.quantify.free_run.bank import Bank, bank
+from agent.analysis.quantify.free_run.bank_score import best_share, room_for
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FIRST,
