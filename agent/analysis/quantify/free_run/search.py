@@ -106,7 +106,8 @@ def structures(hints: LoopHints) -> tuple[int, ...]:
 def best_stiction(problem: Problem, hints: LoopHints) -> Found | None:
     """Return the best sticking model and its neighbours, or None where no candidate moves the valve."""
     rng = np.random.default_rng(0)
-    starts = climbed(problem, Family(hints.integrating), COARSE, TO_A_BIN, rng)
+    climbs = climbed(problem, Family(hints.integrating), COARSE, rng)
+    starts = best_by_bin(climbs, problem, TO_A_BIN)
     followed, spread, early = follow(starts, problem, rng)
     if not followed:
         return None

@@ -2,9 +2,10 @@
 
 The right valve explains the whole record about as well as a few of its periods, and hardly needs stems that
 are set off. Where the best one does not, it is sought again, on grids that the first search did not see: one
-family of processes at a time, for a wrong valve with two poles may crowd out the right one with one, and with
-more values of J, for a valve that slides in small jumps fits at its own J only. What needs the least by
-shots is kept (docs/decisions/0026-second-search.md).
+family of processes at a time, for a wrong valve with two poles may crowd out the right one with one; with
+more values of J, for a valve that slides in small jumps fits at its own J only; and every valve of the grid
+is compared by shots, for over five periods already the free run of a valve that is nearly right may look
+worse than that of a wrong one. What needs the least by shots is kept (docs/decisions/0026-second-search.md).
 """
 
 from __future__ import annotations
@@ -18,26 +19,27 @@ from agent.analysis.quantify.free_run.coarse_grid import Family, Grid
 from agent.analysis.quantify.free_run.fitted import refine, restart, start
 from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, SOPDT
 from agent.analysis.quantify.free_run.problem import first_periods
-from agent.analysis.quantify.free_run.search import HORIZONS, concluded, fitted_to, structures
+from agent.analysis.quantify.free_run.search import concluded, structures
 from agent.analysis.quantify.free_run.shooting import Shots
 from agent.analysis.quantify.free_run.shooting_search import Stage, shot
-from agent.analysis.quantify.free_run.starts import best_by_bin, climbed
+from agent.analysis.quantify.free_run.starts import climbed
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
     from agent.analysis.recording import LoopHints
 
 JUMPS = np.array([0, 0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.14, 0.17, 0.2, 0.25, 0.3, 0.4, 0.6, 0.8, 0.97])
-GRIDS = (Grid(8.0, 56, JUMPS, (6, 6, 4), 2), Grid(5.0, 67, JUMPS, (6, 6, 4), 2))
-"""Of the second search and of the third."""
+GRIDS = (
+    Grid(8.0, 56, JUMPS, (6, 6, 4), 2),
+    Grid(5.0, 67, JUMPS, (6, 6, 4), 2),
+    Grid(6.5, 61, JUMPS, (6, 6, 4), 2),
+)
+"""Of the second search and those after it."""
 FAMILIES = {FOPDT: Family(False, False), SOPDT: Family(False, True), INTEGRATOR: Family(True, False)}
-TO_A_BIN = 3
-STARTS = 20
-"""Of each family, for the shots."""
 STAGES = (
-    Stage(5, Shots(0.5, 4.0), 0.5, 80, 20),
+    Stage(5, Shots(0.5, 4.0), 0.5, 30, 100),
+    Stage(5, Shots(0.5, 4.0), 0.4, 100, 20),
     Stage(12, Shots(0.5, 4.0), 0.4, 60, 6),
     Stage(math.inf, Shots(0.5, 4.0), 0.4, 80, 3),
     Stage(math.inf, Shots(0.5, 10.0), 0.3, 200, 3),
@@ -73,12 +75,9 @@ def searched_again(
     found: Found, grid: Grid, problem: Problem, hints: LoopHints, rng: np.random.Generator
 ) -> Found:
     """Return what a search on this grid finds, where it needs less by shots than what was found before."""
-    first = HORIZONS[0]
-    few = first_periods(problem, first.periods)
-    starts: list[Fitted] = []
-    for structure in structures(hints):
-        pool = climbed(problem, FAMILIES[structure], grid, TO_A_BIN, rng)
-        starts += best_by_bin(fitted_to(few, pool, first, rng), problem)[:STARTS]
+    starts = [
+        each for structure in structures(hints) for each in climbed(problem, FAMILIES[structure], grid, rng)
+    ]
     surest, free = shot(starts, found.best, STAGES, problem, rng)
     if surest is None or surest.error >= found.by_shots:
         return found

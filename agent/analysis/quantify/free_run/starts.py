@@ -1,4 +1,4 @@
-"""Where a search starts: the best valves of a coarse grid after a short climb, of every bin of S and J.
+"""Where a search starts: valves of a coarse grid after a short climb, and the best of each bin of S and J.
 
 Of one family of processes at a time, or of all at once: a second pole smears what a valve does, so that a
 wrong valve with two poles may come before the right one with one, and would crowd it out.
@@ -55,10 +55,10 @@ SLIPS_DIFFER = 0.45
 """J/S below which a valve mostly slides, above which it mostly jumps."""
 
 
-def climbed(
-    problem: Problem, family: Family, grid: Grid, to_a_bin: int, rng: np.random.Generator
-) -> list[Fitted]:
-    """Return the ``to_a_bin`` best of each bin after a short climb in the bank, with processes.
+def climbed(problem: Problem, family: Family, grid: Grid, rng: np.random.Generator) -> list[Fitted]:
+    """Return the candidates of a grid after a short climb in the bank, with processes, in no order.
+
+    Their errors are less the shares of PV that they explain there.
 
     Where the family leaves it open a second pole is in the search: without one where it is needed no
     candidate reaches the basin.
@@ -83,7 +83,7 @@ def climbed(
         integrates = bool(np.isinf(taus[place])) and ratios[place] == 0
         structure = INTEGRATOR if integrates else FOPDT if family.second is False else SOPDT
         climbs.append(Fitted(-float(share), structure, candidate))
-    return best_by_bin(climbs, problem, to_a_bin)
+    return climbs
 
 
 def best_by_bin(fits: Sequence[Fitted], problem: Problem, top: int = 1) -> list[Fitted]:

@@ -1,0 +1,247 @@
+"""The share of PV that the best process of a bank explains behind a valve.
+
+Between two delays the response is interpolated, with both parts fitted.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from agent.analysis.quantify.free_run.bank import Bank
+from agent.jit import kernel, summing_kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from agent.analysis.recording import FloatArray
+
+
+@summing_kernel
+def moves_of(
+    position: FloatArray, block: int, means: FloatArray, at: NDArray[np.int64], by: FloatArray
+) -> int:
+    """Fill the block means of the position less its first value, and its moves; return their number."""
+    m = means.size
+    start = position[0]
+    former = 0.0
+    moves = 0
+    for b in range(m):
+        mean = position[b] - start
+        if block > 1:
+            mean = 0.0
+            for t in range(b * block, (b + 1) * block):
+                mean += position[t]
+            mean = mean / block - start
+        means[b] = mean
+        if mean != former:
+            at[moves] = b
+            by[moves] = mean - former
+            moves += 1
+        former = mean
+    return moves
+
+
+@summing_kernel
+def response_sums(
+    means: FloatArray,
+    keep: float,
+    poles: FloatArray,
+    second: FloatArray,
+    gains: FloatArray,
+    delays: NDArray[np.int64],
+    burn: int,
+    sums: FloatArray,
+) -> None:
+    """Fill ``sums`` (4, delays, poles): of the response z, z^2, z keep^t and z(t) z(t-1).
+
+    Over the samples that count once it is delayed; ``delays`` ascend, so that they end the sums early.
+    """
+    m = means.size
+    k = poles.size
+    first = np.zeros(k)
+    z = np.zeros(k)
+    r0 = np.zeros(k)
+    r1 = np.zeros(k)
+    r2 = np.zeros(k)
+    r3 = np.zeros(k)
+    passed = 0.0
+    former = means[0]
+    fading = 1.0
+    begin = delays.size - 1
+    end = delays.size - 1
+    for t in range(m + 1):
+        while begin >= 0 and t == max(0, burn - delays[begin]):
+            for i in range(k):
+                sums[0, begin, i] = -r0[i]
+                sums[1, begin, i] = -r1[i]
+                sums[2, begin, i] = -r2[i]
+                sums[3, begin, i] = -r3[i]
+            begin -= 1
+        while end >= 0 and t == m - delays[end]:
+            for i in range(k):
+                sums[0, end, i] += r0[i]
+                sums[1, end, i] += r1[i]
+                sums[2, end, i] += r2[i]
+                sums[3, end, i] += r3[i]
+            end -= 1
+        if t == m:
+            break
+        passed = keep * passed + keep * (means[t] - former)
+        former = means[t]
+        for i in range(k):
+            first[i] = poles[i] * first[i] + gains[i] * passed
+            zi = second[i] * z[i] + first[i]
+            r0[i] += zi
+            r1[i] += zi * zi
+            r2[i] += zi * fading
+            r3[i] += zi * z[i]
+            z[i] = zi
+        fading *= keep
+
+
+@summing_kernel
+def covariances(
+    at: NDArray[np.int64],
+    by: FloatArray,
+    moves: int,
+    sums: FloatArray,
+    places: NDArray[np.int64],
+    delays: NDArray[np.int64],
+    covariance: FloatArray,
+) -> None:
+    """Fill the covariance of PV with each delayed response, (delays, poles)."""
+    covariance[:] = 0.0
+    for j in range(moves):
+        move = by[j]
+        for q in range(delays.size):
+            row = at[j] + delays[q]
+            for i in range(places.size):
+                covariance[q, i] += move * sums[row, places[i]]
+
+
+@kernel
+def without_nuisance(
+    product: float, a: tuple[float, float], b: tuple[float, float], gram: FloatArray
+) -> float:
+    """Return the product of two responses less what level and end of the filter's memory take of it.
+
+    ``a`` and ``b`` are the products of each response with these two.
+    """
+    taken = gram[0, 0] * a[0] * b[0] + gram[0, 1] * (a[0] * b[1] + a[1] * b[0]) + gram[1, 1] * a[1] * b[1]
+    return float(product - taken)
+
+
+@kernel
+def best_process(
+    response: FloatArray, covariance: FloatArray, delays: NDArray[np.int64], bank: Bank
+) -> tuple[float, int, int]:
+    """Return the largest explained share of PV with its places among delays and poles."""
+    best = 0.0
+    best_q = 0
+    best_i = 0
+    for q in range(delays.size):
+        fading = bank.keep ** delays[q]
+        for i in range(covariance.shape[1]):
+            if covariance[q, i] * bank.gain_sign < 0.0:
+                continue
+            slow = (response[0, q, i], fading * response[2, q, i])
+            left = without_nuisance(response[1, q, i], slow, slow, bank.gram)
+            if left > 1e-3 * response[1, q, i]:
+                share = covariance[q, i] ** 2 / left / bank.squares
+                if share > best:
+                    best = share
+                    best_q = q
+                    best_i = i
+    return best, best_q, best_i
+
+
+class Room(NamedTuple):
+    """Room for what a score needs, so that scores of one bank at the same delays share it."""
+
+    means: FloatArray
+    at: NDArray[np.int64]
+    by: FloatArray
+    response: FloatArray
+    covariance: FloatArray
+    every: NDArray[np.int64]
+    """The places of all processes."""
+
+
+@kernel
+def room_for(bank: Bank, delays: NDArray[np.int64]) -> Room:
+    """Return room for the bank at these delays."""
+    m = bank.op.size // bank.block
+    k = bank.poles.size
+    return Room(
+        np.empty(m),
+        np.empty(m, np.int64),
+        np.empty(m),
+        np.empty((4, delays.size, k)),
+        np.empty((delays.size, k)),
+        np.arange(k),
+    )
+
+
+@kernel
+def best_share(
+    position: FloatArray, bank: Bank, delays: NDArray[np.int64], least_moves: int, room: Room
+) -> tuple[float, int]:
+    """Return the share of PV that the best process explains behind a position, and its place, process first.
+
+    0 where the position (n,) moves less often than ``least_moves``; ``delays`` in blocks, ascending.
+    """
+    moves = moves_of(position, bank.block, room.means, room.at, room.by)
+    if moves < least_moves:
+        return 0.0, 0
+    response_sums(
+        room.means, bank.keep, bank.poles, bank.second, bank.gains, delays, bank.burn, room.response
+    )
+    covariances(room.at, room.by, moves, bank.sums, room.every, delays, room.covariance)
+    best, q, pole = best_process(room.response, room.covariance, delays, bank)
+    return best, pole * delays.size + q
+
+
+@kernel
+def best_between(
+    response: FloatArray, covariance: FloatArray, delays: NDArray[np.int64], bank: Bank
+) -> tuple[float, float, int]:
+    """Return the largest explained share with its delay (blocks, with a fraction) and the place of its pole.
+
+    ``delays`` are consecutive. A response between two of them is a sum of both with parts of one sign.
+    """
+    best = 0.0
+    best_delay = float(delays[0])
+    best_i = 0
+    for i in range(covariance.shape[1]):
+        for q in range(delays.size):
+            fading = bank.keep ** delays[q]
+            slow = (response[0, q, i], fading * response[2, q, i])
+            energy = without_nuisance(response[1, q, i], slow, slow, bank.gram)
+            if energy <= 1e-3 * response[1, q, i]:
+                continue
+            c = covariance[q, i]
+            if c * bank.gain_sign >= 0.0 and c * c / energy > best * bank.squares:
+                best = c * c / energy / bank.squares
+                best_delay = float(delays[q])
+                best_i = i
+            if q + 1 == delays.size:
+                continue
+            slow2 = (response[0, q + 1, i], fading * bank.keep * response[2, q + 1, i])
+            energy2 = without_nuisance(response[1, q + 1, i], slow2, slow2, bank.gram)
+            both = without_nuisance(response[3, q, i], slow, slow2, bank.gram)
+            determinant = energy * energy2 - both * both
+            if energy2 <= 1e-3 * response[1, q + 1, i] or determinant <= 1e-6 * energy * energy2:
+                continue
+            c2 = covariance[q + 1, i]
+            here = (c * energy2 - c2 * both) / determinant
+            later = (c2 * energy - c * both) / determinant
+            if here * later <= 0.0 or here * bank.gain_sign < 0.0:
+                continue
+            share = (here * c + later * c2) / bank.squares
+            if share > best:
+                best = share
+                best_delay = delays[q] + later / (here + later)
+                best_i = i
+    return best, best_delay, best_i
