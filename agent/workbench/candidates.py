@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from agent.workbench.decision import LEAST_PERCENT, LEVEL, Decision, judge
 from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import by_chance, innovations, tells_more
-from agent.workbench.library import happens_once
+from agent.workbench.library import acts_on_op, happens_once
 from agent.workbench.prediction_error import least_innovations
 from agent.workbench.step import Step, Verdict
 from agent.workbench.where import LEVEL as FOLLOWED
@@ -89,7 +89,7 @@ def _evidence(smaller: Fit, larger: Fit, record: Record, candidates: int) -> _Ev
 
     A disturbance of its own time knows nothing of OP, so it need only be no worse.
     """
-    answers = larger.model.effects[-1].stage != "disturbance"
+    answers = acts_on_op(larger.model.effects[-1], record.facts)
     base = smaller.model.base
     raw = [innovations(residual_of(each, record)) for each in (smaller, larger)]
     least = raw

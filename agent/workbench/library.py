@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, TypeVar, cast
+
+import numpy as np
 
 from agent.physics.bases import BASES, Base
 from agent.physics.effect import Effect
@@ -10,7 +12,7 @@ from agent.physics.effect import Effect
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from agent.physics.effect import Facts
+    from agent.physics.effect import DisturbanceEffect, Facts
     from agent.physics.loop_model import LoopModel
 
 Named = TypeVar("Named", Base, Effect)
@@ -62,6 +64,16 @@ def missing(model: LoopModel, effects: Iterable[Effect]) -> tuple[Effect, ...]:
     names = {each.name for each in model.effects}
     taken = {each.family for each in model.effects} & ONE_OF_A_KIND
     return tuple(each for each in effects if each.name not in names and each.family not in taken)
+
+
+def acts_on_op(effect: Effect, facts: Facts) -> bool:
+    """Return whether what an effect does hangs on OP, so that it can answer to whatever OP answers to."""
+    if effect.stage != "disturbance":
+        return True
+    values = np.array([0.5 * (each.low + each.high) for each in effect.parameters(facts)])
+    time = np.asarray(facts.ts * np.arange(facts.samples), dtype=np.float64)
+    columns = cast("DisturbanceEffect", effect).columns
+    return not np.array_equal(columns(time, np.zeros_like(time), values), columns(time, time, values))
 
 
 def happens_once(effect: Effect, facts: Facts) -> bool:

@@ -69,8 +69,8 @@ EFFECT_VALUES: dict[str, tuple[float, ...]] = {
     "integrating": (0.05,),
     "inverse_response": (15.0,),
     "sinusoid": (0.031,),
-    "load_step": (100.0, 15.0),
-    "gain_change": (100.0, 0.0),
+    "load_step": (100.0, 260.0, 15.0),
+    "gain_change": (100.0, 0.0, 8.0),
 }
 """Values in s, and in OP spans above the least OP where the unit has OP in it."""
 OF_NONLINEARITY = ("bicoherence", "choudhury_ellipse", "choudhury_cmeans", "thornhill_surrogates")

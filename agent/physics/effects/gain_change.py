@@ -24,6 +24,7 @@ class GainChange:
 
     At one OP the change makes no difference: where the flow is zero, or the load takes the rest. OP and PV
     do not tell where that is, so it is searched; the level changes with its distance from where OP stood.
+    PV takes the new gain up with a lag, the process's own where its inflow is what changed.
     """
 
     name: str = "gain_change"
@@ -32,19 +33,26 @@ class GainChange:
     bases: tuple[str, ...] = ()
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return the instant, and where the change makes no difference.
+        """Return the instant, where the change makes no difference, and the lag.
 
-        The latter less the mean response before, in spans of the response.
+        The second less the mean response before, in spans of the response.
         """
         first, last = EDGE * facts.duration, (1 - EDGE) * facts.duration
         return (
             Parameter("time", "s", first, last, of_record=True),
             Parameter("pivot", "1", -1.0, 1.0, of_record=True),
+            Parameter("tau", "s", 0.0, facts.period, natural=True),
         )
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:
-        """Return the response after the instant, zero before, (n, 1)."""
-        instant, pivot = (float(value) for value in values)
+        """Return the response after the instant, zero before, (n, 1).
+
+        A first-order process that is at y0 when its inflow begins to count more adds y - y0 exp(-t / tau).
+        """
+        instant, pivot, tau = (float(value) for value in values)
         after = time > instant
-        changed = np.where(after, response - response[~after].mean() - pivot * np.ptp(response), 0.0)
+        off = response - response[~after].mean() - pivot * np.ptp(response)
+        changed = np.where(after, off, 0.0)
+        if tau > 0.0:
+            changed -= np.where(after, off[~after][-1] * np.exp(-np.maximum(time - instant, 0.0) / tau), 0.0)
         return np.asarray(changed[:, np.newaxis])

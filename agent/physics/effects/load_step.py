@@ -1,4 +1,4 @@
-"""A load that changes once and stays."""
+"""A load that changes once or twice, and stays or goes again."""
 
 from __future__ import annotations
 
@@ -16,15 +16,22 @@ if TYPE_CHECKING:
 
 EDGE = 0.05
 """Share of the record at either end in which a step is not told from the level."""
+INSTANTS = 120
+"""Of the record that a search looks at before it begins."""
+LAGS = (0.0, 0.25, 1.0)
+"""There, in periods."""
+LEAST_ENERGY = 1e-6
+"""A sample, of a step that is told from the others."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoadStep:
-    """A step behind a lag of its own on PV; its height is solved for.
+    """Two steps behind a lag of their own on PV; their heights are solved for.
 
-    A load enters through the process, but seldom by the valve's way: the lag is searched, not taken from the
-    process. None at all is a step of the level or of the transmitter, one of four periods is a slow load on
-    an integrating process.
+    One step alone does not find a load that comes and goes again, as of a pump or a batch: it leaves nearly
+    as much as none. Of a load that changes once the second step is small. A load enters through the process,
+    but seldom by the valve's way: the lag is searched, not taken from the process. None at all is a step of
+    the level or of the transmitter, one of four periods is a slow load on an integrating process.
     """
 
     name: str = "load_step"
@@ -33,16 +40,46 @@ class LoadStep:
     bases: tuple[str, ...] = ()
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return the instant and the lag."""
+        """Return both instants, in either order, and the lag."""
         first, last = EDGE * facts.duration, (1 - EDGE) * facts.duration
         return (
             Parameter("time", "s", first, last, of_record=True),
+            Parameter("time_2", "s", first, last, of_record=True),
             Parameter("tau", "s", 0.0, 4 * facts.period),
         )
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:  # noqa: ARG002
-        """Return the step of height one, (n, 1)."""
-        since = np.maximum(time - float(values[0]), 0.0)
-        tau = float(values[1])
-        step = -np.expm1(-since / tau) if tau > 0.0 else np.where(since > 0.0, 1.0, 0.0)
-        return np.asarray(step[:, np.newaxis])
+        """Return both steps, of height one, (n, 2)."""
+        tau = float(values[2])
+        return np.stack([_step(time, float(instant), tau) for instant in values[:2]], axis=1)
+
+    def spotted(self, residual: FloatArray, facts: Facts) -> FloatArray:
+        """Return for each of some lags the step that leaves the least, and the next beside it, (m, 3)."""
+        first, last = EDGE * facts.duration, (1 - EDGE) * facts.duration
+        time = np.asarray(facts.ts * np.arange(len(residual)), dtype=np.float64)
+        known = np.isfinite(residual)
+        instants = np.linspace(first, last, INSTANTS)
+        found = []
+        for tau in (lag * facts.period for lag in LAGS):
+            steps = np.stack([_step(time, each, tau) for each in instants], axis=1)[known]
+            drift = np.stack((np.ones(len(steps)), time[known]), axis=1)
+            place = _explains_most(steps, drift, residual[known])
+            other = _explains_most(steps, np.column_stack((drift, steps[:, place])), residual[known])
+            found.append((instants[place], instants[other], tau))
+        return np.array(found)
+
+
+def _step(time: FloatArray, instant: float, tau: float) -> FloatArray:
+    since = np.maximum(time - instant, 0.0)
+    step = -np.expm1(-since / tau) if tau > 0.0 else np.where(since > 0.0, 1.0, 0.0)
+    return np.asarray(step, dtype=np.float64)
+
+
+def _explains_most(columns: FloatArray, besides: FloatArray, residual: FloatArray) -> int:
+    """Return which column (n, k) explains most of a residual (n,) beside others, (n, m)."""
+    basis, _ = np.linalg.qr(besides)
+    left = residual - basis @ (basis.T @ residual)
+    new = columns - basis @ (basis.T @ columns)
+    energy = np.sum(new**2, axis=0)
+    told = energy > LEAST_ENERGY * len(new)
+    return int(np.argmax(np.where(told, (new.T @ left) ** 2 / np.where(told, energy, 1.0), 0.0)))

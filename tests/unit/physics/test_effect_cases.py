@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from agent.physics.bases import BASES
+from agent.physics.bases.linear_process import LinearProcess
 from agent.physics.effect import Facts
 from agent.physics.effects.actuator_lag import ActuatorLag
 from agent.physics.effects.asymmetric_stiction import AsymmetricStiction
@@ -136,20 +137,42 @@ def test_nothing_is_spotted_in_nothing():
 
 
 def test_a_load_step_has_gone_63_percent_after_its_lag():
-    column = LoadStep().columns(T, WAVE, np.array([100.0, 30.0]))[:, 0]
+    column, later = LoadStep().columns(T, WAVE, np.array([100.0, 200.0, 30.0])).T
     assert np.all(column[:101] == 0)
     assert column[130] == pytest.approx(1 - np.exp(-1))
-    sudden = LoadStep().columns(T, WAVE, np.array([100.0, 0.0]))[:, 0]
-    np.testing.assert_array_equal(sudden, T > 100)
+    np.testing.assert_allclose(later[100:], column[:-100])
+    sudden = LoadStep().columns(T, WAVE, np.array([100.0, 200.0, 0.0])).T
+    np.testing.assert_array_equal(sudden, [T > 100, T > 200])
+
+
+@pytest.mark.parametrize("instants", [(170.0, 230.0), (420.0, 90.0)])
+def test_a_load_that_comes_and_goes_is_spotted(instants):
+    left = LoadStep().columns(T, WAVE, np.array([*instants, 0.0])) @ [3.0, -3.0] + 0.01 * T
+    left[:40] = np.nan
+    sudden = LoadStep().spotted(left, FACTS)[0]
+    assert sorted(sudden[:2]) == pytest.approx(sorted(instants), abs=FACTS.duration / 100)
+    assert sudden[2] == 0
 
 
 def test_a_gain_change_makes_no_difference_where_the_flow_is_balanced():
     response = np.where(T < 300, WAVE, 50.0 + 0.15 * np.ptp(WAVE))
-    column = GainChange().columns(T, response, np.array([299.0, 0.15]))[:, 0]
+    column = GainChange().columns(T, response, np.array([299.0, 0.15, 0.0]))[:, 0]
     np.testing.assert_allclose(column, 0, atol=1e-9)
-    column = GainChange().columns(T, WAVE, np.array([299.0, -0.1]))[:, 0]
+    column = GainChange().columns(T, WAVE, np.array([299.0, -0.1, 0.0]))[:, 0]
     np.testing.assert_allclose(column[300:], WAVE[300:] - WAVE[:300].mean() + 0.1 * np.ptp(WAVE))
     assert not column[:300].any()
+
+
+def test_a_first_order_process_takes_up_another_gain_of_its_inflow_with_its_own_lag():
+    lag, instant, factor = 12.0, 299.0, 1.5
+    inflow = WAVE - 48.0
+    process = LinearProcess(delay=1.0, lags=(lag,))
+    before = process.respond(inflow, 1.0)
+    after = process.respond(inflow * np.where(instant <= T, factor, 1.0), 1.0)
+    balanced = -inflow[0]  # the response is told from where the inflow began
+    pivot = (balanced - before[instant >= T].mean()) / np.ptp(before)
+    column = GainChange().columns(T, before, np.array([instant, pivot, lag]))[:, 0]
+    np.testing.assert_allclose(before + (factor - 1) * column, after, atol=1e-3 * np.ptp(before))
 
 
 def test_the_stem_acts_behind_the_actuator_and_before_the_trim_however_they_were_added():
