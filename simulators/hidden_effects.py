@@ -7,6 +7,7 @@ OP can explain: PV less what the same field makes of the same OP without other l
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
@@ -73,12 +74,13 @@ class HiddenEffectPlant:
     def parameters(self) -> dict[str, tuple[float, ...]]:
         """True parameters of the effects, by the names and in the units of an identifier's.
 
-        Two lags in a row have no order: either may pass for the effect, and so both are true.
+        Two lags in a row have no order: either may pass for the effect, and so both are true. Instants are
+        those of the first sample that PV is moved from: another gain waits for the dead time.
         """
         scenario, valve, process = self.scenario, self.scenario.valve, self.scenario.process
         s, j = scenario.truth.f_s + scenario.truth.f_d, scenario.truth.f_s - scenario.truth.f_d
-        steps = [step.time for step in scenario.load_steps] + [step.time for step in scenario.gain_steps]
-        times = [time - SETTLING * scenario.ts for time in steps]
+        loads = tuple(self._instant(step.time) for step in scenario.load_steps)
+        gains = tuple(self._instant(step.time) + process.delay for step in scenario.gain_steps)
         known: dict[EffectName, dict[str, tuple[float | None, ...]]] = {
             "deadband": {"s": (s,)},
             "stiction": {"s": (s,), "j_over_s": (j / s if s else None,)},
@@ -89,14 +91,19 @@ class HiddenEffectPlant:
             "sensor_lag": {"tau": (scenario.sensor_tau, process.tau)},
             "inverse_response": {"lead": (process.lead,)},
             "sinusoid": {"frequency": (1 / scenario.disturbance.period,)},
-            "load_step": {"time": tuple(times)},
-            "gain_change": {"time": tuple(times)},
+            "load_step": {"time": loads},
+            "gain_change": {"time": gains},
         }
         return {
             f"{effect}.{name}": tuple(value for value in values if value is not None)
             for effect in self.effects
             for name, values in known.get(effect, {}).items()
         }
+
+    def _instant(self, time: float) -> float:
+        """Return the first sample of the record from which a change at ``time`` acts, s."""
+        ts = self.scenario.ts
+        return math.ceil(time / ts) * ts - SETTLING * ts
 
 
 def hidden_effect_plant(seed: int, truth: HiddenTruth) -> HiddenEffectPlant:

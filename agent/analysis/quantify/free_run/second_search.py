@@ -21,10 +21,13 @@ from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, SOPDT
 from agent.analysis.quantify.free_run.problem import first_periods
 from agent.analysis.quantify.free_run.search import concluded, structures
 from agent.analysis.quantify.free_run.shooting import Shots
-from agent.analysis.quantify.free_run.shooting_search import Stage, shot
+from agent.analysis.quantify.free_run.shooting_search import Stage, compared, shot
 from agent.analysis.quantify.free_run.starts import climbed
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
     from agent.analysis.recording import LoopHints
@@ -37,9 +40,8 @@ GRIDS = (
 )
 """Of the second search and those after it."""
 FAMILIES = {FOPDT: Family(False, False), SOPDT: Family(False, True), INTEGRATOR: Family(True, False)}
+OF_A_FAMILY = (Stage(5, Shots(0.5, 4.0), 0.5, 10, 40), Stage(5, Shots(0.5, 4.0), 0.4, 100, 10))
 STAGES = (
-    Stage(5, Shots(0.5, 4.0), 0.5, 30, 100),
-    Stage(5, Shots(0.5, 4.0), 0.4, 100, 20),
     Stage(12, Shots(0.5, 4.0), 0.4, 60, 6),
     Stage(math.inf, Shots(0.5, 4.0), 0.4, 80, 3),
     Stage(math.inf, Shots(0.5, 10.0), 0.3, 200, 3),
@@ -75,9 +77,12 @@ def searched_again(
     found: Found, grid: Grid, problem: Problem, hints: LoopHints, rng: np.random.Generator
 ) -> Found:
     """Return what a search on this grid finds, where it needs less by shots than what was found before."""
-    starts = [
-        each for structure in structures(hints) for each in climbed(problem, FAMILIES[structure], grid, rng)
-    ]
+    starts: list[Fitted] = []
+    for structure in structures(hints):
+        own: Sequence[Fitted] = climbed(problem, FAMILIES[structure], grid, rng)
+        for stage in OF_A_FAMILY:
+            own = compared(own, stage, problem, rng)
+        starts += own
     surest, free = shot(starts, found.best, STAGES, problem, rng)
     if surest is None or surest.error >= found.by_shots:
         return found
