@@ -30,11 +30,12 @@ def use_cache_of_this_source() -> None:
     """Keep compiled kernels in a folder named for the source they come from.
 
     numba looks at the file of a kernel only, not at those of the kernels it calls: without this, a changed
-    callee would go on running as it was.
+    callee would go on running as it was. So in a folder of the user's choice, too: a volume or /var/cache
+    outlives the next version.
     """
-    cache = PACKAGE / "__pycache__"
-    if "NUMBA_CACHE_DIR" in os.environ or not os.access(cache if cache.is_dir() else PACKAGE, os.W_OK):
-        return  # the user's choice, or numba's own: a folder of the user
+    cache = Path(os.environ.get("NUMBA_CACHE_DIR", PACKAGE / "__pycache__"))
+    if not os.access(next(each for each in (cache, *cache.parents) if each.is_dir()), os.W_OK):
+        return  # numba's own choice: a folder of the user
     sources = sorted([*PACKAGE.rglob("*.py"), *(PACKAGE.parent / "simulators").rglob("*.py")])
     folder = cache / f"{FOLDER}{digest(sources)}"
     if not folder.is_dir():

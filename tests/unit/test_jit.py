@@ -41,8 +41,20 @@ def test_a_change_takes_a_new_folder_and_drops_the_old(package):
     assert not first.exists()
 
 
-def test_the_users_choice_stands(package, monkeypatch):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(package / "mine"))
+def test_the_folder_of_the_users_choice_outlives_a_change_of_the_source(package, monkeypatch):
+    mine = package / "var" / "mine"
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(mine))
+    jit.use_cache_of_this_source()
+    first = Path(numba.config.CACHE_DIR)
+    assert first.parent == mine
+    (package / "one.py").write_text("x = 2")
+    jit.use_cache_of_this_source()
+    assert [Path(numba.config.CACHE_DIR)] == list(mine.iterdir()) != [first]
+
+
+@pytest.mark.usefixtures("package")
+def test_a_folder_that_is_not_to_be_written_is_left_to_numba(monkeypatch):
+    monkeypatch.setattr(jit.os, "access", lambda *_: False)
     jit.use_cache_of_this_source()
     assert numba.config.CACHE_DIR == ""
 
