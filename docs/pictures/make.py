@@ -69,7 +69,7 @@ EFFECT_VALUES: dict[str, tuple[float, ...]] = {
     "integrating": (0.05,),
     "inverse_response": (15.0,),
     "sinusoid": (0.031,),
-    "load_step": (100.0, 260.0, 15.0),
+    "load_step": (60.0, 140.0, 15.0),
     "gain_change": (100.0, 0.0, 8.0),
 }
 """Values in s, and in OP spans above the least OP where the unit has OP in it."""
