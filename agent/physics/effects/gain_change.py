@@ -52,7 +52,6 @@ class GainChange:
         instant, pivot, tau = (float(value) for value in values)
         after = time > instant
         off = response - response[~after].mean() - pivot * np.ptp(response)
-        changed = np.where(after, off, 0.0)
-        if tau > 0.0:
-            changed -= np.where(after, off[~after][-1] * np.exp(-np.maximum(time - instant, 0.0) / tau), 0.0)
+        left = np.exp(-np.maximum(time - instant, 0.0) / tau) if tau > 0.0 else 0.0
+        changed = np.where(after, off - off[~after][-1] * left, 0.0)
         return np.asarray(changed[:, np.newaxis])

@@ -79,7 +79,6 @@ def _explains_most(columns: FloatArray, besides: FloatArray, residual: FloatArra
     """Return which column (n, k) explains most of a residual (n,) beside others, (n, m)."""
     basis, _ = np.linalg.qr(besides)
     left = residual - basis @ (basis.T @ residual)
-    new = columns - basis @ (basis.T @ columns)
-    energy = np.sum(new**2, axis=0)
-    told = energy > LEAST_ENERGY * len(new)
-    return int(np.argmax(np.where(told, (new.T @ left) ** 2 / np.where(told, energy, 1.0), 0.0)))
+    energy = np.einsum("ij,ij->j", columns, columns) - np.sum((basis.T @ columns) ** 2, axis=0)
+    told = energy > LEAST_ENERGY * len(columns)
+    return int(np.argmax(np.where(told, (columns.T @ left) ** 2 / np.where(told, energy, 1.0), 0.0)))

@@ -152,7 +152,8 @@ def follow(
     early: list[Fitted] = []
     for horizon in HORIZONS:
         part = first_periods(problem, horizon.periods)
-        fitted = fitted_to(part, starts, horizon, rng)
+        begun = [restart(each, each.structure, part) for each in starts]
+        fitted = [refine(each, part, horizon.scale, horizon.evaluations, rng) for each in begun]
         early = early or best_by_bin(fitted, problem)
         if horizon.periods == SPREAD_FROM:
             spread = [restart(f, f.structure, problem) for f in best_by_bin(fitted, problem)]
@@ -160,14 +161,6 @@ def follow(
         if len(part.pv) == len(problem.pv):
             break
     return list(starts), [refine(f, problem, 0.2, (30, 40), rng) for f in spread], early
-
-
-def fitted_to(
-    part: Problem, starts: Sequence[Fitted], horizon: Horizon, rng: np.random.Generator
-) -> list[Fitted]:
-    """Return the candidates fitted to that part of the record, with what the horizon spends on each."""
-    begun = [restart(fitted, fitted.structure, part) for fitted in starts]
-    return [refine(fitted, part, horizon.scale, horizon.evaluations, rng) for fitted in begun]
 
 
 def around(best: Fitted, problem: Problem, rng: np.random.Generator) -> list[Fitted]:

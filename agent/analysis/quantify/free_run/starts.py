@@ -56,7 +56,7 @@ SLIPS_DIFFER = 0.45
 
 
 def climbed(problem: Problem, family: Family, grid: Grid, rng: np.random.Generator) -> list[Fitted]:
-    """Return the candidates of a grid after a short climb in the bank, with processes, in no order.
+    """Return the candidates of a grid after a short climb in the bank, with processes.
 
     Their errors are less the shares of PV that they explain there.
 
