@@ -17,8 +17,6 @@ COPY --from=build /opt/slipjump /opt/slipjump
 # numba wants its cache writable
 COPY --from=build --chown=slipjump /kernels /var/cache/slipjump
 ENV PATH=/opt/slipjump/bin:$PATH NUMBA_CACHE_DIR=/var/cache/slipjump OPENBLAS_NUM_THREADS=1
-# one heap for all threads, and what is free at its end goes back: docs/reliability.md, "Days"
-ENV MALLOC_ARENA_MAX=1 MALLOC_TRIM_THRESHOLD_=131072
 USER slipjump
 WORKDIR /var/lib/slipjump
 VOLUME /var/lib/slipjump

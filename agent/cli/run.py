@@ -33,11 +33,13 @@ def run(
 
     SIGHUP reads the configuration anew; what did not change goes on.
     """
+    from agent.runtime.heap import keep_one_heap
     from agent.runtime.lock import only_agent_of
     from agent.settings import load_settings
 
     settings = load_settings(config)
     set_up(log_format, log_level)
+    keep_one_heap()
     with only_agent_of(settings.agent.state):
         asyncio.run(_until_told(config, settings))
 

@@ -1,0 +1,40 @@
+"""One heap for all threads: glibc is asked how many it made."""
+
+import subprocess
+import sys
+
+import pytest
+
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="glibc's heaps")
+
+THREADS = """
+import ctypes, threading
+from agent.runtime.heap import keep_one_heap
+{call}
+together = threading.Barrier(4)
+def work():
+    together.wait()
+    kept = [bytes(1000) for _ in range(1000)]
+    together.wait()
+threads = [threading.Thread(target=work) for _ in range(4)]
+for each in threads: each.start()
+for each in threads: each.join()
+ctypes.CDLL(None).malloc_stats()
+"""
+
+
+def heaps(call: str, **environment: str) -> int:
+    done = subprocess.run(
+        [sys.executable, "-c", THREADS.format(call=call)],
+        capture_output=True, text=True, check=True, timeout=60, env={"PATH": "/usr/bin", **environment},
+    )  # fmt: skip
+    return done.stderr.count("Arena ")
+
+
+def test_threads_share_one_heap_after_it():
+    assert heaps("") > 1
+    assert heaps("keep_one_heap()") == 1
+
+
+def test_what_the_environment_asks_for_counts():
+    assert heaps("keep_one_heap()", MALLOC_ARENA_MAX="3", MALLOC_TRIM_THRESHOLD_="100000") > 1
