@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from importlib.metadata import version
+from typing import Annotated
 
 import typer
 
@@ -69,6 +71,29 @@ COMMANDS: tuple[Callable[..., None], ...] = (
 )
 """Each is named as its function; its docstring is its help."""
 HIDDEN: tuple[Callable[..., None], ...] = (warm,)
+
+
+def _tell_version(*, asked: bool) -> None:
+    if asked:
+        typer.echo(f"slipjump {version('slipjump')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    *,
+    asked: Annotated[
+        bool,
+        typer.Option(
+            "--version",
+            callback=lambda asked: _tell_version(asked=asked),
+            is_eager=True,
+            help="Tell the version and exit.",
+        ),
+    ] = False,
+) -> None:
+    pass
+
 
 for command in COMMANDS:
     app.command()(command)

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -204,6 +205,10 @@ def test_installed_command_is_quiet_and_quick_to_help(still):
     )
     assert done.stderr == ""
     assert json.loads(done.stdout)["verdict"] == "not_testable"
+
+
+def test_it_tells_its_version(slipjump):
+    assert slipjump("--version") == (0, f"slipjump {version('slipjump')}\n", "")
 
 
 @pytest.mark.timeout(300)  # where nothing is compiled yet
