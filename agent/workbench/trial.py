@@ -80,7 +80,9 @@ def _starts(trial: Trial) -> FloatArray | None:
     names = tuple(name for name, _ in trial.smaller.model.parameters(trial.record.facts))
     return np.array(
         [
-            np.concatenate((old, effect.values_of(valve.bands, valve.start)))
+            np.concatenate(
+                (old, effect.values_of(valve.bands, valve.start, valve.stem, trial.record.facts.ts))
+            )
             for valve in trial.valves
             for old in (with_valve(trial.smaller.values, names, valve), trial.smaller.values)
         ]

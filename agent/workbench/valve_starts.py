@@ -12,9 +12,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.objective import DELAY, J_RATIO, LEVEL, LOG_TAU, LOG_TAU2, S
+from agent.analysis.quantify.free_run.objective import (
+    DELAY,
+    J_RATIO,
+    LEVEL,
+    LOG_DAMPING,
+    LOG_REST,
+    LOG_SUPPLY,
+    LOG_TAU,
+    LOG_TAU2,
+    S,
+)
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.quantify.free_run.search import best_stiction
+from agent.physics.valves.damped_stem import DampedStem
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
@@ -33,6 +44,7 @@ class ValveStart:
     bands: FrictionBands
     start: float
     """OP at the first slip less OP at the first sample, OP units."""
+    stem: DampedStem
     process: dict[str, float]
     """``delay``, ``tau``, ``tau2``, s."""
 
@@ -64,7 +76,13 @@ def _start(candidate: FloatArray, first_op: float, ts: float) -> ValveStart:
         "tau2": math.exp(candidate[LOG_TAU2]) * ts,
     }
     bands = FrictionBands.from_s_j(s, float(candidate[J_RATIO]) * s)
-    return ValveStart(bands, float(candidate[LEVEL]) - first_op, process)
+    damping, supply, rest = (math.exp(candidate[each]) for each in (LOG_DAMPING, LOG_SUPPLY, LOG_REST))
+    return ValveStart(
+        bands,
+        float(candidate[LEVEL]) - first_op,
+        DampedStem(damping=damping, supply=supply, rest=rest),
+        process,
+    )
 
 
 def with_valve(values: FloatArray, names: tuple[str, ...], valve: ValveStart) -> FloatArray:

@@ -11,6 +11,7 @@ from agent.physics.effect import Facts
 from agent.physics.effects import EFFECTS, effects
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.loop_model import LoopModel
+from agent.physics.valves.damped_stem import DampedStem
 from agent.units import FrictionBands
 from agent.workbench.library import applies
 
@@ -197,7 +198,7 @@ def test_hysteresis_begins_with_the_slip_that_its_bands_and_start_say(effect, st
     """From there S may change; the first slip stays."""
     op = 50 + np.sign(start) * np.linspace(0, 12, 241)
     for bands in (FrictionBands(4.0, 3.0), FrictionBands(5.0, 3.5)):
-        values = effect.values_of(bands, start)
+        values = effect.values_of(bands, start, DampedStem(), 1.0)
         assert len(values) == len(effect.parameters(FACTS))
         position = effect.apply(op, values, 1.0)
         moved = np.flatnonzero(np.abs(np.diff(position)) > 1e-6)[0] + 1

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from agent.physics.effect import Facts, Parameter, Stage
-from agent.physics.effects.hysteresis import rest_before, start_of
-from agent.physics.valves.damped_stem import DampedStem, damped_stem_by_direction
+from agent.physics.effects.hysteresis import motion_of, motion_values, moving, rest_before, start_of
+from agent.physics.valves.damped_stem import damped_stem_by_direction
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from agent.physics.valves.damped_stem import DampedStem
     from agent.units import FrictionBands
 
     FloatArray = NDArray[np.float64]
@@ -32,30 +33,29 @@ class AsymmetricStiction:
     family: str = "valve_hysteresis"
     stage: Stage = "valve"
     bases: tuple[str, ...] = ()
-    stem: DampedStem = field(default_factory=DampedStem)
-    """Damping, supply and rest; those of ``stiction``, which is this one with both jumps alike."""
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return dead band, both slip jumps and where the stem first slips; all three at 0 remove it."""
+        """Return dead band, both slip jumps (all three at 0 remove it), first slip, how the stem moves."""
         return (
             Parameter("dead_band", "OP", 0.0, facts.op_span, null=0.0),
             Parameter("j_up", "OP", 0.0, facts.op_span, null=0.0),
             Parameter("j_down", "OP", 0.0, facts.op_span, null=0.0),
             start_of(facts),
+            *motion_of(facts),
         )
 
-    def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
+    def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:
         """Return where the stem is."""
-        dead_band, j_up, j_down, start = (float(value) for value in values)
+        dead_band, j_up, j_down, start = (float(value) for value in values[:4])
         if dead_band == j_up == j_down == 0.0:
             return position
         f_d = dead_band / 2
         x0 = rest_before(float(position[0]), f_d + j_up, f_d + j_down, start)
-        stem = self.stem
+        stem = moving(values[4:], ts)
         return damped_stem_by_direction(
             position, f_d + j_up, f_d + j_down, f_d, x0, stem.damping, stem.supply, stem.rest
         )
 
-    def values_of(self, bands: FrictionBands, start: float) -> FloatArray:
+    def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:
         """Return the values of a valve with these bands in both directions."""
-        return np.array([bands.dead_band, bands.j, bands.j, start])
+        return np.array([bands.dead_band, bands.j, bands.j, start, *motion_values(stem, ts)])

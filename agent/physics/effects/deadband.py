@@ -14,6 +14,7 @@ from agent.physics.effects.hysteresis import rest_before, start_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from agent.physics.valves.damped_stem import DampedStem
     from agent.units import FrictionBands
 
     FloatArray = NDArray[np.float64]
@@ -51,6 +52,6 @@ class Deadband:
         width, start = (float(value) for value in values)
         return backlash(position, width, rest_before(float(position[0]), width / 2, width / 2, start))
 
-    def values_of(self, bands: FrictionBands, start: float) -> FloatArray:
+    def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:  # noqa: ARG002
         """Return the values of a band as wide as S."""
         return np.array([bands.s, start])

@@ -1,13 +1,15 @@
-"""What the effects of friction and slack share: where the stem rests at first, and values from bands."""
+"""What effects of friction and slack share: where the stem rests at first, how it moves, values from bands."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
+import numpy as np
+
 from agent.physics.effect import Facts, Parameter, ValveEffect
+from agent.physics.valves.damped_stem import DAMPING, REST, SUPPLY, DampedStem
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from agent.units import FrictionBands
@@ -19,10 +21,10 @@ if TYPE_CHECKING:
 class HysteresisEffect(ValveEffect, Protocol):
     """A valve that answers OP by which way OP came; its error over S and J is a needle."""
 
-    def values_of(self, bands: FrictionBands, start: float) -> FloatArray:
-        """Return the values of this effect, in their order, nearest to a valve with ``bands``.
+    def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:
+        """Return the values of this effect, in their order, nearest to a valve with ``bands`` and ``stem``.
 
-        ``start`` is as in ``start_of``.
+        ``start`` is as in ``start_of``, ``ts`` the time between samples, s.
         """
         ...
 
@@ -47,3 +49,28 @@ def rest_before(op: float, f_s_up: float, f_s_down: float, start: float) -> floa
     """
     rest = op + start - f_s_up if start >= 0.0 else op + start + f_s_down
     return min(max(rest, op - f_s_up), op + f_s_down)
+
+
+def motion_of(facts: Facts) -> tuple[Parameter, ...]:
+    """How a stem moves once it slips: its damping, its supply of air, and where it comes to rest.
+
+    Nobody knows them beforehand, and S and J that are searched with those of another stem are others.
+    """
+    (damps, longest_damping), (supplies, longest_supply) = DAMPING, SUPPLY
+    ts = facts.ts
+    return (
+        Parameter("damping", "s", damps * ts, longest_damping * ts, log=True, natural=True),
+        Parameter("supply", "s", supplies * ts, longest_supply * ts, log=True, natural=True),
+        Parameter("rest", "1", *REST, log=True, natural=True),
+    )
+
+
+def moving(values: FloatArray, ts: float) -> DampedStem:
+    """Return the stem of the values of ``motion_of``, (3,)."""
+    damping, supply, rest = (float(value) for value in values)
+    return DampedStem(damping=damping / ts, supply=supply / ts, rest=rest)
+
+
+def motion_values(stem: DampedStem, ts: float) -> FloatArray:
+    """Return the values (3,) of ``motion_of`` for a stem."""
+    return np.array([stem.damping * ts, stem.supply * ts, stem.rest])

@@ -2,52 +2,55 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from agent.physics.effect import Facts, Parameter, Stage
-from agent.physics.effects.hysteresis import rest_before, start_of
-from agent.physics.valves.damped_stem import DampedStem
-from agent.physics.valves.law import StictionLaw
+from agent.physics.effects.hysteresis import motion_of, motion_values, moving, rest_before, start_of
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from agent.physics.valves.damped_stem import DampedStem
+    from agent.physics.valves.law import StictionLaw
 
     FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Stiction:
-    """Dead band plus stick band S and slip jump J, by a law of ``agent/physics/valves``."""
+    """Dead band plus stick band S and slip jump J."""
 
     name: str = "stiction"
     family: str = "valve_hysteresis"
     stage: Stage = "valve"
     bases: tuple[str, ...] = ()
-    law: StictionLaw = field(default_factory=DampedStem)
-    """Between a stem that rests after each slip and one that slides on (docs/methods/stiction_laws.md)."""
+    law: StictionLaw | None = None
+    """Of ``agent/physics/valves``; None: the damped stem, which is between one that rests after each slip and
+    one that slides on (docs/methods/damped_stem.md), with constants that are searched too."""
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return S, J/S and where the stem first slips."""
+        """Return S, J/S, where the stem first slips, and how it moves."""
         return (
             Parameter("s", "OP", 0.0, facts.op_span, null=0.0),
             Parameter("j_over_s", "1", 0.0, 1.0, natural=True),
             start_of(facts),
+            *(motion_of(facts) if self.law is None else ()),
         )
 
-    def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
+    def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:
         """Return where the stem is."""
-        s, j_over_s, start = (float(value) for value in values)
+        s, j_over_s, start = (float(value) for value in values[:3])
         if s == 0.0:
             return position
         bands = FrictionBands.from_s_j(s, j_over_s * s)
-        return self.law.position(
-            position, bands, rest_before(float(position[0]), bands.f_s, bands.f_s, start)
-        )
+        law = moving(values[3:], ts) if self.law is None else self.law
+        return law.position(position, bands, rest_before(float(position[0]), bands.f_s, bands.f_s, start))
 
-    def values_of(self, bands: FrictionBands, start: float) -> FloatArray:
+    def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:
         """Return the values of a valve with these bands."""
-        return np.array([bands.s, bands.j / bands.s if bands.s > 0.0 else 0.0, start])
+        valve = [bands.s, bands.j / bands.s if bands.s > 0.0 else 0.0, start]
+        return np.array([*valve, *(motion_values(stem, ts) if self.law is None else ())])

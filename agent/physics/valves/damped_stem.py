@@ -23,6 +23,12 @@ if TYPE_CHECKING:
 
     from agent.units import FrictionBands
 
+DAMPING = (0.03, 0.9)
+"""Range of a stem's time constant in a search, samples."""
+SUPPLY = (0.02, 0.5)
+"""Range of that of the air to the actuator, samples."""
+REST = (3e-4, 0.3)
+"""Range of the force over f_D at which a stem stops, over f_S - f_D."""
 BISECTIONS = 5
 """Halvings in the search of the moment of rest: a 32th of a sample."""
 AT_ONCE = 0.05

@@ -13,6 +13,7 @@ from agent.physics.effects.asymmetric_stiction import AsymmetricStiction
 from agent.physics.effects.characteristic import Characteristic
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.gain_change import GainChange
+from agent.physics.effects.hysteresis import motion_values
 from agent.physics.effects.load_step import LoadStep
 from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.saturation import Saturation
@@ -21,6 +22,8 @@ from agent.physics.effects.sensor_lag import SensorLag
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
+from agent.physics.valves.damped_stem import DampedStem
+from agent.physics.valves.he2007 import He2007
 from agent.physics.valves.kano2004 import kano2004
 from agent.units import FrictionBands
 
@@ -28,6 +31,7 @@ T = np.arange(600.0)
 WAVE = 50 + 10 * np.sin(2 * np.pi * T / 150)
 FACTS = Facts(1.0, 600, 40.0, 60.0, 0.0, 1.0, 150.0, 0.3, 1)
 FOPDT, SOPDT = BASES[0], BASES[1]
+MOTION = motion_values(DampedStem(), 1.0)
 
 
 def test_a_dead_band_takes_its_width_from_every_stroke():
@@ -36,19 +40,33 @@ def test_a_dead_band_takes_its_width_from_every_stroke():
 
 
 def test_a_stem_that_cannot_slip_far_is_late_by_half_of_s_on_either_stroke():
-    position = Stiction().apply(WAVE, np.array([6.0, 0.0, 3.0]), 1.0)
+    position = Stiction().apply(WAVE, np.array([6.0, 0.0, 3.0, *MOTION]), 1.0)
     assert np.ptp(position[150:]) == pytest.approx(20 - 6, abs=0.3)
 
 
 def test_both_slip_jumps_alike_are_stiction():
     bands = FrictionBands(4.0, 1.5)
-    alike = AsymmetricStiction().apply(WAVE, AsymmetricStiction().values_of(bands, 2.0), 1.0)
-    np.testing.assert_allclose(alike, Stiction().apply(WAVE, Stiction().values_of(bands, 2.0), 1.0))
+    stem = DampedStem(damping=0.4, rest=0.05)
+    alike = AsymmetricStiction().apply(WAVE, AsymmetricStiction().values_of(bands, 2.0, stem, 0.5), 0.5)
+    np.testing.assert_allclose(
+        alike, Stiction().apply(WAVE, Stiction().values_of(bands, 2.0, stem, 0.5), 0.5)
+    )
+    np.testing.assert_allclose(alike, stem.position(WAVE, bands, WAVE[0] + 2.0 - bands.f_s))
+
+
+def test_another_law_has_no_motion_to_search():
+    bands, law = FrictionBands(4.0, 1.5), He2007()
+    effect = Stiction(law=law)
+    values = effect.values_of(bands, 2.0, DampedStem(), 1.0)
+    np.testing.assert_allclose(values, [5.5, 2.5 / 5.5, 2.0])
+    np.testing.assert_allclose(
+        effect.apply(WAVE, values, 1.0), law.position(WAVE, bands, WAVE[0] + 2.0 - bands.f_s)
+    )
 
 
 def test_a_falling_stem_with_more_static_friction_slips_further():
     op = 50 + np.concatenate([np.arange(0, 20, 0.02), np.arange(20, 0, -0.02)])
-    position = AsymmetricStiction().apply(op, np.array([2.0, 1.0, 5.0, 2.0]), 1.0)
+    position = AsymmetricStiction().apply(op, np.array([2.0, 1.0, 5.0, 2.0, *MOTION]), 1.0)
     up, down = np.diff(position)[:1000], np.diff(position)[1000:]
     assert -down.min() > 3 * up.max()
 

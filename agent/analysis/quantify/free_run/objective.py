@@ -13,7 +13,7 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.problem import Problem, to_blocks
 from agent.jit import kernel, summing_kernel
-from agent.physics.valves.damped_stem import damped_stem
+from agent.physics.valves.damped_stem import DAMPING, REST, SUPPLY, damped_stem
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
@@ -34,8 +34,8 @@ AT_ONCE = -5.0
 """Log of a second time constant (samples) below which it makes no difference, and exp would end at 0."""
 RIGID = -9.0
 """Log of rest below which a stem stays as it is: He's valve."""
-STEM_LOW = (math.log(0.03), math.log(0.02), math.log(3e-4))
-STEM_HIGH = (math.log(0.9), math.log(0.5), math.log(0.3))
+STEM_LOW = (math.log(DAMPING[0]), math.log(SUPPLY[0]), math.log(REST[0]))
+STEM_HIGH = (math.log(DAMPING[1]), math.log(SUPPLY[1]), math.log(REST[1]))
 """Bounds of damping, supply and rest of every other stem."""
 
 
