@@ -1,4 +1,4 @@
-"""What effects of friction and slack share: where the stem rests at first, how it moves, values from bands."""
+"""What friction and slack share: where the stem rests at first, how it moves, values from bands."""
 
 from __future__ import annotations
 
