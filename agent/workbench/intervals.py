@@ -1,11 +1,11 @@
 """The parameters of a fitted model, and how sure they are.
 
 A model on a linear base has those with which it predicts best (``predictor.py``), with the interval that the
-derivatives of the innovations tell; of friction and slack it is at least the ``plateau``. Any other model has
-those of its fit, with the delete-a-group jackknife over the folds: each leaves a fifth of the record out, and
-from the scatter of the K estimates follows the variance of the one from all, (K - 1) / K times their sum of
-squares about the mean, with K - 1 degrees of freedom (reconstructed from Shao and Tu, The Jackknife and
-Bootstrap, 1995).
+derivatives of the innovations tell; of the bands of friction and slack it is at least the ``plateau``. Any
+other model has those of its fit, with the delete-a-group jackknife over the folds: each leaves a fifth of the
+record out, and from the scatter of the K estimates follows the variance of the one from all, (K - 1) / K
+times their sum of squares about the mean, with K - 1 degrees of freedom (reconstructed from Shao and Tu, The
+Jackknife and Bootstrap, 1995).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.physics.effects.hysteresis import MOTION, HysteresisEffect
 from agent.workbench.plateau import plateau
 from agent.workbench.predictor import predictor
 from agent.workbench.space import space_of
@@ -64,7 +64,8 @@ def estimated(fitted: Fit, folds: HeldOut, record: Record) -> Estimate:
     half = np.tile(stats.norm.ppf(0.5 + CONFIDENCE / 2) * predicts.spread(best), (2, 1))
     needles = {each.name for each in fitted.model.effects if isinstance(each, HysteresisEffect)}
     for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
-        if name.partition(".")[0] in needles and not parameter.of_record:
+        effect, _, what = name.partition(".")
+        if effect in needles and what not in MOTION and not parameter.of_record:
             low, high = plateau(predicts, best, i)
             half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
     return Estimate(_within(space, best, half), predicts.free_run(best))

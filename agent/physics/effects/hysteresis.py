@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 
+MOTION = ("damping", "supply", "rest")
+"""Parameters of ``motion_of``."""
+
+
 @runtime_checkable
 class HysteresisEffect(ValveEffect, Protocol):
     """A valve that answers OP by which way OP came; its error over S and J is a needle."""
@@ -56,12 +60,10 @@ def motion_of(facts: Facts) -> tuple[Parameter, ...]:
 
     Nobody knows them beforehand, and S and J that are searched with those of another stem are others.
     """
-    (damps, longest_damping), (supplies, longest_supply) = DAMPING, SUPPLY
-    ts = facts.ts
-    return (
-        Parameter("damping", "s", damps * ts, longest_damping * ts, log=True, natural=True),
-        Parameter("supply", "s", supplies * ts, longest_supply * ts, log=True, natural=True),
-        Parameter("rest", "1", *REST, log=True, natural=True),
+    ranges = zip(MOTION, ("s", "s", "1"), (DAMPING, SUPPLY, REST), (facts.ts, facts.ts, 1.0), strict=True)
+    return tuple(
+        Parameter(name, unit, low * scale, high * scale, log=True, natural=True)
+        for name, unit, (low, high), scale in ranges
     )
 
 
