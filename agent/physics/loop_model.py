@@ -86,17 +86,22 @@ class Layout:
             position = cast("ValveEffect", effect).apply(position, values[own], self.ts)
         return position
 
-    def columns(self, op: FloatArray, values: FloatArray) -> FloatArray:
-        """Return the response of gain one, then what disturbances add but for coefficients, (n, 1 + k)."""
+    def response(self, position: FloatArray, values: FloatArray) -> FloatArray:
+        """Return what the transmitter makes of a valve position, OP units, for gain one, (n,)."""
         process = self.base.process(values[self.own])
         for effect, own in self.effects:
             if effect.stage == "process":
                 change = cast("ProcessEffect[object]", effect).change
                 process = change(process, values[own])  # type: ignore[assignment]
-        response = process.respond(self.position(op, values), self.ts)
+        response = process.respond(position, self.ts)
         for effect, own in self.effects:
             if effect.stage == "sensor":
                 response = cast("SensorEffect", effect).apply(response, values[own], self.ts)
+        return response
+
+    def columns(self, op: FloatArray, values: FloatArray) -> FloatArray:
+        """Return the response of gain one, then what disturbances add but for coefficients, (n, 1 + k)."""
+        response = self.response(self.position(op, values), values)
         disturbances = [pair for pair in self.effects if pair[0].stage == "disturbance"]
         if not disturbances:
             return response[:, np.newaxis]

@@ -11,6 +11,8 @@ from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import by_chance, innovations, tells_more
 from agent.workbench.library import acts_on_op, happens_once
 from agent.workbench.prediction_error import least_innovations
+from agent.workbench.predictor import predictor
+from agent.workbench.state_dependence import resolves, state_dependence
 from agent.workbench.step import Step, Verdict
 from agent.workbench.where import LEVEL as FOLLOWED
 
@@ -64,14 +66,32 @@ def judged(
     }
     null_p = {name: 1.0 for name in models if name not in found or not found[name].more}
     chances = {name: each.by_chance for name, each in found.items()}
+    asked: set[str] = set()
     while True:
         decision = judge(smaller.held_out.losses, losses, families, null_p, stopped, by_chance=chances)
-        if decision.effect is None or decision.kind == "suggested" or decision.effect in null_p:
+        effect = decision.effect
+        if effect is None or (decision.kind == "suggested" and not decision.rivals):
             break
-        null_p[decision.effect] = null_p_of(models[decision.effect].fit)
+        new = [each for each in (effect, *decision.rivals) if each not in asked | null_p.keys()]
+        asked.update(new)
+        others = [each for each in new if _stands_for_another(smaller, models[each].fit, record)]
+        null_p.update(dict.fromkeys(others, 1.0))
+        if others:
+            continue
+        if decision.kind == "suggested" or effect in null_p:
+            break
+        null_p[effect] = null_p_of(models[effect].fit)
     if decision.effect is not None and null_p.get(decision.effect, 0.0) >= LEVEL:
         decision = replace(decision, kind="none", effect=None, family=None)
     return AllTried(decision, models)
+
+
+def _stands_for_another(smaller: Step, larger: Fit, record: Record) -> bool:
+    """Whether what made the smaller model fail is still there with the last effect of ``larger``."""
+    if not larger.model.base.linear or not acts_on_op(larger.model.effects[-1], record.facts):
+        return False
+    found = predictor(larger, record)
+    return found is not None and not resolves(smaller.estimate.dependence, state_dependence(*found))
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from agent.physics.bases.base import StartingBase
 from agent.workbench.projection import nuisance_part, target_of
-from agent.workbench.search import STEP, Round, best_of, hypercube, objective_of, searched
+from agent.workbench.search import STEP, Pinned, Round, best_of, hypercube, objective_of, searched
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -123,10 +123,24 @@ def nested_starts(smaller: Fit, space: Space) -> FloatArray:
 
 
 def refit(fitted: Fit, record: Record, weight: FloatArray) -> Fit:
-    """Fit the same model to other samples, from the values that it has."""
-    objective = objective_of(fitted.model, record, target_of(record, weight, linear=fitted.model.base.linear))
-    found = searched(objective, objective.space.at(fitted.values)[None, :], WARM_ROUNDS)
-    return fit_at(fitted.model, record, objective.target, objective.space.values(found))
+    """Fit the same model to other samples of its record, from the values that it has.
+
+    When something happened once, and what else of a disturbance belongs to this record, stays as it is: no
+    other samples tell it.
+    """
+    model = fitted.model
+    objective = objective_of(model, record, target_of(record, weight, linear=model.base.linear))
+    once = {each.name for each in model.effects if each.stage == "disturbance"}
+    free = np.array(
+        [
+            not (parameter.of_record and name.partition(".")[0] in once)
+            for name, parameter in zip(objective.space.names, objective.space.parameters, strict=True)
+        ],
+        dtype=np.bool_,
+    )
+    pinned = Pinned(objective, objective.space.at(fitted.values), free)
+    found = pinned.whole(searched(pinned, pinned.at[free][None, :], WARM_ROUNDS))
+    return fit_at(model, record, objective.target, objective.space.values(found))
 
 
 def fit_at(model: LoopModel, record: Record, target: Target, values: FloatArray) -> Fit:

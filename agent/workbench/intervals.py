@@ -20,8 +20,11 @@ from agent.physics.effects.hysteresis import MOTION, HysteresisEffect
 from agent.workbench.plateau import plateau
 from agent.workbench.predictor import predictor
 from agent.workbench.space import space_of
+from agent.workbench.state_dependence import Dependence, state_dependence
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from agent.analysis.recording import FloatArray
     from agent.workbench.fit import Fit
     from agent.workbench.folds import HeldOut
@@ -51,6 +54,8 @@ class Estimate:
     parameters: tuple[FittedParameter, ...]
     pv: FloatArray
     """Free run, PV units, (n,)."""
+    dependence: Mapping[str, Dependence]
+    """By axis, whether the loop answers OP otherwise there; empty where that cannot be asked."""
 
 
 def estimated(fitted: Fit, folds: HeldOut, record: Record) -> Estimate:
@@ -58,7 +63,7 @@ def estimated(fitted: Fit, folds: HeldOut, record: Record) -> Estimate:
     found = predictor(fitted, record) if fitted.model.base.linear else None
     if found is None:
         space = space_of(fitted.model, record.facts)
-        return Estimate(_within(space, space.at(fitted.values), _jackknife(space, folds)), fitted.pv)
+        return Estimate(_within(space, space.at(fitted.values), _jackknife(space, folds)), fitted.pv, {})
     predicts, best = found
     space = predicts.space
     half = np.tile(stats.norm.ppf(0.5 + CONFIDENCE / 2) * predicts.spread(best), (2, 1))
@@ -68,7 +73,8 @@ def estimated(fitted: Fit, folds: HeldOut, record: Record) -> Estimate:
         if effect in needles and what not in MOTION and not parameter.of_record:
             low, high = plateau(predicts, best, i)
             half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
-    return Estimate(_within(space, best, half), predicts.free_run(best))
+    parameters = _within(space, best, half)
+    return Estimate(parameters, predicts.free_run(best), state_dependence(predicts, best))
 
 
 def _jackknife(space: Space, folds: HeldOut) -> FloatArray:

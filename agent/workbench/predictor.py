@@ -72,18 +72,22 @@ class Predictor:
         record = self.objective.record
         return np.asarray(explained + nuisance_part(record, explained, record.weight), dtype=np.float64)
 
+    def derivative(self, at: FloatArray) -> FloatArray:
+        """Return the derivatives of the innovations by the coordinates, PV units, (m, k)."""
+        columns = np.empty((len(self.pv), len(at)))
+        for i, place in enumerate(at.tolist()):
+            ends = np.vstack((at, at))
+            ends[:, i] = max(place - DIFFERENCE, 0.0), min(place + DIFFERENCE, 1.0)
+            rise = self.residual(ends[1]) - self.residual(ends[0])
+            columns[:, i] = rise / (ends[1, i] - ends[0, i])
+        return columns
+
     def spread(self, at: FloatArray) -> FloatArray:
         """Return the standard deviation of each coordinate, (k,), by the derivatives of the innovations.
 
         What they do not tell spreads over the whole cube.
         """
-        columns = []
-        for i, place in enumerate(at.tolist()):
-            ends = np.vstack((at, at))
-            ends[:, i] = max(place - DIFFERENCE, 0.0), min(place + DIFFERENCE, 1.0)
-            rise = self.residual(ends[1]) - self.residual(ends[0])
-            columns.append(rise / (ends[1, i] - ends[0, i]))
-        derivative = np.column_stack(columns)
+        derivative = self.derivative(at)
         if not np.isfinite(derivative).all():
             return np.ones(len(at))
         left = self.residual(at)

@@ -20,6 +20,8 @@ from agent.workbench.space import Space, space_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from numpy.typing import NDArray
+
     from agent.analysis.recording import FloatArray
     from agent.physics.loop_model import Layout, LoopModel
     from agent.workbench.record import Record
@@ -55,6 +57,36 @@ class Objective:
         return least_error(self.columns(at), self.target)
 
 
+@dataclass(frozen=True, slots=True)
+class Pinned:
+    """An objective of which some coordinates stay as they are; points are of the others."""
+
+    objective: Objective
+    at: FloatArray
+    """All coordinates, (k,)."""
+    free: NDArray[np.bool_]
+    """Which of them move, (k,)."""
+
+    @property
+    def model(self) -> LoopModel:
+        """Of the objective."""
+        return self.objective.model
+
+    def whole(self, free: FloatArray) -> FloatArray:
+        """Return all coordinates, (k,), of those that move."""
+        point = self.at.copy()
+        point[self.free] = free
+        return point
+
+    def solved(self, free: FloatArray) -> Solved:
+        """Return the best coefficients at a point."""
+        return self.objective.solved(self.whole(free))
+
+    def error(self, free: FloatArray) -> float:
+        """Return the sum of squares, PV units squared."""
+        return self.objective.error(self.whole(free))
+
+
 def objective_of(model: LoopModel, record: Record, target: Target) -> Objective:
     """Return what the search lowers."""
     return Objective(model, record, model.layout(record.facts), target, space_of(model, record.facts))
@@ -67,13 +99,13 @@ def hypercube(points: int, size: int) -> FloatArray:
     return np.asarray(LatinHypercube(size, rng=np.random.default_rng(0)).random(points), dtype=np.float64)
 
 
-def best_of(objective: Objective, starts: FloatArray, count: int) -> list[FloatArray]:
+def best_of(objective: Objective | Pinned, starts: FloatArray, count: int) -> list[FloatArray]:
     """Return the ``count`` best of ``starts`` (m, k), best first."""
     errors = np.array([objective.error(each) for each in starts])
     return [starts[i] for i in np.argsort(errors, kind="stable")[:count]]
 
 
-def lowered(objective: Objective, start: FloatArray, step: float, evaluations: int) -> FloatArray:
+def lowered(objective: Objective | Pinned, start: FloatArray, step: float, evaluations: int) -> FloatArray:
     """Return the best point of a local search from ``start`` (k,); ``evaluations`` for each parameter."""
     if not len(start):
         return start
@@ -118,7 +150,7 @@ def lowered_by_simplex(
     return np.asarray(found.x, dtype=np.float64)
 
 
-def _by_least_squares(objective: Objective, start: FloatArray, evaluations: int) -> FloatArray:
+def _by_least_squares(objective: Objective | Pinned, start: FloatArray, evaluations: int) -> FloatArray:
     inside = np.clip(start, 1e-6, 1 - 1e-6)
 
     def residual(at: FloatArray) -> FloatArray:
@@ -136,7 +168,7 @@ def _by_least_squares(objective: Objective, start: FloatArray, evaluations: int)
     return point if objective.error(point) < objective.error(start) else start
 
 
-def searched(objective: Objective, starts: FloatArray, rounds: Sequence[Round]) -> FloatArray:
+def searched(objective: Objective | Pinned, starts: FloatArray, rounds: Sequence[Round]) -> FloatArray:
     """Return the best point of local searches from the best of ``starts`` (m, k).
 
     Args:

@@ -14,7 +14,7 @@ from agent.workbench.folds import block_losses
 from agent.workbench.line_spectrum import LineSpectrum, line_spectrum
 from agent.workbench.noise_floor import NoiseFloor, noise_floor
 from agent.workbench.power import smallest_reduction
-from agent.workbench.where import Failure, where_it_fails
+from agent.workbench.where import Failure, beside, where_it_fails
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
@@ -40,7 +40,8 @@ def failures(step: Step, trials: Trials) -> tuple[Failure, ...]:
         set_point=trials.window.sp,
         start=trials.window.start,
     )
-    return where_it_fails(_left(step, record), axes, trials.block, np.random.default_rng(0))
+    panels = where_it_fails(_left(step, record), axes, trials.block, np.random.default_rng(0))
+    return beside(panels, step.estimate.dependence)
 
 
 def lines(step: Step, trials: Trials) -> LineSpectrum | None:

@@ -4,13 +4,13 @@ Two questions are asked. The band: what would the bin means be if residual and a
 each other? The residual is shifted circularly against the axis by every lag of at least a block. In closed
 loop the two have to do with each other anyway, because OP answers to the residual; so p is asked of the
 innovations (``innovations.py``) against the axis one sample before, which those of a complete model do not
-follow.
+follow. Beside it stands a test that knows what the process makes of OP (``state_dependence.py``).
 Source: reference ``missing_effect.md`` section 4, step 2; p of the largest panel: Westfall and Young (1993).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,9 +18,10 @@ from scipy import fft
 
 from agent.workbench.innovations import innovations
 from agent.workbench.resampling import resampled
+from agent.workbench.state_dependence import DOUBTED, Dependence
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -83,6 +84,21 @@ def where_it_fails(
         panel_of(name, centred, bins, block, p)
         for (name, bins), p in zip(binned.items(), levels.tolist(), strict=True)
     ]
+    return _first_beyond_chance(failures)
+
+
+def beside(failures: Sequence[Failure], dependence: Mapping[str, Dependence]) -> tuple[Failure, ...]:
+    """Return the panels with the smaller p of two tests: of the bin means, and of ``state_dependence``.
+
+    The second is multiplied by ``DOUBTED``.
+    """
+    other = {axis: DOUBTED * each.p for axis, each in dependence.items()}
+    return _first_beyond_chance(
+        [replace(each, p=min(each.p, other.get(each.axis, 1.0))) for each in failures]
+    )
+
+
+def _first_beyond_chance(failures: Iterable[Failure]) -> tuple[Failure, ...]:
     return tuple(sorted(failures, key=lambda each: (each.p >= LEVEL, -each.share)))
 
 

@@ -1,0 +1,161 @@
+"""Does the loop answer OP otherwise at another level, speed, time or direction than the model says?
+
+A score test (Rao 1948; also called Lagrange multiplier test) of state-dependent parameters: where gain and
+offset of the valve are let differ between the parts of an axis, or more of OP's past is let act, do the
+innovations fall by more than so many free numbers would let them? Nothing is refitted; what a move of any
+parameter, the level or the autoregression would do is projected out first. In closed loop it is fair because
+innovations know nothing of earlier OP (``innovations.py``). It sees a change of gain or a stop that no bin
+mean shows, because each sample of the response bears on it.
+Source: reference ``missing_effect.md`` section 4, step 10; P. Young, State-dependent parameter models (2000).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import stats
+
+from agent.workbench.axes import rate_of, turns_beyond_noise
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from agent.analysis.recording import FloatArray
+    from agent.workbench.predictor import Predictor
+
+PARTS = 5
+"""Of level, speed and time."""
+TRAVELS = 4
+"""Parts of the travel since OP turned, in each direction."""
+PAST = (1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36, 50)
+"""Samples of delay at which OP itself may act."""
+MEMORY = 25
+"""Lags of the residual that may explain it: an autoregression that is a little wrong is no missing effect."""
+DOUBTED = 20.0
+"""Multiplies p, which is too small where few strokes make an axis: of 200 loops that lack nothing, of
+tests/unit/workbench/test_closed_loop.py, p was below 0.05 on 12 %, below 0.05 / 20 on 2 %."""
+LEVEL = 0.05
+"""The loop depends on an axis where the doubted p is below it."""
+MOST_LEFT = 0.5
+"""Of the excess, by an effect that is what is missing."""
+TOLD = 1e-3
+"""Singular value, of columns of length one, from which on a direction is one of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dependence:
+    """What an axis tells beyond the model."""
+
+    p: float
+    """That a complete model shows as much on any of the axes."""
+    excess: float
+    """The statistic less its mean where nothing is missing, squares of the innovations' deviation."""
+
+
+def state_dependence(predicts: Predictor, best: FloatArray) -> dict[str, Dependence]:
+    """Return what each axis tells.
+
+    Args:
+        predicts: Of a model with a linear base.
+        best: The point of the unit cube where its predictions are best, (k,).
+
+    Returns:
+        Of ``op_level``, ``op_rate`` (where missing dynamics show, too), ``travel_since_reversal``, ``time``.
+    """
+    left = predicts.residual(best)
+    known = _known(predicts, best)
+    left = left - known @ (known.T @ left)
+    found = {
+        axis: _score(predicts, each, known, left) for axis, each in _alternatives(predicts, best).items()
+    }
+    return {axis: replace(each, p=min(1.0, len(found) * each.p)) for axis, each in found.items()}
+
+
+def resolves(before: Mapping[str, Dependence], after: Mapping[str, Dependence]) -> bool:
+    """Return whether a larger model takes away most of what tells that the smaller one fails.
+
+    Where it does not, what was added stands for something else: it explains a part of what that does.
+    """
+    if not before or not after:
+        return True
+    axis = max(before, key=lambda each: before[each].excess)
+    if DOUBTED * before[axis].p >= LEVEL or DOUBTED * after[axis].p >= LEVEL:
+        return True
+    return after[axis].excess < MOST_LEFT * before[axis].excess
+
+
+def _known(predicts: Predictor, best: FloatArray) -> FloatArray:
+    """Return orthonormal columns of what the model may still explain, (m, q)."""
+    record, kept = predicts.objective.record, predicts.kept
+    residual = np.where(record.weight > 0, record.pv - predicts.free_run(best), 0.0)
+    past = np.column_stack([_delayed(residual, lag)[kept] for lag in range(1, MEMORY + 1)])
+    own = predicts.noise.filtered(predicts.objective.columns(best))[kept]
+    return _directions(np.column_stack((predicts.derivative(best), own, predicts.basis, past)))
+
+
+def _alternatives(predicts: Predictor, best: FloatArray) -> dict[str, FloatArray]:
+    """Return for each axis what else PV could answer to, PV units but for a factor, (n, k)."""
+    objective = predicts.objective
+    record, layout, values = objective.record, objective.layout, objective.space.values(best)
+    position = layout.position(record.op, values)
+    moves = position - position.mean()
+
+    def response(inputs: FloatArray) -> FloatArray:
+        return np.column_stack([layout.response(each, values) for each in inputs.T])
+
+    def affine(parts: FloatArray) -> FloatArray:
+        return np.hstack((response(parts), response(parts * moves[:, np.newaxis])))
+
+    turn, direction = turns_beyond_noise(record.op)
+    travel = np.where(turn >= 0, np.abs(record.op - record.op[turn]), np.nan)
+    strokes = [_parts(np.where(direction == way, travel, np.nan), TRAVELS) for way in (-1.0, 1.0)]
+    speed = rate_of(record.op, record.facts.ts, record.period)
+    past = np.column_stack([_delayed(moves, lag) for lag in PAST])
+    periods = _parts(np.arange(len(record), dtype=np.float64), PARTS)
+    return {
+        "op_level": affine(_parts(record.op, PARTS)),
+        "op_rate": np.hstack((affine(_parts(speed, PARTS)), past)),
+        "travel_since_reversal": response(np.hstack(strokes)),
+        "time": response(moves[:, np.newaxis]) * periods,
+    }
+
+
+def _parts(axis: FloatArray, count: int) -> FloatArray:
+    """Return which of ``count`` parts of equal size each sample is in, 1 or 0, (n, count)."""
+    known = np.isfinite(axis)
+    if not known.any():
+        return np.zeros((len(axis), count))
+    inner = np.quantile(axis[known], np.arange(1, count) / count)
+    number = np.where(known, np.searchsorted(inner, axis, side="right"), -1)
+    return np.asarray(number[:, np.newaxis] == np.arange(count), dtype=np.float64)
+
+
+def _score(predicts: Predictor, columns: FloatArray, known: FloatArray, left: FloatArray) -> Dependence:
+    """Return the F test that ``columns`` (n, k) explain nothing of what is ``left``, (m,)."""
+    white = predicts.noise.filtered(columns)[predicts.kept]
+    length = np.linalg.norm(white, axis=0)
+    white = white[:, length > 0] / length[length > 0]
+    new = _directions(white - known @ (known.T @ white), scaled=True)
+    count = new.shape[1]
+    freedom = len(left) - known.shape[1] - count
+    if count == 0 or freedom < 1:
+        return Dependence(1.0, 0.0)
+    explained = float(np.sum((new.T @ left) ** 2))
+    rest = max(float(left @ left) - explained, np.finfo(float).tiny)
+    statistic = explained / (rest / freedom)
+    return Dependence(float(stats.f.sf(statistic / count, count, freedom)), statistic - count)
+
+
+def _directions(columns: FloatArray, *, scaled: bool = False) -> FloatArray:
+    """Return an orthonormal basis of columns (m, k), of length one first unless they are ``scaled``."""
+    if not scaled:
+        length = np.linalg.norm(columns, axis=0)
+        columns = columns[:, length > 0] / length[length > 0]
+    basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(basis[:, sizes > TOLD], dtype=np.float64)
+
+
+def _delayed(values: FloatArray, lag: int) -> FloatArray:
+    return np.concatenate((np.zeros(lag), values[:-lag]))

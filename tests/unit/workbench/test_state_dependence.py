@@ -1,0 +1,84 @@
+"""Sound loops are not accused; a gain that changes is seen where no bin mean shows it."""
+
+import numpy as np
+import pytest
+from test_closed_loop import N, free_run, loop
+
+from agent.analysis.recording import LoopWindow
+from agent.physics.bases import Fopdt
+from agent.physics.effects.deadband import Deadband
+from agent.physics.loop_model import LoopModel
+from agent.workbench.fit import fit, nested_fit
+from agent.workbench.predictor import predictor
+from agent.workbench.record import bare_record
+from agent.workbench.state_dependence import DOUBTED, LEVEL, Dependence, resolves, state_dependence
+from agent.workbench.where import beside, where_it_fails
+
+AXES = {"op_level", "op_rate", "travel_since_reversal", "time"}
+
+
+def asked(op, pv, *, slack=False):
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
+    fitted = fit(LoopModel(Fopdt()), record, record.weight)
+    if slack:
+        fitted = nested_fit(fitted, LoopModel(Fopdt(), (Deadband(),)), record)
+    return state_dependence(*predictor(fitted, record))
+
+
+def worst(found):
+    return min(found, key=lambda axis: found[axis].p)
+
+
+def test_a_loop_that_lacks_nothing_is_seldom_accused():
+    least = [min(each.p for each in asked(*loop(seed, slack=0.0)).values()) for seed in range(12)]
+    assert sum(DOUBTED * p < LEVEL for p in least) <= 2
+    assert min(least) > 1e-4
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_slack_shows_in_the_travel_and_is_gone_once_it_is_modelled(seed):
+    found = asked(*loop(seed, slack=1.5))
+    assert set(found) == AXES
+    assert worst(found) == "travel_since_reversal"
+    assert found["travel_since_reversal"].p < 1e-6
+    modelled = asked(*loop(seed, slack=1.5), slack=True)
+    assert min(each.p for each in modelled.values()) > 1e-3
+    assert resolves(found, modelled)
+    assert not resolves(found, found)
+    assert resolves(modelled, found)  # it did not fail: there was nothing to take away
+
+
+@pytest.mark.parametrize(
+    ("axis", "part"),
+    [("time", lambda _: np.arange(N) > 1000), ("op_level", lambda op: op > 2)],
+)
+def test_another_gain_shows_where_it_is(axis, part):
+    op, pv = loop(1, slack=0.0)
+    more = np.zeros(N)
+    moves = np.where(part(op), 0.4 * op, 0.0)
+    for t in range(1, N):
+        more[t] = 0.9 * more[t - 1] + 0.1 * moves[t - 1]
+    found = asked(op, pv + more)
+    assert worst(found) == axis
+    assert found[axis].p < 1e-6
+
+
+def test_a_lag_that_the_base_lacks_shows_in_the_rate():
+    op, pv = loop(2, slack=0.0)
+    response, slow = free_run(op, 0.0), np.zeros(N)
+    for t in range(1, N):
+        slow[t] = 0.85 * slow[t - 1] + 0.15 * response[t]
+    found = asked(op, pv - response + slow)
+    assert found["op_rate"].p < 1e-3
+
+
+def test_the_smaller_of_both_tests_counts():
+    rng = np.random.default_rng(0)
+    panels = where_it_fails(
+        rng.normal(size=900), {"time": np.arange(900.0), "op_level": rng.normal(size=900)}, 60, rng
+    )
+    assert beside(panels, {}) == panels
+    found = {each.axis: each.p for each in beside(panels, {"time": Dependence(1e-5, 9.0)})}
+    assert found["time"] == pytest.approx(DOUBTED * 1e-5)
+    assert found["op_level"] == {each.axis: each.p for each in panels}["op_level"]
+    assert beside(panels, {"time": Dependence(1e-5, 9.0)})[0].axis == "time"
