@@ -102,15 +102,23 @@ class Layout:
     def columns(self, op: FloatArray, values: FloatArray) -> FloatArray:
         """Return the response of gain one, then what disturbances add but for coefficients, (n, 1 + k)."""
         response = self.response(self.position(op, values), values)
+        return np.column_stack((response, *(added for _, added in self._added(response, values))))
+
+    def owners(self, op: FloatArray, values: FloatArray) -> tuple[str, ...]:
+        """Return of each of the ``columns`` which effect adds it; the response is no effect's: empty."""
+        added = self._added(np.zeros_like(op), values)
+        return ("", *(effect.name for effect, columns in added for _ in range(columns.shape[1])))
+
+    def _added(self, response: FloatArray, values: FloatArray) -> list[tuple[Effect, FloatArray]]:
+        """Return each disturbance with what it adds but for coefficients, (n, k)."""
         disturbances = [pair for pair in self.effects if pair[0].stage == "disturbance"]
         if not disturbances:
-            return response[:, np.newaxis]
-        time = np.asarray(self.ts * np.arange(len(op)), dtype=np.float64)
-        added = [
-            cast("DisturbanceEffect", effect).columns(time, response, values[own])
+            return []
+        time = np.asarray(self.ts * np.arange(len(response)), dtype=np.float64)
+        return [
+            (effect, cast("DisturbanceEffect", effect).columns(time, response, values[own]))
             for effect, own in disturbances
         ]
-        return np.column_stack((response, *added))
 
 
 def _place(effect: Effect) -> int:

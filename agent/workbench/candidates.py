@@ -87,8 +87,13 @@ def judged(
 
 
 def _stands_for_another(smaller: Step, larger: Fit, record: Record) -> bool:
-    """Whether what made the smaller model fail is still there with the last effect of ``larger``."""
-    if not larger.model.base.linear or not acts_on_op(larger.model.effects[-1], record.facts):
+    """Whether what made the smaller model fail is still there with the last effect of ``larger``.
+
+    A wave that goes on all the time is seen by itself, whatever else is missing.
+    """
+    effect = larger.model.effects[-1]
+    of_op = acts_on_op(effect, record.facts) or happens_once(effect, record.facts)
+    if not larger.model.base.linear or not of_op:
         return False
     found = predictor(larger, record)
     return found is not None and not resolves(smaller.estimate.dependence, state_dependence(*found))

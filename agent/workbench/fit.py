@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
     from agent.analysis.recording import FloatArray
     from agent.physics.loop_model import LoopModel
-    from agent.workbench.projection import Target
+    from agent.workbench.projection import Solved, Target
     from agent.workbench.record import Record
+    from agent.workbench.search import Objective
     from agent.workbench.space import Space
 
 SCAN = 400
@@ -125,30 +126,44 @@ def nested_starts(smaller: Fit, space: Space) -> FloatArray:
 def refit(fitted: Fit, record: Record, weight: FloatArray) -> Fit:
     """Fit the same model to other samples of its record, from the values that it has.
 
-    When something happened once, and what else of a disturbance belongs to this record, stays as it is: no
-    other samples tell it.
+    When something happened once stays as it is, and how much it was where ``weight`` hides that instant: no
+    other samples tell it, and level and drift, too, are taken with the whole record in view.
     """
     model = fitted.model
     objective = objective_of(model, record, target_of(record, weight, linear=model.base.linear))
     once = {each.name for each in model.effects if each.stage == "disturbance"}
-    free = np.array(
-        [
-            not (parameter.of_record and name.partition(".")[0] in once)
-            for name, parameter in zip(objective.space.names, objective.space.parameters, strict=True)
-        ],
-        dtype=np.bool_,
+    hidden, free = set(), []
+    for (name, parameter), value in zip(model.parameters(record.facts), fitted.values.tolist(), strict=True):
+        effect = name.partition(".")[0]
+        stays = parameter.of_record and effect in once
+        free.append(not stays)
+        if (
+            stays
+            and parameter.unit == "s"
+            and not weight[min(round(value / record.facts.ts), len(weight) - 1)]
+        ):
+            hidden.add(effect)
+    owners = objective.layout.owners(record.op, fitted.values)
+    pinned = Pinned(
+        objective,
+        objective.space.at(fitted.values),
+        np.array(free, dtype=np.bool_),
+        fitted.coefficients,
+        np.array([each not in hidden for each in owners], dtype=np.bool_),
     )
-    pinned = Pinned(objective, objective.space.at(fitted.values), free)
-    found = pinned.whole(searched(pinned, pinned.at[free][None, :], WARM_ROUNDS))
-    return fit_at(model, record, objective.target, objective.space.values(found))
+    found = searched(pinned, pinned.at[pinned.free][None, :], WARM_ROUNDS)
+    return _fit_of(objective, objective.space.values(pinned.whole(found)), pinned.solved(found))
 
 
 def fit_at(model: LoopModel, record: Record, target: Target, values: FloatArray) -> Fit:
     """Return the model with these values and the best coefficients for them."""
     objective = objective_of(model, record, target)
-    columns = model.columns(record.op, values, record.facts)
-    solved = objective.solved(objective.space.at(values))
-    explained = columns @ solved.coefficients
+    return _fit_of(objective, values, objective.solved(objective.space.at(values)))
+
+
+def _fit_of(objective: Objective, values: FloatArray, solved: Solved) -> Fit:
+    model, record = objective.model, objective.record
+    explained = model.columns(record.op, values, record.facts) @ solved.coefficients
     drift = nuisance_part(record, explained, record.weight) if model.base.linear else 0.0
     return Fit(
         model=model,

@@ -7,7 +7,7 @@ where a base of its own makes PV and all is smooth.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,13 +59,17 @@ class Objective:
 
 @dataclass(frozen=True, slots=True)
 class Pinned:
-    """An objective of which some coordinates stay as they are; points are of the others."""
+    """An objective of which some coordinates and coefficients stay; points are of the other coordinates."""
 
     objective: Objective
     at: FloatArray
     """All coordinates, (k,)."""
     free: NDArray[np.bool_]
     """Which of them move, (k,)."""
+    coefficients: FloatArray
+    """Of all columns, (c,)."""
+    solved_for: NDArray[np.bool_]
+    """Which of them are solved for, (c,)."""
 
     @property
     def model(self) -> LoopModel:
@@ -79,12 +83,26 @@ class Pinned:
         return point
 
     def solved(self, free: FloatArray) -> Solved:
-        """Return the best coefficients at a point."""
-        return self.objective.solved(self.whole(free))
+        """Return the best coefficients at a point, those that stay among them."""
+        columns, target = self._posed(free)
+        found = solve(columns, target)
+        coefficients = self.coefficients.copy()
+        coefficients[self.solved_for] = found.coefficients
+        return replace(found, coefficients=coefficients)
 
     def error(self, free: FloatArray) -> float:
         """Return the sum of squares, PV units squared."""
-        return self.objective.error(self.whole(free))
+        columns, target = self._posed(free)
+        return solve(columns, target).error if target.fixed_gain else least_error(columns, target)
+
+    def _posed(self, free: FloatArray) -> tuple[FloatArray, Target]:
+        """Return the columns that are solved for, and PV less the others."""
+        columns, target = self.objective.columns(self.whole(free)), self.objective.target
+        if self.solved_for.all():
+            return columns, target
+        known = (columns[:, ~self.solved_for] @ self.coefficients[~self.solved_for]) * target.weight
+        known -= target.basis @ (target.basis.T @ known)
+        return columns[:, self.solved_for], replace(target, pv=target.pv - known)
 
 
 def objective_of(model: LoopModel, record: Record, target: Target) -> Objective:
