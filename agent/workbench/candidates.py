@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from agent.workbench.decision import LEAST_PERCENT, LEVEL, Decision, judge
-from agent.workbench.fit import SCAN, residual_of
-from agent.workbench.innovations import by_chance, innovations, likelihood_ratio, tells_more
+from agent.workbench.evidence import evidence_of, less_likely
 from agent.workbench.library import acts_on_op, happens_once
-from agent.workbench.prediction_error import least_innovations
 from agent.workbench.predictor import predictor
 from agent.workbench.state_dependence import resolves, state_dependence
 from agent.workbench.step import Step, Verdict
@@ -22,16 +17,11 @@ from agent.workbench.where import LEVEL as FOLLOWED
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.physics.effect import Effect, Facts
     from agent.workbench.fit import Fit
     from agent.workbench.line_spectrum import LineSpectrum
     from agent.workbench.record import Record
     from agent.workbench.trial import Tried
     from agent.workbench.where import Failure
-
-
-VERY_STRONG = 10.0
-"""Evidence for one of two models, twice a logarithm (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +58,7 @@ def judged(
     enough = (1 - LEAST_PERCENT / 100) * smaller.fit.error
     stopped = [name for name, each in models.items() if own_at_bound(each.fit)]
     found = {
-        name: _evidence(smaller.fit, each.fit, record, len(models))
+        name: evidence_of(smaller.fit, each.fit, record, len(models))
         for name, each in models.items()
         if each.fit.error <= enough
     }
@@ -83,7 +73,7 @@ def judged(
         new = [each for each in (effect, *decision.rivals) if each not in asked | null_p.keys()]
         asked.update(new)
         others = [each for each in new if _stands_for_another(smaller, models[each].fit, record)]
-        others = others or _less_likely({each: found[each] for each in (effect, *decision.rivals)})
+        others = others or less_likely({each: found[each] for each in (effect, *decision.rivals)})
         null_p.update(dict.fromkeys(others, 1.0))
         if others:
             continue
@@ -106,57 +96,6 @@ def _stands_for_another(smaller: Step, larger: Fit, record: Record) -> bool:
         return False
     found = predictor(larger, record)
     return found is not None and not resolves(smaller.estimate.dependence, state_dependence(*found))
-
-
-@dataclass(frozen=True, slots=True)
-class _Evidence:
-    """What the innovations say of an effect."""
-
-    more: bool
-    """Whether it explains more than what OP knows of the disturbance."""
-    by_chance: float
-    """How likely they fall as far where nothing is missing."""
-    criterion: float = 0.0
-    """How much likelier the record is with it: Schwarz's criterion, twice a logarithm."""
-
-
-def _evidence(smaller: Fit, larger: Fit, record: Record, candidates: int) -> _Evidence:
-    """Return what the innovations say of the last effect.
-
-    A disturbance of its own time knows nothing of OP, so it need only be no worse.
-    """
-    answers = acts_on_op(larger.model.effects[-1], record.facts)
-    base = smaller.model.base
-    raw = [innovations(residual_of(each, record)) for each in (smaller, larger)]
-    least = raw
-    if base.linear:
-        count = len(base.parameters(record.facts))
-        starts = [each.values[:count] for each in (smaller, larger)]
-        least = [least_innovations(each, record, starts) for each in (smaller, larger)]
-    before, after = least if answers else raw
-    if before is None or after is None or least[0] is None or least[1] is None:
-        return _Evidence(more=True, by_chance=1.0)
-    searched = len(larger.values) - len(smaller.values)
-    solved = len(larger.coefficients) - len(smaller.coefficients)
-    count = int(np.count_nonzero(np.isfinite(least[0].values)))
-    likelier = likelihood_ratio(least[0], least[1]) - (searched + solved) * math.log(count)
-    chance = 1.0
-    if base.linear and (answers or happens_once(larger.model.effects[-1], record.facts)):
-        # What goes on all the time, as a wave does, is in every block: there their signs tell.
-        # Each instant is searched over the whole record.
-        tries = candidates * SCAN ** max(1, _instants(larger.model.effects[-1], record.facts))
-        chance = by_chance(least[0], least[1], searched + solved, tries)
-    return _Evidence(tells_more(before, after, searched if answers else 0), chance, likelier)
-
-
-def _instants(effect: Effect, facts: Facts) -> int:
-    return sum(each.of_record and each.unit == "s" for each in effect.parameters(facts))
-
-
-def _less_likely(rivals: Mapping[str, _Evidence]) -> list[str]:
-    """Return those with which the record is far less likely than with the best of them."""
-    best = max(each.criterion for each in rivals.values())
-    return [name for name, each in rivals.items() if best - each.criterion > VERY_STRONG]
 
 
 def own_at_bound(fitted: Fit) -> tuple[str, ...]:

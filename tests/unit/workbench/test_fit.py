@@ -4,9 +4,10 @@ from loops import DELAY, GAIN, TAU, S, made, slack
 
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
+from agent.physics.effects.load_step import LoadStep
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import contributions, fit, nested_fit
+from agent.workbench.fit import contributions, fit, nested_fit, refit
 from agent.workbench.folds import FEWEST_BLOCKS, FOLDS, block_losses, folds_of, held_out
 from agent.workbench.record import bare_record
 
@@ -39,6 +40,29 @@ def test_contributions_add_up_to_the_model():
     larger = nested_fit(base, LoopModel(Fopdt(), (Sinusoid(),)), record, starts)
     added = contributions(larger, record)["sinusoid"]
     assert added == pytest.approx(wave, abs=0.05)
+
+
+def test_a_fit_that_does_not_see_a_step_keeps_when_and_how_high_it_was():
+    window = made(noise=0.05)
+    at, height = 700.0, 1.5
+    pv = window.pv + height * (np.arange(len(window)) > at)
+    record = bare_record(type(window)("step", 0.0, 1.0, window.op, pv))
+    base = fit(FOPDT, record, record.weight)
+    larger = nested_fit(
+        base, LoopModel(Fopdt(), (LoadStep(),)), record, np.array([[*base.values, at, 300.0, 0.0]])
+    )
+    assert larger.coefficients[1] == pytest.approx(height, abs=0.1)
+    blind, other = record.weight.copy(), record.weight.copy()
+    blind[600:800] = 0.0
+    other[1000:1200] = 0.0
+    unseen, seen = (refit(larger, record, weight) for weight in (blind, other))
+    for each in (unseen, seen):
+        assert each.values[2:4] == pytest.approx(larger.values[2:4], abs=1e-6)
+    assert unseen.coefficients[1:] == pytest.approx(larger.coefficients[1:], abs=1e-12)
+    assert (seen.coefficients[1:] != larger.coefficients[1:]).all()
+    assert (unseen.coefficients[0] != larger.coefficients[0]).all()
+    missed = (record.pv - unseen.pv)[600:800]
+    assert np.sqrt(np.mean(missed**2)) < 2 * 0.05
 
 
 def test_every_block_is_held_out_once_and_guarded():
