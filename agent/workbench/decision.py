@@ -73,6 +73,7 @@ def judge(
     at_bound: Collection[str] = (),
     *,
     by_chance: Mapping[str, float] | None = None,
+    once: Collection[str] = (),
     rng: np.random.Generator | None = None,
 ) -> Decision:
     """Judge candidates by their held-out errors.
@@ -93,6 +94,8 @@ def judge(
         by_chance: How likely an effect lowers the innovations as far where it is not there, all candidates
             paid for. Where that is less than the p of the held-out blocks it counts instead: an effect that
             acts in few blocks cannot be significant by their signs, however plain it is there.
+        once: Candidates of what happened once. Refits know when, so that their blocks are not blind: p of
+            their signs does not count, only ``by_chance``.
         rng: Of the bootstrap; None: always the same draws.
     """
     draws = np.random.default_rng(0) if rng is None else rng
@@ -101,6 +104,7 @@ def judge(
     own = {effect: np.asarray(each)[known] for effect, each in losses.items()}
     raw = np.array([sign_flip_p(base, each) for each in own.values()])
     adjusted = dict(zip(own, holm(raw).tolist(), strict=True))
+    adjusted.update(dict.fromkeys(once, 1.0))
     for effect, chance in (by_chance or {}).items():
         adjusted[effect] = min(adjusted[effect], chance)
     ranked = []
