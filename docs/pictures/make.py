@@ -58,8 +58,8 @@ MANY_PERIODS: tuple[tuple[Kind, int], ...] = (("stiction", 37), ("sinusoid", 1))
 """The same with periods enough for the tests of nonlinearity."""
 EFFECT_VALUES: dict[str, tuple[float, ...]] = {
     "deadband": (0.5, 0.3),
-    "stiction": (0.5, 0.5, 0.3),
-    "asymmetric_stiction": (0.25, 0.1, 0.4, 0.3),
+    "stiction": (0.5, 0.5, 0.3, 0.3, 0.1, 0.01),
+    "asymmetric_stiction": (0.25, 0.1, 0.4, 0.3, 0.3, 0.1, 0.01),
     "saturation": (0.2, 0.75),
     "characteristic": (3.0,),
     "rate_limit": (0.02,),
