@@ -33,6 +33,8 @@ PAST = (1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36, 50)
 """Samples of delay at which OP itself may act."""
 MEMORY = 25
 """Lags of the residual that may explain it: an autoregression that is a little wrong is no missing effect."""
+DECAYS = (0.06, 0.12, 0.25, 0.5, 1.0)
+"""Time constants of what PV still did when the record began, dominant periods."""
 DOUBTED = 20.0
 """Multiplies p, which is too small where few strokes make an axis: of 200 loops that lack nothing, of
 tests/unit/workbench/test_closed_loop.py, p was below 0.05 on 12 %, below 0.05 / 20 on 2 %."""
@@ -51,7 +53,8 @@ class Dependence:
     p: float
     """That a complete model shows as much on any of the axes."""
     excess: float
-    """The statistic less its mean where nothing is missing, squares of the innovations' deviation."""
+    """Squares of the innovations that it explains, less those by chance, PV units squared: not in units of
+    what is left, which falls with each effect until a trifle outweighs what made the first model fail."""
 
 
 def state_dependence(predicts: Predictor, best: FloatArray) -> dict[str, Dependence]:
@@ -91,8 +94,11 @@ def _known(predicts: Predictor, best: FloatArray) -> FloatArray:
     record, kept = predicts.objective.record, predicts.kept
     residual = np.where(record.weight > 0, record.pv - predicts.free_run(best), 0.0)
     past = np.column_stack([_delayed(residual, lag)[kept] for lag in range(1, MEMORY + 1)])
-    own = predicts.noise.filtered(predicts.objective.columns(best))[kept]
-    return _directions(np.column_stack((predicts.derivative(best), own, predicts.basis, past)))
+    time = np.arange(len(record))[:, np.newaxis]
+    before = np.exp(-time / (np.array(DECAYS) * record.period))
+    own = np.column_stack((predicts.objective.columns(best), before))
+    white = predicts.noise.filtered(own)[kept]
+    return _directions(np.column_stack((predicts.derivative(best), white, predicts.basis, past)))
 
 
 def _alternatives(predicts: Predictor, best: FloatArray) -> dict[str, FloatArray]:
@@ -144,8 +150,8 @@ def _score(predicts: Predictor, columns: FloatArray, known: FloatArray, left: Fl
         return Dependence(1.0, 0.0)
     explained = float(np.sum((new.T @ left) ** 2))
     rest = max(float(left @ left) - explained, np.finfo(float).tiny)
-    statistic = explained / (rest / freedom)
-    return Dependence(float(stats.f.sf(statistic / count, count, freedom)), statistic - count)
+    by_chance = count * rest / freedom
+    return Dependence(float(stats.f.sf(explained / by_chance, count, freedom)), explained - by_chance)
 
 
 def _directions(columns: FloatArray, *, scaled: bool = False) -> FloatArray:
