@@ -65,6 +65,11 @@ class Parameter:
     natural: bool = False
     """Nature sets the bounds, not the search, so that the value may well lie at one: a share, a ratio."""
 
+    @property
+    def instant(self) -> bool:
+        """Whether it says when something happened in the record."""
+        return self.of_record and self.unit == "s"
+
 
 class Effect(Protocol):
     """One physical effect. Its stage says which of the four forms of ``apply`` it has."""

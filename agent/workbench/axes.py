@@ -57,14 +57,14 @@ def physical_axes(
         set_point: PV units, (n,); None where it was not recorded.
         start: Time of the first sample, s UTC.
     """
-    turn, direction = turns_beyond_noise(op)
+    turn, direction = last_turns(op, max(NOISES * op_noise(op), LEAST_PART_OF_SPAN * float(np.ptp(op))))
     known = turn >= 0
     seconds = ts * np.arange(len(op))
     axes = {
         "travel_since_reversal": np.where(known, np.abs(op - op[turn]), np.nan),
         "direction": np.where(known, direction, np.nan),
         "op_level": op,
-        "op_rate": rate_of(op, ts, period),
+        "op_rate": _rate(op, ts, max(1, round(RATE_PART * period))),
         "oscillation_phase": _phase(turn, direction, period),
         "time": seconds,
     }
@@ -75,11 +75,6 @@ def physical_axes(
     if set_point is not None and np.nanmin(set_point) < np.nanmax(set_point):
         axes["set_point"] = set_point
     return axes
-
-
-def turns_beyond_noise(op: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
-    """Return ``last_turns`` by more than the noise of OP (n,) and than its resolution may hide."""
-    return last_turns(op, max(NOISES * op_noise(op), LEAST_PART_OF_SPAN * float(np.ptp(op))))
 
 
 def last_turns(op: FloatArray, least: float) -> tuple[NDArray[np.int64], FloatArray]:
@@ -107,9 +102,8 @@ def last_turns(op: FloatArray, least: float) -> tuple[NDArray[np.int64], FloatAr
     return turns, directions
 
 
-def rate_of(op: FloatArray, ts: float, period: float) -> FloatArray:
-    """Return the mean rate of OP over the last part of a period (samples), OP units per second, (n,)."""
-    over = max(1, round(RATE_PART * period))
+def _rate(op: FloatArray, ts: float, over: int) -> FloatArray:
+    """Return the mean rate over the last ``over`` samples, OP units per second, (n,)."""
     rate = np.full(len(op), np.nan)
     rate[over:] = (op[over:] - op[:-over]) / (over * ts)
     return rate

@@ -10,9 +10,9 @@ from agent.workbench.decision import LEAST_PERCENT, LEVEL, Decision, judge
 from agent.workbench.evidence import evidence_of, less_likely
 from agent.workbench.library import acts_on_op, happens_once
 from agent.workbench.predictor import predictor
+from agent.workbench.state_dependence import LEVEL as FOLLOWED
 from agent.workbench.state_dependence import resolves, state_dependence
 from agent.workbench.step import Step, Verdict
-from agent.workbench.where import LEVEL as FOLLOWED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

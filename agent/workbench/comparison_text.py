@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from agent.workbench.where import LEVEL
+from agent.workbench.state_dependence import LEVEL
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -16,7 +16,6 @@ from agent.workbench.prediction_error import least_innovations
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from agent.physics.effect import Effect, Facts
     from agent.workbench.fit import Fit
     from agent.workbench.record import Record
 
@@ -61,13 +60,10 @@ def evidence_of(smaller: Fit, larger: Fit, record: Record, candidates: int) -> E
     if base.linear and (answers or happens_once(effect, record.facts)):
         # What goes on all the time, as a wave does, is in every block: there their signs tell.
         # Each instant is searched over the whole record.
-        tries = candidates * SCAN ** max(1, _instants(effect, record.facts))
+        instants = sum(each.instant for each in effect.parameters(record.facts))
+        tries = candidates * SCAN ** max(1, instants)
         chance = by_chance(least[0], least[1], searched + solved, tries)
     return Evidence(tells_more(before, after, searched if answers else 0), chance, likelier)
-
-
-def _instants(effect: Effect, facts: Facts) -> int:
-    return sum(each.of_record and each.unit == "s" for each in effect.parameters(facts))
 
 
 def less_likely(rivals: Mapping[str, Evidence]) -> list[str]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.bases.base import StartingBase
+from agent.workbench.library import happens_once
 from agent.workbench.projection import nuisance_part, target_of
 from agent.workbench.search import STEP, Pinned, Round, best_of, hypercube, objective_of, searched
 
@@ -131,17 +132,14 @@ def refit(fitted: Fit, record: Record, weight: FloatArray) -> Fit:
     """
     model = fitted.model
     objective = objective_of(model, record, target_of(record, weight, linear=model.base.linear))
-    once = {each.name for each in model.effects if each.stage == "disturbance"}
+    once = {each.name for each in model.effects if happens_once(each, record.facts)}
     hidden, free = set(), []
     for (name, parameter), value in zip(model.parameters(record.facts), fitted.values.tolist(), strict=True):
         effect = name.partition(".")[0]
         stays = parameter.of_record and effect in once
         free.append(not stays)
-        if (
-            stays
-            and parameter.unit == "s"
-            and not weight[min(round(value / record.facts.ts), len(weight) - 1)]
-        ):
+        at = round(value / record.facts.ts)
+        if stays and parameter.instant and not weight[min(at, len(weight) - 1)]:
             hidden.add(effect)
     owners = objective.layout.owners(record.op, fitted.values)
     pinned = Pinned(

@@ -52,9 +52,7 @@ class Objective:
 
     def error(self, at: FloatArray) -> float:
         """Return the sum of squares, PV units squared."""
-        if self.target.fixed_gain:
-            return self.solved(at).error
-        return least_error(self.columns(at), self.target)
+        return _error(self.columns(at), self.target)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +90,7 @@ class Pinned:
 
     def error(self, free: FloatArray) -> float:
         """Return the sum of squares, PV units squared."""
-        columns, target = self._posed(free)
-        return solve(columns, target).error if target.fixed_gain else least_error(columns, target)
+        return _error(*self._posed(free))
 
     def _posed(self, free: FloatArray) -> tuple[FloatArray, Target]:
         """Return the columns that are solved for, and PV less the others."""
@@ -103,6 +100,11 @@ class Pinned:
         known = (columns[:, ~self.solved_for] @ self.coefficients[~self.solved_for]) * target.weight
         known -= target.basis @ (target.basis.T @ known)
         return columns[:, self.solved_for], replace(target, pv=target.pv - known)
+
+
+def _error(columns: FloatArray, target: Target) -> float:
+    """Return the sum of squares that ``columns`` (n, c) leave with their best coefficients."""
+    return solve(columns, target).error if target.fixed_gain else least_error(columns, target)
 
 
 def objective_of(model: LoopModel, record: Record, target: Target) -> Objective:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from agent.workbench.axes import rate_of, turns_beyond_noise
+from agent.workbench.axes import physical_axes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -39,7 +39,7 @@ DOUBTED = 20.0
 """Multiplies p, which is too small where few strokes make an axis: of 200 loops that lack nothing, of
 tests/unit/workbench/test_closed_loop.py, p was below 0.05 on 12 %, below 0.05 / 20 on 2 %."""
 LEVEL = 0.05
-"""The loop depends on an axis where the doubted p is below it."""
+"""The loop depends on an axis, and a residual follows one, where p is below it."""
 MOST_LEFT = 0.5
 """Of the excess, by an effect that is what is missing."""
 TOLD = 1e-3
@@ -114,17 +114,15 @@ def _alternatives(predicts: Predictor, best: FloatArray) -> dict[str, FloatArray
     def affine(parts: FloatArray) -> FloatArray:
         return np.hstack((response(parts), response(parts * moves[:, np.newaxis])))
 
-    turn, direction = turns_beyond_noise(record.op)
-    travel = np.where(turn >= 0, np.abs(record.op - record.op[turn]), np.nan)
+    axes = physical_axes(record.op, record.facts.ts, record.period)
+    travel, direction = axes["travel_since_reversal"], axes["direction"]
     strokes = [_parts(np.where(direction == way, travel, np.nan), TRAVELS) for way in (-1.0, 1.0)]
-    speed = rate_of(record.op, record.facts.ts, record.period)
     past = np.column_stack([_delayed(moves, lag) for lag in PAST])
-    periods = _parts(np.arange(len(record), dtype=np.float64), PARTS)
     return {
-        "op_level": affine(_parts(record.op, PARTS)),
-        "op_rate": np.hstack((affine(_parts(speed, PARTS)), past)),
+        "op_level": affine(_parts(axes["op_level"], PARTS)),
+        "op_rate": np.hstack((affine(_parts(axes["op_rate"], PARTS)), past)),
         "travel_since_reversal": response(np.hstack(strokes)),
-        "time": response(moves[:, np.newaxis]) * periods,
+        "time": response(moves[:, np.newaxis]) * _parts(axes["time"], PARTS),
     }
 
 

@@ -18,7 +18,7 @@ from scipy import fft
 
 from agent.workbench.innovations import innovations
 from agent.workbench.resampling import resampled
-from agent.workbench.state_dependence import DOUBTED, Dependence
+from agent.workbench.state_dependence import DOUBTED, LEVEL, Dependence
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -32,8 +32,6 @@ BAND = (2.5, 97.5)
 """Percentiles of the shifted bin means between which the band lies."""
 DRAWS = 999
 TINY = np.finfo(float).tiny
-LEVEL = 0.05
-"""The residual follows an axis where p is below it."""
 
 
 @dataclass(frozen=True, slots=True)

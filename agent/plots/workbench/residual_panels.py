@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from agent.plots.axes import MEASURED, tidy
 from agent.plots.workbench.palette import BAND, FAILS
 from agent.workbench.axes import UNITS
-from agent.workbench.where import LEVEL
+from agent.workbench.state_dependence import LEVEL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

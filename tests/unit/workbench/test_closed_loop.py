@@ -22,6 +22,14 @@ def loop(seed, slack):
     return op, pv + 0.01 * rng.standard_normal(N)
 
 
+def answered_more(op, part):
+    """What PV gets beside where OP moves it by 40 % more in part of the samples, (N,)."""
+    more, moves = np.zeros(N), np.where(part, 0.4 * op, 0.0)
+    for t in range(1, N):
+        more[t] = 0.9 * more[t - 1] + 0.1 * moves[t - 1]
+    return more
+
+
 def free_run(op, width):
     plug, pv = 0.0, np.zeros(N)
     for t in range(1, N):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_closed_loop import N, loop
+from test_closed_loop import N, answered_more, loop
 
 from agent.analysis.recording import LoopWindow
 from agent.physics.bases import Fopdt
@@ -21,9 +21,7 @@ CANDIDATES = 14
 def changed():
     """A loop of which OP moves PV by 40 % more from sample 1000 on."""
     op, pv = loop(1, slack=0.0)
-    more, moves = np.zeros(N), np.where(np.arange(N) > 1000, 0.4 * op, 0.0)
-    for t in range(1, N):
-        more[t] = 0.9 * more[t - 1] + 0.1 * moves[t - 1]
+    more = answered_more(op, np.arange(N) > 1000)
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv + more))
     return fit(LoopModel(Fopdt()), record, record.weight), record
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_closed_loop import N, free_run, loop
+from test_closed_loop import N, answered_more, free_run, loop
 
 from agent.analysis.recording import LoopWindow
 from agent.physics.bases import Fopdt
@@ -54,11 +54,7 @@ def test_slack_shows_in_the_travel_and_is_gone_once_it_is_modelled(seed):
 )
 def test_another_gain_shows_where_it_is(axis, part):
     op, pv = loop(1, slack=0.0)
-    more = np.zeros(N)
-    moves = np.where(part(op), 0.4 * op, 0.0)
-    for t in range(1, N):
-        more[t] = 0.9 * more[t - 1] + 0.1 * moves[t - 1]
-    found = asked(op, pv + more)
+    found = asked(op, pv + answered_more(op, part(op)))
     assert worst(found) == axis
     assert found[axis].p < 1e-6
 
