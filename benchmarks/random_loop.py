@@ -9,11 +9,12 @@ import numpy as np
 
 from agent.analysis.recording import FloatArray, LoopWindow
 from agent.analysis.results import Cause
-from simulators.plant import simulate
+from simulators.plant import SimulatedRecord, simulate
 from simulators.random_cascades import CascadeKind, random_cascade
 from simulators.random_flows import FlowKind, random_flow
 from simulators.random_moves import MovedKind, random_moved
 from simulators.random_plants import Kind, random_draw
+from simulators.scenario import Scenario
 
 AnyKind = Literal[Kind, MovedKind, FlowKind, CascadeKind]
 MOVED: tuple[MovedKind | FlowKind | CascadeKind, ...] = (
@@ -72,20 +73,27 @@ class RandomLoop:
 
 def random_loop(kind: AnyKind, seed: int) -> RandomLoop:
     """Draw and simulate a loop; the same seed gives the same loop."""
-    noise = None
-    if kind in ("flow", "flow_stiction"):
-        scenario = random_flow(seed, kind)
-    elif kind in ("cascade", "cascade_stiction", "one_way", "one_way_stiction"):
-        scenario = random_cascade(seed, kind)
-    elif kind in ("set_point", "set_point_stiction", "stiction_sinusoid"):
-        scenario = random_moved(seed, kind)
-    else:
-        draw = random_draw(seed, kind)
-        scenario = draw.scenario
-        noise = None if draw.noise_share is None else 100 * draw.noise_share
+    scenario, noise = random_scenario(kind, seed)
     record = simulate(scenario)
-    sp = record.sp if scenario.set_points else None
-    window = LoopWindow(scenario.loop, 0.0, scenario.ts, record.op, record.pv, sp)
     rng = np.random.default_rng(seed)
     stem = record.mv + STEM_NOISE * np.std(record.mv) * rng.standard_normal(len(record.mv))
-    return RandomLoop(kind, seed, window, stem, noise)
+    return RandomLoop(kind, seed, window_of(scenario, record), stem, noise)
+
+
+def random_scenario(kind: AnyKind, seed: int) -> tuple[Scenario, float | None]:
+    """Draw a loop; return it with its noise, as ``RandomLoop`` has it."""
+    match kind:
+        case "flow" | "flow_stiction":
+            return random_flow(seed, kind), None
+        case "cascade" | "cascade_stiction" | "one_way" | "one_way_stiction":
+            return random_cascade(seed, kind), None
+        case "set_point" | "set_point_stiction" | "stiction_sinusoid":
+            return random_moved(seed, kind), None
+    draw = random_draw(seed, kind)
+    return draw.scenario, None if draw.noise_share is None else 100 * draw.noise_share
+
+
+def window_of(scenario: Scenario, record: SimulatedRecord) -> LoopWindow:
+    """Return what a historian keeps of a run: SP only where it moves."""
+    sp = record.sp if scenario.set_points else None
+    return LoopWindow(scenario.loop, 0.0, scenario.ts, record.op, record.pv, sp)
