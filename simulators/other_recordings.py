@@ -54,13 +54,15 @@ def other_recording(scenario: Scenario, rng: np.random.Generator, *, one_way: bo
             "set_points": _set_points(scenario, rng, one_way=one_way),
             "load_steps": tuple(
                 LoadStep(time=float(time), load=float(step.load * rng.choice([-1.0, 1.0])))
-                for time, step in zip(_times(rng, scenario, len(scenario.load_steps)), scenario.load_steps,
-                                      strict=True)
+                for time, step in zip(
+                    _times(rng, scenario, len(scenario.load_steps)), scenario.load_steps, strict=True
+                )
             ),
             "gain_steps": tuple(
                 GainStep(time=float(time), factor=step.factor)
-                for time, step in zip(_times(rng, scenario, len(scenario.gain_steps)), scenario.gain_steps,
-                                      strict=True)
+                for time, step in zip(
+                    _times(rng, scenario, len(scenario.gain_steps)), scenario.gain_steps, strict=True
+                )
             ),
             "drift": Drift(walk=scenario.drift.walk, ramp=scenario.drift.ramp * rng.choice([-1.0, 1.0])),
             "disturbance": wave.model_copy(update={"period": wave.period * log_uniform(rng, 0.7, 1.4)}),
@@ -71,8 +73,8 @@ def other_recording(scenario: Scenario, rng: np.random.Generator, *, one_way: bo
 def with_something_unknown(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     """Return the loop with one thing that the models of the analysis lack.
 
-    A trim that is not linear, a transmitter that lags, a gain that changes, an inverse response (not where the
-    process integrates).
+    A trim that is not linear, a transmitter that lags, a gain that changes, or, where the process does not
+    integrate, an inverse response.
     """
     process, tau = scenario.process, max(scenario.process.taus, default=scenario.controller.ti / 4)
     names = ["trim", "transmitter", "gain", *(["lead"] if process.taus else [])]

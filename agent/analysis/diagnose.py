@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -13,11 +12,11 @@ from agent.analysis.advice import advice
 from agent.analysis.cause import cause_without_stiction, causes_with_stiction
 from agent.analysis.evidence import weigh
 from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
-from agent.analysis.gates.fault import LIMIT_CYCLE, SHAPE
 from agent.analysis.innovations import log_likelihood_ratio
 from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.quantify import Quantifier
 from agent.analysis.quantify import quantifier as quantifier_named
+from agent.analysis.reasons import bands_of, reasons
 from agent.analysis.recording import FloatArray, LoopWindow
 from agent.analysis.results import (
     CauseShare,
@@ -25,19 +24,14 @@ from agent.analysis.results import (
     MethodResult,
     Oscillation,
     Quantification,
-    StictionEstimate,
     Verdict,
 )
 from agent.analysis.stiction import detect_stiction
 from agent.analysis.stiction_class import stiction_class
-from agent.units import FrictionBands
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from agent.analysis.evidence import Weighed
     from agent.analysis.gates import GateFault
-    from agent.analysis.results import MethodKind, StictionClass
 
 LARGEST = 1e15
 """No plant has such numbers: historians mark lost values by 1e30 and the like."""
@@ -45,19 +39,6 @@ DEFAULT_QUANTIFIER = "free_run"
 SURE = 0.8
 """Probability from which the valve is blamed, or cleared: one of 187 simulated sound loops exceeds it, each
 weighed by what the others taught."""
-COARSE = 15.0
-"""Samples a period below which the shape of a stroke is hardly seen; the paper asks for 50."""
-
-NOT_ASKED: dict[frozenset[MethodKind], str] = {
-    LIMIT_CYCLE: "what needs a steady oscillation was not asked",
-    SHAPE: "what looks at the shape of OP and PV was not asked",
-}
-CLASS_WORDS: dict[StictionClass, str] = {
-    "weak": "weak stiction",
-    "dead_band": "mostly a dead band",
-    "stick_slip": "stick and slip",
-    "dead_band_stick_slip": "a dead band with stick and slip",
-}
 
 
 def diagnose(window: LoopWindow, *, quantifier: Quantifier | None = None) -> Diagnosis:
@@ -109,23 +90,14 @@ def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
     found = with_likelihood(quantifier.quantify(window), window)
     detected = detect_stiction(window, oscillation, faults)
     weighed = weigh(found, detected, stem_measured=window.mv is not None)
-    verdict, confidence = verdict_of(found, weighed)
-    causes = _causes(verdict, window, oscillation, found)
-    sticking = found.stiction if verdict == "stiction" else None
-    return Diagnosis(
+    open_yet = Diagnosis(
         loop=window.loop,
-        verdict=verdict,
-        confidence=confidence,
-        cause=causes[0].cause,
-        causes=causes,
-        stiction_class=None if sticking is None else stiction_class(_bands(sticking), window.op_span),
-        reasons=(
-            *_data_words(window),
-            *_oscillation_words(window, oscillation),
-            *_fit_words(window, found, verdict),
-            *_witness_words(found, weighed),
-            *_gate_words(faults),
-        ),
+        verdict="undecided",
+        confidence=0.0,
+        cause="undecided",
+        causes=(),
+        stiction_class=None,
+        reasons=(),
         oscillation=oscillation,
         quantification=found,
         methods={
@@ -133,6 +105,48 @@ def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
             **detected,
         },
         gates=tuple(fault.name for fault in faults),
+    )
+    return _concluded(open_yet, window, faults, weighed, *verdict_of(found, weighed))
+
+
+def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, confidence: float) -> Diagnosis:
+    """Return a diagnosis with another verdict, and with the cause, class, reasons and advice of that.
+
+    Args:
+        diagnosis: Of a record that was testable; another is returned as it is.
+        window: The record.
+        verdict: On the valve.
+        confidence: Probability that it is right.
+    """
+    if diagnosis.oscillation is None or diagnosis.quantification is None:
+        return diagnosis
+    weighed = weigh(diagnosis.quantification, diagnosis.methods, stem_measured=window.mv is not None)
+    faults = gates(window, diagnosis.oscillation)
+    return _concluded(diagnosis, window, faults, weighed, verdict, confidence)
+
+
+def _concluded(
+    diagnosis: Diagnosis,
+    window: LoopWindow,
+    faults: tuple[GateFault, ...],
+    weighed: Weighed,
+    verdict: Verdict,
+    confidence: float,
+) -> Diagnosis:
+    """Return the diagnosis with all that follows from the verdict."""
+    found, oscillation = diagnosis.quantification, diagnosis.oscillation
+    if found is None or oscillation is None:
+        return diagnosis
+    causes = _causes(verdict, window, oscillation, found)
+    sticking = found.stiction if verdict == "stiction" else None
+    return replace(
+        diagnosis,
+        verdict=verdict,
+        confidence=confidence,
+        cause=causes[0].cause,
+        causes=causes,
+        stiction_class=None if sticking is None else stiction_class(bands_of(sticking), window.op_span),
+        reasons=reasons(window, oscillation, faults, found, weighed, verdict),
         advice=advice(verdict, [each.cause for each in causes], found.stiction, oscillation, window),
     )
 
@@ -174,74 +188,3 @@ def _causes(
         return cause_without_stiction(window, oscillation, found)
     # What the loop does is known, also where it is not known what the valve does.
     return (CauseShare("undecided" if oscillation.detected else "no_oscillation", 1.0),)
-
-
-def _bands(stiction: StictionEstimate) -> FrictionBands:
-    return FrictionBands(stiction.f_s.value, stiction.f_d.value)
-
-
-def _data_words(window: LoopWindow) -> list[str]:
-    words = []
-    lost = int((~window.valid).sum())
-    if lost:
-        words.append(f"{lost} of {len(window)} samples are gaps and were left out")
-    if window.duplicates:
-        words.append(f"{window.duplicates} samples repeat a timestamp and were dropped")
-    return words
-
-
-def _oscillation_words(window: LoopWindow, oscillation: Oscillation) -> list[str]:
-    if not oscillation.detected or oscillation.period is None:
-        return ["the loop shows no regular oscillation"]
-    words = [f"the loop oscillates with a period of {oscillation.period:.4g} s"]
-    samples = oscillation.period / window.ts
-    if samples < COARSE:
-        words.append(f"with {samples:.0f} samples a period the record is coarse")
-    return words
-
-
-def _fit_words(window: LoopWindow, found: Quantification, verdict: Verdict) -> list[str]:
-    if found.failure is not None:
-        return [f"{found.quantifier} gave no answer: {found.failure}"]
-    linear = f"the process alone follows PV to {_percent(found.linear_percent)}"
-    if found.stiction is None:
-        return [f"{linear}, and a sticking valve does not explain more"]
-    s, j = found.stiction.s.value, found.stiction.j.value
-    span = f"{100 * s / window.op_span:.3g} % of the span of OP"
-    valve = f"with a valve of S = {s:.4g} ({span}) and J = {j:.4g}"
-    words = [f"{linear}, {valve} to {_percent(found.free_run_percent)}"]
-    if verdict == "stiction":
-        words.append(f"the valve shows {CLASS_WORDS[stiction_class(_bands(found.stiction), window.op_span)]}")
-    elif verdict == "no_stiction":
-        words.append("that is too little better to blame the valve")
-    else:
-        words.append("that is not enough to blame the valve, nor to clear it")
-    return words
-
-
-def _witness_words(found: Quantification, weighed: Weighed) -> list[str]:
-    """Say who speaks for a sticking valve and who against, by what factor each moves the odds."""
-    if found.failure is not None or found.quick_evidence is None:
-        return []
-    sides = (
-        ("for a sticking valve", [each for each in weighed.witnesses if each.log_odds > 0]),
-        ("against it", [each for each in weighed.witnesses if each.log_odds < 0]),
-    )
-    return [
-        f"{side}: " + ", ".join(f"{each.name} (odds x {_factor(each.log_odds)})" for each in ones)
-        for side, ones in sides
-        if ones
-    ]
-
-
-def _factor(log_odds: float) -> str:
-    factor = math.exp(abs(log_odds))
-    return f"{factor:,.0f}" if factor >= 10 else f"{factor:.1f}"
-
-
-def _gate_words(faults: Iterable[GateFault]) -> list[str]:
-    return [f"{fault.reason}: {NOT_ASKED[fault.closes]}" for fault in faults]
-
-
-def _percent(value: float | None) -> str:
-    return "an unknown part" if value is None else f"{value:.3g} %"
