@@ -85,9 +85,10 @@ def features(found: Quantification) -> tuple[float, float, float, float]:
     turns = math.log1p(min(found.turns or 0, ENOUGH_TURNS)) / math.log1p(ENOUGH_TURNS)
     ratio = min(max(found.log_likelihood_ratio or 0.0, 0.0), ENOUGH_LIKELIHOOD)
     likelihood = math.log1p(ratio / LITTLE_LIKELIHOOD) / math.log1p(ENOUGH_LIKELIHOOD / LITTLE_LIKELIHOOD)
-    evidence, quick = _capped(found.evidence), _capped(found.quick_evidence)
+    evidence, quick = capped(found.evidence), capped(found.quick_evidence)
     return turns * evidence, turns * quick, turns * likelihood, likelihood
 
 
-def _capped(evidence: float | None) -> float:
+def capped(evidence: float | None) -> float:
+    """Return the worth of an evidence, 0 to 1: its logarithm."""
     return math.log(min(max(evidence or 1.0, 1.0), ENOUGH_EVIDENCE))

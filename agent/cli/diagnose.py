@@ -18,11 +18,12 @@ import typer
 from agent.cli import recordings as option
 from agent.cli.compilation import announce_compilation
 from agent.cli.errors import BAD_INPUT, complain
+from agent.cli.one_valve import together, valves
 from agent.cli.pictures import draw, picture_files
 
 if TYPE_CHECKING:
     from agent.analysis.quantify import Quantifier
-    from agent.analysis.recording import LoopHints
+    from agent.analysis.recording import LoopHints, LoopWindow
     from agent.analysis.results import Diagnosis
     from connectors.recording import Columns
 
@@ -45,17 +46,21 @@ class Task:
     """None: the default one."""
     picture: Path | None
     """Where to draw the fit, and the other pictures beside it; None: nowhere."""
+    shared: bool = False
+    """Whether its valve has other recordings, for which the window is needed again."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
     """What became of a task."""
 
-    path: Path
+    task: Task
     diagnosis: Diagnosis | None
     """None where the recording could not be read."""
     faults: tuple[str, ...] = ()
     """What went wrong, a line each."""
+    window: LoopWindow | None = None
+    """Of a recording whose valve has others."""
 
 
 def diagnose(
@@ -84,6 +89,14 @@ def diagnose(
     as_json: Annotated[
         bool, typer.Option("--json", help="One JSON object a line for each recording.")
     ] = False,
+    each: Annotated[
+        bool,
+        typer.Option("--each", help="Judge every recording alone, also those that are named for one valve."),
+    ] = False,
+    one_valve: Annotated[
+        bool,
+        typer.Option("--one-valve", help="All recordings are of one valve, whatever they are named."),
+    ] = False,
     plot: Annotated[
         Path | None,
         typer.Option(
@@ -100,26 +113,35 @@ def diagnose(
     mode: option.Mode = "mode",
     ts: option.Ts = None,
 ) -> None:
-    """Tell from recordings whether the valve sticks, and by how much."""
+    """Tell from recordings whether the valve sticks, and by how much.
+
+    Recordings of one valve are judged together: those in one folder whose names are the same tag and then a
+    number or a date (FIC101_1.csv, FIC101_2026-03-01.csv), or all with --one-valve. What is undecided
+    alone may so be decided; a verdict that is firm alone stays. What the others say is the first reason of
+    each.
+    """
     from agent.analysis.recording import LoopHints
     from connectors.recording import Columns
 
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
     hints = LoopHints(integrating, acting.value if acting else None, delay, order)
     method = None if quantifier is None else _method(quantifier)
+    if each and one_valve:
+        raise typer.BadParameter("--each says the contrary: take one of them", param_hint="'--one-valve'")
+    valve = valves(recordings, each=each, one_valve=one_valve)
+    pictures = picture_files(recordings, plot)
     tasks = [
-        Task(path, columns, hints, method, picture)
-        for path, picture in zip(recordings, picture_files(recordings, plot), strict=True)
+        Task(path, columns, hints, method, picture, shared=valve.count(of) > 1)
+        for path, picture, of in zip(recordings, pictures, valve, strict=True)
     ]
     failed = False
     with _progress(len(tasks)) as advance:
-        for answer in _answers(tasks):
-            advance()
+        for answer in together(_answers(tasks, advance), valve):
             failed |= bool(answer.faults)
             for fault in answer.faults:
                 complain(fault)
             if answer.diagnosis is not None:
-                _say(answer.diagnosis, answer.path, as_json=as_json)
+                _say(answer.diagnosis, answer.task.path, as_json=as_json)
     if failed:
         raise typer.Exit(BAD_INPUT)
 
@@ -135,10 +157,10 @@ def work_out(task: Task) -> Answer:
         recording = read_recording(task.path, task.columns)
         window = without_impossible(option.loop_window(recording, task.hints))
     except ConfigError as error:
-        return Answer(task.path, None, tuple(error.faults))
+        return Answer(task, None, tuple(error.faults))
     diagnosis = judge(window, quantifier=task.quantifier)
     faults = () if task.picture is None else draw(window, diagnosis, task.picture)
-    return Answer(task.path, diagnosis, faults)
+    return Answer(task, diagnosis, faults, window if task.shared else None)
 
 
 def _method(name: str) -> Quantifier:
@@ -150,8 +172,14 @@ def _method(name: str) -> Quantifier:
         raise typer.BadParameter(str(error), param_hint="'--quantifier'") from error
 
 
-def _answers(tasks: Sequence[Task]) -> Iterator[Answer]:
-    """Yield the answers in the order of the tasks, worked out on all cores."""
+def _answers(tasks: Sequence[Task], advance: Callable[[], None]) -> Iterator[Answer]:
+    """Yield the answers in the order of the tasks, worked out on all cores; call ``advance`` at each."""
+    for answer in _worked_out(tasks):
+        advance()
+        yield answer
+
+
+def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
     workers = min(len(tasks), len(os.sched_getaffinity(0)))
     if workers == 1:
         announce_compilation(threading.Event())
