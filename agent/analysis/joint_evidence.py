@@ -7,7 +7,7 @@ from collections import defaultdict
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from agent.analysis.evidence import SAYS, Weighed, capped, weigh
+from agent.analysis.evidence import ENOUGH_LIKELIHOOD, SAYS, Weighed, capped, weigh
 from agent.analysis.results import MethodResult
 
 if TYPE_CHECKING:
@@ -35,10 +35,11 @@ def weigh_together(diagnoses: Sequence[Diagnosis], *, stem_measured: bool) -> We
 def joined(found: Sequence[Quantification]) -> Quantification:
     """Return what ``free_run`` and the innovations would say of all records in one.
 
-    Log likelihood ratios add up, each but one less ``SEARCH``; so do the turns of the valve. The evidence is
+    Log likelihood ratios add up, each but one less ``SEARCH``, and none counts for more than it may alone: one
+    record that is wrong must not outweigh many. The turns of the valve add up as well. The evidence is
     the geometric mean, for the likelihood of records with noise of their own goes with the product.
     """
-    ratios = [each.log_likelihood_ratio or 0.0 for each in found]
+    ratios = [min(each.log_likelihood_ratio or 0.0, ENOUGH_LIKELIHOOD) for each in found]
     return replace(
         found[0],
         log_likelihood_ratio=max(0.0, sum(ratios) - SEARCH * (len(ratios) - 1)),
