@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 SEARCH = 4.0
 """Nats that each further record must bring before it speaks for a sticking valve: its search is one more
-chance to find some in a sound one."""
+chance to find some in a sound one. From 2 to 6 the simulated groups of seeds 9000 to 9003 come out alike."""
 
 
 def weigh_together(diagnoses: Sequence[Diagnosis], *, stem_measured: bool) -> Weighed:
@@ -35,8 +35,8 @@ def weigh_together(diagnoses: Sequence[Diagnosis], *, stem_measured: bool) -> We
 def joined(found: Sequence[Quantification]) -> Quantification:
     """Return what ``free_run`` and the innovations would say of all records in one.
 
-    Log likelihood ratios add up, each but one less ``SEARCH``, and none counts for more than it may alone: one
-    record that is wrong must not outweigh many. The turns of the valve add up as well. The evidence is
+    Log likelihood ratios add up, each but one less ``SEARCH``, and none counts for more than it may alone:
+    one record that is wrong must not outweigh many. The turns of the valve add up as well. The evidence is
     the geometric mean, for the likelihood of records with noise of their own goes with the product.
     """
     ratios = [min(each.log_likelihood_ratio or 0.0, ENOUGH_LIKELIHOOD) for each in found]

@@ -105,9 +105,41 @@ def test_one_bad_file_among_many(slipjump, still, tmp_path):
     assert "none.csv: cannot be read: No such file or directory" in second
 
 
+def test_recordings_that_are_named_for_one_valve_are_judged_together(slipjump, tmp_path):
+    rng, t = np.random.default_rng(0), np.arange(300)
+    op = 50 + 5 * np.sin(t / 8) + 0.2 * rng.normal(size=300)
+    one, again = (
+        write(tmp_path / f"FIC101_{k}.csv", op, 20 + 2 * np.sin((t - 6) / 8) + 0.1 * rng.normal(size=300))
+        for k in (1, 2)
+    )
+    still = write(tmp_path / "FIC101_3.csv", np.full(300, 42.0), rng.normal(size=300))
+    answers = {}
+    for option in ("--json", "--each"):
+        code, out, err = slipjump("diagnose", still, one, again, tmp_path / "FIC101_4.csv", "--json", option)
+        assert code == 2
+        assert "FIC101_4.csv: cannot be read" in one_line(err)
+        answers[option] = [json.loads(line) for line in out.splitlines()]
+        assert [each["loop"] for each in answers[option]] == ["FIC101_3", "FIC101_1", "FIC101_2"]
+        assert all(list(each) == KEYS for each in answers[option])
+    shared, alone = answers["--json"], answers["--each"]
+    assert shared[0]["reasons"] == alone[0]["reasons"]
+    assert shared[1]["reasons"] == alone[1]["reasons"]
+    words = "it shows the same event as FIC101_1: the two count once"
+    assert shared[2]["reasons"] == [*alone[2]["reasons"], words]
+    assert [each["verdict"] for each in shared] == [each["verdict"] for each in alone]
+
+
+def test_one_valve_whatever_the_names(slipjump, still, moving):
+    code, out, err = slipjump("diagnose", still, moving, moving, "--one-valve")
+    assert (code, err) == (0, "")
+    assert out.count("MOVING: ") == 2
+    assert out.count("the same event as MOVING: the two count once") == 1
+
+
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
+        (["x.csv", "--each", "--one-valve"], "--one-valve"),
         ([], "Missing argument"),
         (["x.csv", "--delay", "0"], "--delay"),
         (["x.csv", "--order", "3"], "--order"),
