@@ -17,7 +17,7 @@ from agent.analysis.diagnose import SURE, diagnose
 from agent.analysis.joint_evidence import weigh_together
 from agent.analysis.one_valve import judged_together
 from agent.analysis.recording import LoopWindow
-from agent.analysis.results import Diagnosis
+from agent.analysis.results import Diagnosis, Verdict
 from agent.runtime.process_pool import process_pool
 from benchmarks.markdown import table
 from benchmarks.options import Options
@@ -28,7 +28,7 @@ SEEDS = range(9004, 9008)
 MORE_SEEDS = range(9004, 9014)
 COUNT = 4
 """Recordings of a valve."""
-VERDICTS = ("stiction", "undecided", "no_stiction")
+VERDICTS: tuple[Verdict, ...] = ("stiction", "undecided", "no_stiction")
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,8 @@
 """`slipjump diagnose` on every real recording, against the labels published with the data.
 
 Against the label `stiction` only `stiction` is right, against `no_stiction` every other verdict is; a valve
-with several recordings goes by majority.
+with several recordings goes by majority. Alone is with `--each`; together is as the command does by itself:
+recordings whose names have the same tag are of one valve.
 """
 
 from __future__ import annotations
@@ -18,7 +19,12 @@ from benchmarks.markdown import table, words
 from benchmarks.options import Options
 from benchmarks.recordings_folder import indexed, recordings_folder
 
-QUANTIFIERS = ("free_run", "lee2008")
+RUNS = {
+    "`free_run`, alone": ("free_run", "--each"),
+    "`free_run`, together": ("free_run",),
+    "`lee2008`": ("lee2008",),
+}
+"""Quantifier and further words of the command by what the tables call it."""
 NOT_SCORED = {"PAP4"}
 """It has a dead zone and tight tuning but is labelled no stiction: shown only."""
 
@@ -52,14 +58,14 @@ def run(_options: Options) -> None:
         print("No recordings folder (SLIPJUMP_DATA): the real recordings are left out.\n")
         return
     index = indexed(folder)
-    judged = {name: diagnosed(folder, index, name) for name in QUANTIFIERS}
+    judged = {name: diagnosed(folder, index, *chosen) for name, chosen in RUNS.items()}
     print(summary(judged))
     print(valves(judged))
     print(recordings(judged))
-    print(methods(judged[QUANTIFIERS[0]]))
+    print(methods(next(iter(judged.values()))))
 
 
-def diagnosed(folder: Path, index: Sequence[dict[str, str]], quantifier: str) -> list[Judged]:
+def diagnosed(folder: Path, index: Sequence[dict[str, str]], quantifier: str, *options: str) -> list[Judged]:
     """Run the command as a user would."""
     command = [
         str(Path(sys.executable).with_name("slipjump")),
@@ -67,6 +73,7 @@ def diagnosed(folder: Path, index: Sequence[dict[str, str]], quantifier: str) ->
         "--json",
         "--quantifier",
         quantifier,
+        *options,
     ]
     paths = [str(folder / row["file"]) for row in index]
     done = subprocess.run([*command, *paths], capture_output=True, text=True, check=True)  # noqa: S603 - our own command
@@ -111,7 +118,7 @@ def summary(judged: dict[str, list[Judged]]) -> str:
             firm = sum(each.verdict == label for each in ones)
             rows.append(
                 (
-                    f"`{name}`",
+                    name,
                     words(label),
                     f"{sum(each.right for each in ones)} of {len(ones)}",
                     f"{firm} of {len(ones)}",
@@ -134,7 +141,7 @@ def valves(judged: dict[str, list[Judged]]) -> str:
             mark = "" if valve in NOT_SCORED or valve_right(ones) else ", **wrong**"
             cells.append(f"{called} of {len(ones)}{mark}")
         rows.append((valve, words(first[0].label), *cells))
-    columns = ("valve", "label", *(f"`{name}` calls stiction" for name in judged))
+    columns = ("valve", "label", *(f"{name}: calls stiction" for name in judged))
     return table("### By valve", columns, rows)
 
 
@@ -150,7 +157,7 @@ def recordings(judged: dict[str, list[Judged]]) -> str:
         rows.append(
             (answers[0].loop, words(answers[0].label), "" if percent is None else f"{percent:.0f}", *cells)
         )
-    columns = ("recording", "label", "linear fit, %", *(f"`{name}`, evidence" for name in judged))
+    columns = ("recording", "label", "linear fit, %", *(f"{name}, evidence" for name in judged))
     return table("### By recording", columns, rows)
 
 

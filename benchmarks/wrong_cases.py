@@ -13,9 +13,11 @@ from rich.console import Console
 from rich.progress import track
 
 from agent.analysis.diagnose import diagnose, without_impossible
+from agent.analysis.one_valve import judged_together
 from agent.analysis.oscillation.acf_zero_crossings import autocorrelation
 from agent.analysis.recording import LoopHints, LoopWindow
 from agent.analysis.results import Diagnosis
+from agent.cli.one_valve import valves
 from agent.cli.recordings import loop_window
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
 from agent.plots.time_units import time_of
@@ -64,11 +66,16 @@ def run(_options: Options) -> None:
     if folder is None:
         print("No recordings folder (SLIPJUMP_DATA): there is nothing to show.\n")
         return
-    jobs = [(folder / row["file"], row["label"]) for row in indexed(folder) if row["group"] not in NOT_SCORED]
+    rows = [row for row in indexed(folder) if row["group"] not in NOT_SCORED]
+    files = [folder / row["file"] for row in rows]
     with process_pool() as pool:
-        answers = pool.map(judged, *zip(*jobs, strict=True))
-        shown = track(answers, "wrong cases", len(jobs), console=Console(stderr=True))
-        wrong = [each for each in shown if each is not None]
+        answers = pool.map(judged, files)
+        alone = list(track(answers, "wrong cases", len(files), console=Console(stderr=True)))
+    wrong = [
+        Wrong(file.stem, row["label"], window, said)
+        for file, row, (window, said) in zip(files, rows, by_valve(files, alone), strict=True)
+        if not is_right(row["label"], said.verdict)
+    ]
     for each in wrong:
         picture(each).savefig(PICTURES / f"wrong_{each.loop}.png", dpi=DPI)
     for record in flagged(folder):
@@ -79,11 +86,23 @@ def run(_options: Options) -> None:
     print(found)
 
 
-def judged(file: Path, label: str) -> Wrong | None:
-    """Diagnose a recording; None where the label says the same."""
+def judged(file: Path) -> tuple[LoopWindow, Diagnosis]:
+    """Diagnose a recording alone."""
     window = without_impossible(loop_window(read_recording(file), LoopHints()))
-    said = diagnose(window)
-    return None if is_right(label, said.verdict) else Wrong(file.stem, label, window, said)
+    return window, diagnose(window)
+
+
+def by_valve(
+    files: Sequence[Path], alone: Sequence[tuple[LoopWindow, Diagnosis]]
+) -> list[tuple[LoopWindow, Diagnosis]]:
+    """Return the diagnoses in view of the other recordings of each valve, as the command does."""
+    valve, told = valves(files, each=False, one_valve=False), list(alone)
+    for one in set(valve):
+        places = [k for k, of in enumerate(valve) if of == one]
+        windows, said = zip(*(alone[k] for k in places), strict=True)
+        for k, window, diagnosis in zip(places, windows, judged_together(windows, said), strict=True):
+            told[k] = window, diagnosis
+    return told
 
 
 def told(rows: Sequence[Sequence[object]]) -> str:

@@ -97,8 +97,9 @@ def with_something_unknown(scenario: Scenario, rng: np.random.Generator) -> Scen
 def _set_points(scenario: Scenario, rng: np.random.Generator, *, one_way: bool) -> tuple[SetPointStep, ...]:
     """Draw other set points of the same reach.
 
-    One that another controller moves, at even times, gets other phases of the same spectrum. Steps get other
-    times, and other heights to either side or, one way, other parts of the way up or down.
+    One that another controller moves, at even times, gets other phases of the same spectrum; two steps are
+    always even, and keep their times. Other steps get other times, and other heights to either side or, one
+    way, other parts of the way up or down.
     """
     count = len(scenario.set_points)
     if not count:
