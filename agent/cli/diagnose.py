@@ -115,10 +115,10 @@ def diagnose(
 ) -> None:
     """Tell from recordings whether the valve sticks, and by how much.
 
-    Recordings of one valve are judged together: those in one folder whose names are the same tag and then a
-    number or a date (FIC101_1.csv, FIC101_2026-03-01.csv), or all with --one-valve. What is undecided
-    alone may so be decided; a verdict that is firm alone stays. What the others say is the first reason of
-    each.
+    Recordings of one valve are judged together: those of one folder named by
+    the same tag with a number or a date behind, as FIC101_1.csv, FIC101_2.csv.
+    What is undecided alone may so be decided; what is firm alone stays. What
+    they say together is the first reason of each.
     """
     from agent.analysis.recording import LoopHints
     from connectors.recording import Columns
@@ -126,8 +126,9 @@ def diagnose(
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
     hints = LoopHints(integrating, acting.value if acting else None, delay, order)
     method = None if quantifier is None else _method(quantifier)
-    if each and one_valve:
-        raise typer.BadParameter("--each says the contrary: take one of them", param_hint="'--one-valve'")
+    if one_valve and (each or (method is not None and not _shares_evidence(method))):
+        other = "--each says the contrary" if each else f"--quantifier {quantifier} has no evidence to share"
+        raise typer.BadParameter(f"{other}: take one of them", param_hint="'--one-valve'")
     valve = valves(recordings, each=each, one_valve=one_valve)
     pictures = picture_files(recordings, plot)
     tasks = [
@@ -170,6 +171,12 @@ def _method(name: str) -> Quantifier:
         return quantifier(name)
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="'--quantifier'") from error
+
+
+def _shares_evidence(quantifier: Quantifier) -> bool:
+    from agent.analysis.diagnose import DEFAULT_QUANTIFIER
+
+    return quantifier.name == DEFAULT_QUANTIFIER
 
 
 def _answers(tasks: Sequence[Task], advance: Callable[[], None]) -> Iterator[Answer]:

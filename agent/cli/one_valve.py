@@ -54,6 +54,7 @@ def together(answers: Iterator[Answer], valve: Sequence[int]) -> Iterator[Answer
             _judge([j for j in range(len(come)) if valve[j] == valve[k]], come)
         while said < len(come) and valve[said] not in valve[len(come) :]:
             yield come[said]
+            come[said] = replace(come[said], diagnosis=None, window=None)  # they are large, and done with
             said += 1
 
 

@@ -140,6 +140,7 @@ def test_one_valve_whatever_the_names(slipjump, still, moving):
     ("words", "expected"),
     [
         (["x.csv", "--each", "--one-valve"], "--one-valve"),
+        (["x.csv", "--quantifier", "lee2008", "--one-valve"], "no evidence to share"),
         ([], "Missing argument"),
         (["x.csv", "--delay", "0"], "--delay"),
         (["x.csv", "--order", "3"], "--order"),
