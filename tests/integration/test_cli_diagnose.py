@@ -132,7 +132,7 @@ def test_recordings_that_are_named_for_one_valve_are_judged_together(slipjump, t
 def test_one_valve_whatever_the_names(slipjump, still, moving):
     code, out, err = slipjump("diagnose", still, moving, moving, "--one-valve")
     assert (code, err) == (0, "")
-    assert out.count("MOVING: ") == 2
+    assert out.count("\nMOVING: ") == 2
     assert out.count("the same event as MOVING: the two count once") == 1
 
 
