@@ -24,8 +24,8 @@ from benchmarks.options import Options
 from benchmarks.random_group import GROUP_KINDS, random_group
 from benchmarks.random_loop import STICKING, AnyKind
 
-SEEDS = range(9004, 9008)
-MORE_SEEDS = range(9004, 9014)
+SEEDS = range(9004, 9010)
+MORE_SEEDS = range(9004, 9020)
 COUNT = 4
 """Recordings of a valve."""
 VERDICTS: tuple[Verdict, ...] = ("stiction", "undecided", "no_stiction")
@@ -61,7 +61,12 @@ class DiagnosedGroup:
 
 def run(options: Options) -> None:
     """Print the tables."""
-    jobs = [(kind, seed) for seed in (MORE_SEEDS if options.full else SEEDS) for kind in GROUP_KINDS]
+    jobs = [
+        (kind, seed)
+        for seed in (MORE_SEEDS if options.full else SEEDS)
+        for kind in GROUP_KINDS
+        if options.full or seed % 2 or kind not in STICKING  # those that stick take the most time
+    ]
     with process_pool() as pool:
         answers = pool.map(diagnosed_group, jobs)
         console = Console(stderr=True)

@@ -18,11 +18,10 @@ GROUP_KINDS: tuple[AnyKind, ...] = (
     "one_way",
     "cascade",
     "flow_stiction",
-    "set_point_stiction",
     "one_way_stiction",
     "cascade_stiction",
 )
-"""Those that are hard to judge alone."""
+"""Those that are hard to judge alone; limit cycles and ``set_point_stiction`` are not, and cost the most."""
 
 
 @dataclass(frozen=True, slots=True)
