@@ -75,10 +75,17 @@ def judged(
             break
         new = [each for each in (effect, *decision.rivals) if each not in asked | null_p.keys()]
         asked.update(new)
-        others = [each for each in new if _stands_for_another(smaller, models[each].fit, record)]
-        others = others or less_likely({each: found[each] for each in (effect, *decision.rivals)})
-        null_p.update(dict.fromkeys(others, 1.0))
-        if others:
+        standing = {each for each in new if _stands_for_another(smaller, models[each].fit, record)}
+        null_p.update(dict.fromkeys(standing, 1.0))
+        # Asked before rivals are compared: under a load that wanders the record may be likelier with what did
+        # not happen than with what did.
+        for each in once.intersection(new) - standing:
+            null_p[each] = null_p_of(models[each].fit)
+        if any(null_p.get(each, 0.0) >= LEVEL for each in new):
+            continue
+        unlikely = less_likely({each: found[each] for each in (effect, *decision.rivals)})
+        if unlikely:
+            null_p.update(dict.fromkeys(unlikely, 1.0))
             continue
         if decision.kind == "suggested" or effect in null_p:
             break

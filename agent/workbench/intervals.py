@@ -17,6 +17,8 @@ import numpy as np
 from scipy import stats
 
 from agent.physics.effects.hysteresis import MOTION, HysteresisEffect
+from agent.physics.effects.load_step import LoadStep
+from agent.workbench.event_scan import instant_p
 from agent.workbench.plateau import plateau
 from agent.workbench.predictor import predictor
 from agent.workbench.space import space_of
@@ -56,6 +58,8 @@ class Estimate:
     """Free run, PV units, (n,)."""
     dependence: Mapping[str, Dependence]
     """By axis, whether the loop answers OP otherwise there; empty where that cannot be asked."""
+    happened: float
+    """How likely innovations of a complete model show a load step as large; 1 where that cannot be asked."""
 
 
 def estimated(fitted: Fit, folds: HeldOut, record: Record) -> Estimate:
@@ -63,7 +67,7 @@ def estimated(fitted: Fit, folds: HeldOut, record: Record) -> Estimate:
     found = predictor(fitted, record) if fitted.model.base.linear else None
     if found is None:
         space = space_of(fitted.model, record.facts)
-        return Estimate(_within(space, space.at(fitted.values), _jackknife(space, folds)), fitted.pv, {})
+        return Estimate(_within(space, space.at(fitted.values), _jackknife(space, folds)), fitted.pv, {}, 1.0)
     predicts, best = found
     space = predicts.space
     half = np.tile(stats.norm.ppf(0.5 + CONFIDENCE / 2) * predicts.spread(best), (2, 1))
@@ -74,7 +78,12 @@ def estimated(fitted: Fit, folds: HeldOut, record: Record) -> Estimate:
             low, high = plateau(predicts, best, i)
             half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
     parameters = _within(space, best, half)
-    return Estimate(parameters, predicts.free_run(best), state_dependence(predicts, best))
+    return Estimate(
+        parameters,
+        predicts.free_run(best),
+        state_dependence(predicts, best),
+        instant_p(predicts, best, LoadStep()),
+    )
 
 
 def _jackknife(space: Space, folds: HeldOut) -> FloatArray:

@@ -11,10 +11,12 @@ import numpy as np
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.candidates import AllTried, judged
 from agent.workbench.decision import LEVEL, judge
+from agent.workbench.event_scan import instant_p
 from agent.workbench.fit import fit
 from agent.workbench.folds import held_out
-from agent.workbench.library import missing
+from agent.workbench.library import happens_once, missing
 from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
+from agent.workbench.predictor import predictor
 from agent.workbench.simulated_null import simulated_null_p
 from agent.workbench.trial import Trial, Tried, screened, tried
 from agent.workbench.valve_starts import ValveStart, valve_starts
@@ -27,6 +29,10 @@ if TYPE_CHECKING:
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.record import Record
     from agent.workbench.step import Step
+
+
+ASKED = 75
+"""How often one staircase asks for something that happened once: 15 candidates, five steps."""
 
 
 @dataclass(slots=True)
@@ -64,8 +70,15 @@ class Trials:
         return judged(step, models, self.record, lambda larger: self.null_p(step.fit, larger))
 
     def null_p(self, smaller: Fit, larger: Fit) -> float:
-        """Return how likely the last effect of ``larger`` seems to explain as much where it is not there."""
-        self.tell(f"{larger.model.effects[-1].name} by chance", 0, 1)
+        """Return how likely the last effect of ``larger`` seems to explain as much where it is not there.
+
+        Of what happened once each candidate of each step has had its chance.
+        """
+        effect = larger.model.effects[-1]
+        self.tell(f"{effect.name} by chance", 0, 1)
+        if smaller.model.base.linear and happens_once(effect, self.record.facts):
+            found = predictor(smaller, self.record)
+            return 1.0 if found is None else min(1.0, ASKED * instant_p(*found, effect))
         trial = NullTrial(smaller, larger, self.record, self.block)
         return simulated_null_p(trial.seen, trial, DRAWS, self.run, ENOUGH)
 
