@@ -20,7 +20,6 @@ from agent.physics.effects.hysteresis import MOTION, HysteresisEffect
 from agent.physics.effects.load_step import LoadStep
 from agent.workbench.event_scan import instant_p
 from agent.workbench.plateau import plateau
-from agent.workbench.predictor import predictor
 from agent.workbench.space import space_of
 from agent.workbench.state_dependence import Dependence, state_dependence
 
@@ -28,10 +27,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from agent.analysis.recording import FloatArray
-    from agent.workbench.fit import Fit
     from agent.workbench.folds import HeldOut
     from agent.workbench.record import Record
     from agent.workbench.space import Space
+    from agent.workbench.trial import Tried
 
 CONFIDENCE = 0.9
 
@@ -62,13 +61,14 @@ class Estimate:
     """How likely innovations of a complete model show a load step as large; 1 where that cannot be asked."""
 
 
-def estimated(fitted: Fit, folds: HeldOut, record: Record) -> Estimate:
+def estimated(found: Tried, record: Record) -> Estimate:
     """Return the parameters of a model; of one searched by its logarithm the interval is the logarithm's."""
-    found = predictor(fitted, record) if fitted.model.base.linear else None
-    if found is None:
+    fitted = found.fit
+    if found.predicts is None:
         space = space_of(fitted.model, record.facts)
-        return Estimate(_within(space, space.at(fitted.values), _jackknife(space, folds)), fitted.pv, {}, 1.0)
-    predicts, best = found
+        half = _jackknife(space, found.held_out)
+        return Estimate(_within(space, space.at(fitted.values), half), fitted.pv, {}, 1.0)
+    predicts, best = found.predicts
     space = predicts.space
     half = np.tile(stats.norm.ppf(0.5 + CONFIDENCE / 2) * predicts.spread(best), (2, 1))
     needles = {each.name for each in fitted.model.effects if isinstance(each, HysteresisEffect)}

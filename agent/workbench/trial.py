@@ -11,6 +11,7 @@ from agent.physics.effect import SpottedEffect
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.fit import Fit, fit_from, nested_scan, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
+from agent.workbench.predictor import Predictor, predictor
 from agent.workbench.valve_starts import ValveStart, with_valve
 
 if TYPE_CHECKING:
@@ -49,7 +50,12 @@ class Tried:
     """A model and how it does on blocks that it did not see."""
 
     fit: Fit
+    """With the least error in free run."""
     held_out: HeldOut
+    """In free run too, but of values that predict best where the base is linear: in closed loop those of the
+    least error lean on the load, the more the shorter what they are fitted to."""
+    predicts: tuple[Predictor, FloatArray] | None
+    """Where it predicts best; None where that cannot be asked."""
 
 
 def screened(trial: Trial) -> Screen:
@@ -61,8 +67,16 @@ def screened(trial: Trial) -> Screen:
 def tried(trial: Trial) -> Tried:
     """Fit the model with the effect, and predict each fold."""
     screen = trial.screen or screened(trial)
-    fitted = fit_from(_larger(trial), trial.record, screen.points)
-    return Tried(fitted, held_out(fitted, trial.record, trial.folds))
+    return predicted(fit_from(_larger(trial), trial.record, screen.points), trial.record, trial.folds)
+
+
+def predicted(fitted: Fit, record: Record, folds: Folds) -> Tried:
+    """Return a fit with its held-out error."""
+    found = predictor(fitted, record) if fitted.model.base.linear else None
+    if found is None:
+        return Tried(fitted, held_out(fitted, record, folds), None)
+    predicts, best = found
+    return Tried(fitted, held_out(predicts.fit(best), record, folds, predicts.noise), found)
 
 
 def _larger(trial: Trial) -> LoopModel:

@@ -13,12 +13,10 @@ from agent.workbench.candidates import AllTried, judged
 from agent.workbench.decision import LEVEL, judge
 from agent.workbench.event_scan import instant_p
 from agent.workbench.fit import fit
-from agent.workbench.folds import held_out
 from agent.workbench.library import happens_once, missing
 from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
-from agent.workbench.predictor import predictor
 from agent.workbench.simulated_null import simulated_null_p
-from agent.workbench.trial import Trial, Tried, screened, tried
+from agent.workbench.trial import Trial, Tried, predicted, screened, tried
 from agent.workbench.valve_starts import ValveStart, valve_starts
 
 if TYPE_CHECKING:
@@ -67,19 +65,18 @@ class Trials:
     def judged_on(self, step: Step, effects: Sequence[Effect]) -> AllTried:
         """Try these effects on top of a model."""
         models = self._tried(step.fit, effects)
-        return judged(step, models, self.record, lambda larger: self.null_p(step.fit, larger))
+        return judged(step, models, self.record, lambda larger: self.null_p(step, larger))
 
-    def null_p(self, smaller: Fit, larger: Fit) -> float:
+    def null_p(self, smaller: Step | Tried, larger: Fit) -> float:
         """Return how likely the last effect of ``larger`` seems to explain as much where it is not there.
 
         Of what happened once each candidate of each step has had its chance.
         """
         effect = larger.model.effects[-1]
         self.tell(f"{effect.name} by chance", 0, 1)
-        if smaller.model.base.linear and happens_once(effect, self.record.facts):
-            found = predictor(smaller, self.record)
-            return 1.0 if found is None else min(1.0, ASKED * instant_p(*found, effect))
-        trial = NullTrial(smaller, larger, self.record, self.block)
+        if smaller.predicts is not None and happens_once(effect, self.record.facts):
+            return min(1.0, ASKED * instant_p(*smaller.predicts, effect))
+        trial = NullTrial(smaller.fit, larger, self.record, self.block)
         return simulated_null_p(trial.seen, trial, DRAWS, self.run, ENOUGH)
 
     def both(self, found: AllTried, name: str, rival: Effect) -> Tried | None:
@@ -99,7 +96,7 @@ class Trials:
         turned = tried(
             Trial(alone[1].fit, alone[0].fit.model.effects[-1], self.record, self.folds, self._valves or ())
         )
-        pairs = ((alone[0].fit, larger.fit), (alone[1].fit, turned.fit))
+        pairs = ((alone[0], larger.fit), (alone[1], turned.fit))
         return larger if all(self.null_p(*pair) < LEVEL for pair in pairs) else None
 
     def without(self, fitted: Fit, name: str) -> Tried:
@@ -118,7 +115,7 @@ class Trials:
 
     def predicted(self, fitted: Fit) -> Tried:
         """Return a fit with its held-out error."""
-        return Tried(fitted, held_out(fitted, self.record, self.folds))
+        return predicted(fitted, self.record, self.folds)
 
     def _tried(self, smaller: Fit, effects: Sequence[Effect]) -> dict[str, Tried]:
         """Try effects, the most promising first."""

@@ -14,6 +14,7 @@ from agent.workbench.intervals import estimated
 from agent.workbench.predictor import predictor
 from agent.workbench.projection import nuisance_part
 from agent.workbench.record import bare_record
+from agent.workbench.trial import Tried
 
 TAU = -1 / np.log(0.9)
 BAND = 1.5
@@ -30,7 +31,8 @@ def fitted(request):
 def test_its_intervals_hold_what_the_free_run_has_biased(fitted):
     model, record = fitted
     blank = HeldOut(np.zeros(0), np.zeros((0, 4)), model.pv)
-    found = {each.name: each for each in estimated(model, blank, record).parameters}
+    tried = Tried(model, blank, predictor(model, record))
+    found = {each.name: each for each in estimated(tried, record).parameters}
     for name, true in (("tau", TAU), ("delay", 1.0), ("deadband.s", BAND)):
         assert found[name].low <= true <= found[name].high
     _, tau, band, _ = model.values
