@@ -1,4 +1,4 @@
-"""Did it happen at an instant, or is it what a load that wanders makes by chance?
+"""Did it happen at an instant, or is it what a load that wanders makes by chance? And when?
 
 A slow load has bends, and a step laid over the highest of them lowers error and innovations alike: noise
 whose long memory a short autoregression does not hold is explained a little everywhere. So the best instant
@@ -10,7 +10,8 @@ what happened once is not. Nothing is refitted; what a move of any parameter wou
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, cast
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from agent.workbench.space import space_of
 from agent.workbench.state_dependence import directions, left_of_start
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from agent.analysis.recording import FloatArray
     from agent.physics.effect import DisturbanceEffect, Effect
     from agent.workbench.predictor import Predictor
@@ -35,6 +38,46 @@ APART = 1e-3
 GUMBEL_SCALE = math.sqrt(6.0) / math.pi
 
 
+class Best(NamedTuple):
+    """The best instant of each of d series."""
+
+    explained: FloatArray
+    """Squares, with two instants of both, (d,)."""
+    first: NDArray[np.intp]
+    """Which of the values, (d,)."""
+    second: NDArray[np.intp]
+    """Likewise of the best beside it; the same as ``first`` where an effect has one instant."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """What one instant of an effect adds to the innovations of a model without it, for many values."""
+
+    left: FloatArray
+    """The innovations, what the model may move to projected out, PV units, (m,)."""
+    known: FloatArray
+    """Orthonormal columns of the latter, (m, q)."""
+    values: FloatArray
+    """Of the effect, own units, (a, k); all its instants are the same."""
+    atoms: FloatArray
+    """What it adds, of length one, (m, a)."""
+    instants: tuple[int, ...]
+    """Which of the values are instants."""
+
+    def best(self, series: FloatArray) -> Best:
+        """Return what explains most of each of some innovations, (m, d)."""
+        along = self.atoms.T @ series
+        first = np.argmax(along**2, axis=0)
+        top = np.take_along_axis(along, first[None, :], axis=0)[0]
+        if len(self.instants) < 2:
+            return Best(top**2, first, first)
+        alike = self.atoms.T @ self.atoms[:, first]
+        new = 1 - alike**2
+        beside = np.where(new > APART, (along - alike * top) ** 2, 0.0) / np.maximum(new, APART)
+        second = np.argmax(beside, axis=0)
+        return Best(top**2 + np.take_along_axis(beside, second[None, :], axis=0)[0], first, second)
+
+
 def instant_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
     """Return how likely an effect that happened once explains as much where nothing happened.
 
@@ -43,20 +86,58 @@ def instant_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
     Args:
         predicts: Of the model without the effect, on a linear base.
         best: The point of the unit cube where its predictions are best, (k,).
-        effect: A disturbance with instants.
+        effect: A disturbance with instants; of more than two, two are looked at.
     """
-    known = _known(predicts, best)
-    left = _beyond(predicts.residual(best), known)
-    atoms = _atoms(predicts, best, effect, known)
-    if not atoms.shape[1]:
+    scan = _scan(predicts, best, effect)
+    if not len(scan.values):
         return 1.0
-    instants = sum(each.instant for each in effect.parameters(predicts.objective.record.facts))
-    drawn = _beyond(surrogates(left, SURROGATES, 0).T, known)
-    explained = _explained(np.column_stack((left, drawn)), atoms, instants)
-    seen, by_chance = explained[0], explained[1:]
+    seen = float(scan.best(scan.left[:, None]).explained[0])
+    by_chance = scan.best(_beyond(surrogates(scan.left, SURROGATES, 0).T, scan.known)).explained
     scale = GUMBEL_SCALE * max(float(by_chance.std()), np.finfo(float).tiny)
     mode = float(by_chance.mean()) - np.euler_gamma * scale
     return -math.expm1(-math.exp(-min(max((seen - mode) / scale, -50.0), 700.0)))
+
+
+def instants_seen(predicts: Predictor, best: FloatArray, effect: Effect) -> FloatArray:
+    """Return values of an effect, own units, (m, k), that place it where the innovations show it, m <= 2.
+
+    A free run's residual does not show it there: the controller has answered, and much of it is gone.
+    """
+    scan = _scan(predicts, best, effect)
+    if not len(scan.values):
+        return scan.values
+    found = scan.best(scan.left[:, None])
+    first, second = scan.values[found.first[0]], scan.values[found.second[0]]
+    spots = np.array([first, second])
+    for at in scan.instants[1:]:
+        spots[:, at] = second[at]
+    for at in scan.instants[:1]:
+        spots[:, at] = first[at]
+    return spots
+
+
+def _scan(predicts: Predictor, best: FloatArray, effect: Effect) -> Scan:
+    objective = predicts.objective
+    record, layout, values = objective.record, objective.layout, objective.space.values(best)
+    response = layout.response(layout.position(record.op, values), values)
+    space = space_of(LoopModel(objective.model.base, (effect,)), record.facts)
+    own = len(space) - len(effect.parameters(record.facts))
+    points = hypercube(SCAN, len(space))
+    instants = [i for i, each in enumerate(space.parameters) if each.instant]
+    points[:, instants] = points[:, instants[:1]]
+    tried = space.values(points)[:, own:]
+    time = np.asarray(record.facts.ts * np.arange(len(record)), dtype=np.float64)
+    columns = cast("DisturbanceEffect", effect).columns
+    added = np.column_stack([columns(time, response, each)[:, 0] for each in tried])
+    known = _known(predicts, best)
+    white = predicts.noise.filtered(added)[predicts.kept]
+    length = np.linalg.norm(white, axis=0)
+    new = _beyond(white, known)
+    size = np.linalg.norm(new, axis=0)
+    told = size > LEAST_NEW * length
+    atoms = np.asarray(new[:, told] / size[told], dtype=np.float64)
+    left = _beyond(predicts.residual(best), known)
+    return Scan(left, known, tried[told], atoms, tuple(i - own for i in instants))
 
 
 def _known(predicts: Predictor, best: FloatArray) -> FloatArray:
@@ -68,44 +149,3 @@ def _known(predicts: Predictor, best: FloatArray) -> FloatArray:
 
 def _beyond(columns: FloatArray, known: FloatArray) -> FloatArray:
     return np.asarray(columns - known @ (known.T @ columns), dtype=np.float64)
-
-
-def _atoms(predicts: Predictor, best: FloatArray, effect: Effect, known: FloatArray) -> FloatArray:
-    """Return what one instant adds to the innovations, for many values, columns of length one, (m, a)."""
-    objective = predicts.objective
-    record, layout, values = objective.record, objective.layout, objective.space.values(best)
-    response = layout.response(layout.position(record.op, values), values)
-    space = space_of(LoopModel(objective.model.base, (effect,)), record.facts)
-    own = len(effect.parameters(record.facts))
-    points = hypercube(SCAN, len(space))
-    instants = [i for i, each in enumerate(space.parameters) if each.instant]
-    points[:, instants] = points[:, instants[:1]]
-    time = np.asarray(record.facts.ts * np.arange(len(record)), dtype=np.float64)
-    columns = cast("DisturbanceEffect", effect).columns
-    added = [columns(time, response, each[-own:])[:, 0] for each in space.values(points)]
-    white = predicts.noise.filtered(np.column_stack(added))[predicts.kept]
-    length = np.linalg.norm(white, axis=0)
-    new = _beyond(white, known)
-    size = np.linalg.norm(new, axis=0)
-    told = size > LEAST_NEW * length
-    return np.asarray(new[:, told] / size[told], dtype=np.float64)
-
-
-def _explained(series: FloatArray, atoms: FloatArray, instants: int) -> FloatArray:
-    """Return the squares that the best instant, and with two the best beside it, explain of each, (d,).
-
-    Args:
-        series: (m, d).
-        atoms: (m, a).
-        instants: More than two count as two.
-    """
-    along = atoms.T @ series
-    first = np.argmax(along**2, axis=0)
-    best = np.take_along_axis(along, first[None, :], axis=0)[0]
-    explained = best**2
-    if instants > 1:
-        alike = atoms.T @ atoms[:, first]
-        new = 1 - alike**2
-        beside = (along - alike * best) ** 2
-        explained = explained + np.max(np.where(new > APART, beside, 0.0) / np.maximum(new, APART), axis=0)
-    return np.asarray(explained, dtype=np.float64)

@@ -32,6 +32,8 @@ STEP = 0.02
 """First step of the search, part of a parameter's range."""
 EVALUATIONS = 40
 """For each parameter, each turn."""
+PLACES = 400
+"""Of an instant that are looked at."""
 DIFFERENCE = 1e-3
 """Step of derivatives, part of a parameter's range."""
 
@@ -131,9 +133,24 @@ def predictor(fitted: Fit, record: Record) -> tuple[Predictor, FloatArray] | Non
             return None
         flat = 1e-7 * found.error(at)
         if len(at):
+            at = _placed(found, at)
             at = lowered_by_simplex(found.error, at, STEP, EVALUATIONS, near=1e-5, flat=flat)
         pv = found.free_run(at)
     return None if found is None else (found, at)
+
+
+def _placed(predicts: Predictor, at: FloatArray) -> FloatArray:
+    """Return the point with each instant where the predictions are best, all else kept.
+
+    The free run puts it where the load is low, and the innovations have a needle that a simplex passes by.
+    """
+    placed = at.copy()
+    for i, parameter in enumerate(predicts.space.parameters):
+        if parameter.instant:
+            tried = np.tile(placed, (PLACES + 1, 1))
+            tried[1:, i] = np.linspace(0.0, 1.0, PLACES)
+            placed = tried[int(np.argmin([predicts.error(each) for each in tried]))]
+    return placed
 
 
 def _predictor(objective: Objective, model_pv: FloatArray) -> Predictor | None:

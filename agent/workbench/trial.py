@@ -41,6 +41,8 @@ class Trial:
     folds: Folds
     valves: tuple[ValveStart, ...] = ()
     """That the quantifier found, to start from."""
+    instants: FloatArray | None = None
+    """Values of an effect that happened once, own units, (m, k), to start from."""
     screen: Screen | None = None
     """Of ``screened``; None: the whole search is done at once."""
 
@@ -86,9 +88,12 @@ def _larger(trial: Trial) -> LoopModel:
 
 def _starts(trial: Trial) -> FloatArray | None:
     effect = trial.effect
+    spots = [] if trial.instants is None else [trial.instants]
     if isinstance(effect, SpottedEffect):
-        spots = effect.spotted(residual_of(trial.smaller, trial.record), trial.record.facts)
-        return np.hstack((np.tile(trial.smaller.values, (len(spots), 1)), spots))
+        spots.append(effect.spotted(residual_of(trial.smaller, trial.record), trial.record.facts))
+    if spots:
+        own = np.vstack(spots)
+        return np.hstack((np.tile(trial.smaller.values, (len(own), 1)), own))
     if not trial.valves or not isinstance(effect, HysteresisEffect):
         return None
     names = tuple(name for name, _ in trial.smaller.model.parameters(trial.record.facts))

@@ -11,7 +11,7 @@ import numpy as np
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.candidates import AllTried, judged
 from agent.workbench.decision import LEVEL, judge
-from agent.workbench.event_scan import instant_p
+from agent.workbench.event_scan import instant_p, instants_seen
 from agent.workbench.fit import fit
 from agent.workbench.library import happens_once, missing
 from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
@@ -20,7 +20,7 @@ from agent.workbench.trial import Trial, Tried, predicted, screened, tried
 from agent.workbench.valve_starts import ValveStart, valve_starts
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
     from agent.workbench.fit import Fit
     from agent.workbench.folds import Folds
@@ -64,7 +64,7 @@ class Trials:
 
     def judged_on(self, step: Step, effects: Sequence[Effect]) -> AllTried:
         """Try these effects on top of a model."""
-        models = self._tried(step.fit, effects)
+        models = self._tried(step, effects)
         return judged(step, models, self.record, lambda larger: self.null_p(step, larger))
 
     def null_p(self, smaller: Step | Tried, larger: Fit) -> float:
@@ -117,13 +117,23 @@ class Trials:
         """Return a fit with its held-out error."""
         return predicted(fitted, self.record, self.folds)
 
-    def _tried(self, smaller: Fit, effects: Sequence[Effect]) -> dict[str, Tried]:
+    def _instants(self, smaller: Step, effect: Effect) -> FloatArray | None:
+        if smaller.predicts is None or not happens_once(effect, self.record.facts):
+            return None
+        return instants_seen(*smaller.predicts, effect)
+
+    def _tried(self, smaller: Step, effects: Sequence[Effect]) -> dict[str, Tried]:
         """Try effects, the most promising first."""
         if self._valves is None and any(isinstance(each, HysteresisEffect) for each in effects):
             self.tell("sticking valves", 0, len(effects))
             self._valves = valve_starts(self.window)
-        trials = [Trial(smaller, each, self.record, self.folds, self._valves or ()) for each in effects]
         self.tell("a quick look at each", 0, len(effects))
+        trials = [
+            Trial(
+                smaller.fit, each, self.record, self.folds, self._valves or (), self._instants(smaller, each)
+            )
+            for each in effects
+        ]
         ordered = sorted(zip(self.run(screened, trials), trials, strict=True), key=lambda pair: pair[0].error)
         names = [each.effect.name for _, each in ordered]
         models = {}
