@@ -39,14 +39,12 @@ GUMBEL_SCALE = math.sqrt(6.0) / math.pi
 
 
 class Best(NamedTuple):
-    """The best instant of each of d series."""
+    """The best instants of each of d series, one after the other."""
 
     explained: FloatArray
-    """Squares, with two instants of both, (d,)."""
-    first: NDArray[np.intp]
-    """Which of the values, (d,)."""
-    second: NDArray[np.intp]
-    """Likewise of the best beside it; the same as ``first`` where an effect has one instant."""
+    """Squares, by all of them, (d,)."""
+    places: NDArray[np.intp]
+    """Which of the values, (instants, d)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,15 +65,24 @@ class Scan:
     def best(self, series: FloatArray) -> Best:
         """Return what explains most of each of some innovations, (m, d)."""
         along = self.atoms.T @ series
-        first = np.argmax(along**2, axis=0)
-        top = np.take_along_axis(along, first[None, :], axis=0)[0]
-        if len(self.instants) < 2:
-            return Best(top**2, first, first)
-        alike = self.atoms.T @ self.atoms[:, first]
-        new = 1 - alike**2
-        beside = np.where(new > APART, (along - alike * top) ** 2, 0.0) / np.maximum(new, APART)
-        second = np.argmax(beside, axis=0)
-        return Best(top**2 + np.take_along_axis(beside, second[None, :], axis=0)[0], first, second)
+        new = np.ones_like(along)
+        taken: list[FloatArray] = []
+        explained, places = np.zeros(series.shape[1]), []
+        for _ in self.instants:
+            share = np.where(new > APART, along**2, 0.0) / np.maximum(new, APART)
+            place = np.argmax(share, axis=0)
+            explained += np.take_along_axis(share, place[None, :], axis=0)[0]
+            places.append(place)
+            # Gram and Schmidt: what this one adds beside those that were taken before.
+            atom = self.atoms[:, place]
+            for other in taken:
+                atom = atom - other * np.einsum("ij,ij->j", other, atom)
+            atom = atom / np.maximum(np.linalg.norm(atom, axis=0), np.sqrt(APART))
+            taken.append(atom)
+            alike = self.atoms.T @ atom
+            along = along - alike * np.einsum("ij,ij->j", atom, series)
+            new = new - alike**2
+        return Best(explained, np.array(places))
 
 
 def instant_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
@@ -86,7 +93,7 @@ def instant_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
     Args:
         predicts: Of the model without the effect, on a linear base.
         best: The point of the unit cube where its predictions are best, (k,).
-        effect: A disturbance with instants; of more than two, two are looked at.
+        effect: A disturbance with instants.
     """
     scan = _scan(predicts, best, effect)
     if not len(scan.values):
@@ -99,20 +106,15 @@ def instant_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
 
 
 def instants_seen(predicts: Predictor, best: FloatArray, effect: Effect) -> FloatArray:
-    """Return values of an effect, own units, (m, k), that place it where the innovations show it, m <= 2.
+    """Return values of an effect, own units, (m, k), that place it where the innovations show it.
 
     A free run's residual does not show it there: the controller has answered, and much of it is gone.
     """
     scan = _scan(predicts, best, effect)
     if not len(scan.values):
         return scan.values
-    found = scan.best(scan.left[:, None])
-    first, second = scan.values[found.first[0]], scan.values[found.second[0]]
-    spots = np.array([first, second])
-    for at in scan.instants[1:]:
-        spots[:, at] = second[at]
-    for at in scan.instants[:1]:
-        spots[:, at] = first[at]
+    spots = scan.values[scan.best(scan.left[:, None]).places[:, 0]]
+    spots[:, scan.instants] = np.diag(spots[:, scan.instants])
     return spots
 
 

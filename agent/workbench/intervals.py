@@ -19,7 +19,7 @@ from scipy import stats
 from agent.physics.effects.hysteresis import MOTION, HysteresisEffect
 from agent.physics.effects.load_step import LoadStep
 from agent.workbench.event_scan import instant_p
-from agent.workbench.plateau import plateau
+from agent.workbench.plateau import instant_plateau, plateau
 from agent.workbench.space import space_of
 from agent.workbench.state_dependence import Dependence, state_dependence
 
@@ -74,8 +74,9 @@ def estimated(found: Tried, record: Record) -> Estimate:
     needles = {each.name for each in fitted.model.effects if isinstance(each, HysteresisEffect)}
     for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
         effect, _, what = name.partition(".")
-        if effect in needles and what not in MOTION and not parameter.of_record:
-            low, high = plateau(predicts, best, i)
+        profile = instant_plateau if parameter.instant else plateau
+        if parameter.instant or (effect in needles and what not in MOTION and not parameter.of_record):
+            low, high = profile(predicts, best, i)
             half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
     parameters = _within(space, best, half)
     return Estimate(

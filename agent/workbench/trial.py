@@ -9,8 +9,9 @@ import numpy as np
 
 from agent.physics.effect import SpottedEffect
 from agent.physics.effects.hysteresis import HysteresisEffect
-from agent.workbench.fit import Fit, fit_from, nested_scan, residual_of
+from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
+from agent.workbench.instant_order import largest_first
 from agent.workbench.predictor import Predictor, predictor
 from agent.workbench.valve_starts import ValveStart, with_valve
 
@@ -77,8 +78,10 @@ def predicted(fitted: Fit, record: Record, folds: Folds) -> Tried:
     found = predictor(fitted, record) if fitted.model.base.linear else None
     if found is None:
         return Tried(fitted, held_out(fitted, record, folds), None)
-    predicts, best = found
-    return Tried(fitted, held_out(predicts.fit(best), record, folds, predicts.noise), found)
+    predicts, best = found[0], largest_first(*found)
+    if predicts.fit(best).error < fitted.error:
+        fitted = refit(predicts.fit(best), record, record.weight)  # the search in free run had missed it
+    return Tried(fitted, held_out(predicts.fit(best), record, folds, predicts.noise), (predicts, best))
 
 
 def _larger(trial: Trial) -> LoopModel:
