@@ -78,6 +78,7 @@ def estimated(found: Tried, record: Record) -> Estimate:
         if parameter.instant or (effect in needles and what not in MOTION and not parameter.of_record):
             low, high = profile(predicts, best, i)
             half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
+    half = np.maximum(half, _by_law(space, best))
     parameters = _within(space, best, half)
     return Estimate(
         parameters,
@@ -85,6 +86,14 @@ def estimated(found: Tried, record: Record) -> Estimate:
         state_dependence(predicts, best),
         instant_p(predicts, best, LoadStep()),
     )
+
+
+def _by_law(space: Space, best: FloatArray) -> FloatArray:
+    """Return half of what another law of friction leaves open, on the unit cube, (2, k)."""
+    part = np.array([each.by_law for each in space.parameters])
+    values = space.values(best)
+    ends = np.array([space.at(values * (1 - part)), space.at(values * (1 + part))])
+    return np.where(part > 0, np.abs(ends - best), 0.0)
 
 
 def _jackknife(space: Space, folds: HeldOut) -> FloatArray:
