@@ -64,6 +64,9 @@ class Parameter:
     """Belongs to one record, not to the loop, like where the valve stands at first: another fits it anew."""
     natural: bool = False
     """Nature sets the bounds, not the search, so that the value may well lie at one: a share, a ratio."""
+    by_law: float = 0.0
+    """Part of its value by which it may be another under another law of the same effect, which nobody knows:
+    its interval is at least so wide."""
 
     @property
     def instant(self) -> bool:

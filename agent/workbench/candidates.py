@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from agent.workbench.decision import LEAST_PERCENT, LEVEL, Decision, judge
 from agent.workbench.evidence import evidence_of, less_likely
 from agent.workbench.library import acts_on_op, happens_once
-from agent.workbench.predictor import predictor
 from agent.workbench.state_dependence import LEVEL as FOLLOWED
 from agent.workbench.state_dependence import resolves, state_dependence
 from agent.workbench.step import Step, Verdict
@@ -75,10 +74,17 @@ def judged(
             break
         new = [each for each in (effect, *decision.rivals) if each not in asked | null_p.keys()]
         asked.update(new)
-        others = [each for each in new if _stands_for_another(smaller, models[each].fit, record)]
-        others = others or less_likely({each: found[each] for each in (effect, *decision.rivals)})
-        null_p.update(dict.fromkeys(others, 1.0))
-        if others:
+        standing = {each for each in new if _stands_for_another(smaller, models[each], record)}
+        null_p.update(dict.fromkeys(standing, 1.0))
+        # Asked before rivals are compared: under a load that wanders the record may be likelier with what did
+        # not happen than with what did.
+        for each in once.intersection(new) - standing:
+            null_p[each] = null_p_of(models[each].fit)
+        if any(null_p.get(each, 0.0) >= LEVEL for each in new):
+            continue
+        unlikely = less_likely({each: found[each] for each in (effect, *decision.rivals)})
+        if unlikely:
+            null_p.update(dict.fromkeys(unlikely, 1.0))
             continue
         if decision.kind == "suggested" or effect in null_p:
             break
@@ -88,17 +94,16 @@ def judged(
     return AllTried(decision, models)
 
 
-def _stands_for_another(smaller: Step, larger: Fit, record: Record) -> bool:
+def _stands_for_another(smaller: Step, larger: Tried, record: Record) -> bool:
     """Whether what made the smaller model fail is still there with the last effect of ``larger``.
 
     A wave that goes on all the time is seen by itself, whatever else is missing.
     """
-    effect = larger.model.effects[-1]
+    effect = larger.fit.model.effects[-1]
     of_op = acts_on_op(effect, record.facts) or happens_once(effect, record.facts)
-    if not larger.model.base.linear or not of_op:
+    if larger.predicts is None or not of_op:
         return False
-    found = predictor(larger, record)
-    return found is not None and not resolves(smaller.estimate.dependence, state_dependence(*found))
+    return not resolves(smaller.estimate.dependence, state_dependence(*larger.predicts))
 
 
 def own_at_bound(fitted: Fit) -> tuple[str, ...]:

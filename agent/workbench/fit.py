@@ -10,13 +10,14 @@ import numpy as np
 from agent.physics.bases.base import StartingBase
 from agent.workbench.library import happens_once
 from agent.workbench.projection import nuisance_part, target_of
-from agent.workbench.search import STEP, Pinned, Round, best_of, hypercube, objective_of, searched
+from agent.workbench.search import STEP, Pinned, Round, best_of, hypercube, objective_of, searched, whitened
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.recording import FloatArray
     from agent.physics.loop_model import LoopModel
+    from agent.workbench.innovations import Innovations
     from agent.workbench.projection import Solved, Target
     from agent.workbench.record import Record
     from agent.workbench.search import Objective
@@ -124,14 +125,18 @@ def nested_starts(smaller: Fit, space: Space) -> FloatArray:
     return np.clip(points, 0.0, 1.0)
 
 
-def refit(fitted: Fit, record: Record, weight: FloatArray) -> Fit:
+def refit(fitted: Fit, record: Record, weight: FloatArray, noise: Innovations | None = None) -> Fit:
     """Fit the same model to other samples of its record, from the values that it has.
+
+    By its free run, or with the autoregression of its residual, ``noise``, by its one-step predictions.
 
     When something happened once stays as it is, and how much it was where ``weight`` hides that instant: no
     other samples tell it, and level and drift, too, are taken with the whole record in view.
     """
     model = fitted.model
     objective = objective_of(model, record, target_of(record, weight, linear=model.base.linear))
+    if noise is not None:
+        objective = whitened(objective, noise)
     once = {each.name for each in model.effects if happens_once(each, record.facts)}
     hidden, free = set(), []
     for (name, parameter), value in zip(model.parameters(record.facts), fitted.values.tolist(), strict=True):

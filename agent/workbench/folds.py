@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.recording import FloatArray
+    from agent.workbench.innovations import Innovations
     from agent.workbench.record import Record
 
 FOLDS = 5
@@ -117,12 +118,20 @@ def memory(base: Fit, record: Record) -> float:
     return (process.delay + 3 * sum(process.lags)) / record.facts.ts
 
 
-def held_out(fitted: Fit, record: Record, folds: Folds) -> HeldOut:
-    """Refit a model without each fold in turn, from the values of the whole record, and predict that fold."""
+def held_out(fitted: Fit, record: Record, folds: Folds, noise: Innovations | None = None) -> HeldOut:
+    """Refit a model without each fold in turn, from the values of the whole record, and predict that fold.
+
+    Args:
+        fitted: To the whole record.
+        record: OP and PV.
+        folds: Of the record.
+        noise: How its residual goes on; the refits then predict best, as ``fitted`` does. None: their free
+            run is best. The folds are predicted in free run either way.
+    """
     pv = np.full(len(record), np.nan)
     values = []
     for fold in range(FOLDS):
-        one = refit(fitted, record, folds.seen(fold, record.weight))
+        one = refit(fitted, record, folds.seen(fold, record.weight), noise)
         hidden = folds.held_out(fold)
         pv[hidden] = one.pv[hidden]
         values.append(one.values)

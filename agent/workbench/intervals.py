@@ -17,8 +17,9 @@ import numpy as np
 from scipy import stats
 
 from agent.physics.effects.hysteresis import MOTION, HysteresisEffect
-from agent.workbench.plateau import plateau
-from agent.workbench.predictor import predictor
+from agent.physics.effects.load_step import LoadStep
+from agent.workbench.event_scan import instant_p
+from agent.workbench.plateau import instant_plateau, plateau
 from agent.workbench.space import space_of
 from agent.workbench.state_dependence import Dependence, state_dependence
 
@@ -26,10 +27,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from agent.analysis.recording import FloatArray
-    from agent.workbench.fit import Fit
     from agent.workbench.folds import HeldOut
     from agent.workbench.record import Record
     from agent.workbench.space import Space
+    from agent.workbench.trial import Tried
 
 CONFIDENCE = 0.9
 
@@ -56,25 +57,43 @@ class Estimate:
     """Free run, PV units, (n,)."""
     dependence: Mapping[str, Dependence]
     """By axis, whether the loop answers OP otherwise there; empty where that cannot be asked."""
+    happened: float
+    """How likely innovations of a complete model show a load step as large; 1 where that cannot be asked."""
 
 
-def estimated(fitted: Fit, folds: HeldOut, record: Record) -> Estimate:
+def estimated(found: Tried, record: Record) -> Estimate:
     """Return the parameters of a model; of one searched by its logarithm the interval is the logarithm's."""
-    found = predictor(fitted, record) if fitted.model.base.linear else None
-    if found is None:
+    fitted = found.fit
+    if found.predicts is None:
         space = space_of(fitted.model, record.facts)
-        return Estimate(_within(space, space.at(fitted.values), _jackknife(space, folds)), fitted.pv, {})
-    predicts, best = found
+        half = _jackknife(space, found.held_out)
+        return Estimate(_within(space, space.at(fitted.values), half), fitted.pv, {}, 1.0)
+    predicts, best = found.predicts
     space = predicts.space
     half = np.tile(stats.norm.ppf(0.5 + CONFIDENCE / 2) * predicts.spread(best), (2, 1))
     needles = {each.name for each in fitted.model.effects if isinstance(each, HysteresisEffect)}
     for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
         effect, _, what = name.partition(".")
-        if effect in needles and what not in MOTION and not parameter.of_record:
-            low, high = plateau(predicts, best, i)
+        profile = instant_plateau if parameter.instant else plateau
+        if parameter.instant or (effect in needles and what not in MOTION and not parameter.of_record):
+            low, high = profile(predicts, best, i)
             half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
+    half = np.maximum(half, _by_law(space, best))
     parameters = _within(space, best, half)
-    return Estimate(parameters, predicts.free_run(best), state_dependence(predicts, best))
+    return Estimate(
+        parameters,
+        predicts.free_run(best),
+        state_dependence(predicts, best),
+        instant_p(predicts, best, LoadStep()),
+    )
+
+
+def _by_law(space: Space, best: FloatArray) -> FloatArray:
+    """Return half of what another law of friction leaves open, on the unit cube, (2, k)."""
+    part = np.array([each.by_law for each in space.parameters])
+    values = space.values(best)
+    ends = np.array([space.at(values * (1 - part)), space.at(values * (1 + part))])
+    return np.where(part > 0, np.abs(ends - best), 0.0)
 
 
 def _jackknife(space: Space, folds: HeldOut) -> FloatArray:

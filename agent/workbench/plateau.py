@@ -17,6 +17,8 @@ from agent.workbench.paired_blocks import CONFIDENCE, stretches
 from agent.workbench.search import lowered_by_simplex
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from agent.analysis.recording import FloatArray
     from agent.workbench.predictor import Predictor
 
@@ -36,13 +38,31 @@ def plateau(predicts: Predictor, best: FloatArray, at: int) -> tuple[float, floa
     Of the unit cube, like ``best``, (k,), the point where the predictions are best.
     """
     losses = _losses(predicts, best)
+    return _moved_outward(predicts, best, at, lambda point: _alike(_losses(predicts, point), losses))
+
+
+def instant_plateau(predicts: Predictor, best: FloatArray, at: int) -> tuple[float, float]:
+    """Return the same for an instant: by the likelihood of all innovations, white as they are.
+
+    Of what happened once most stretches know nothing. Twice the logarithm of the ratio is at most x with a
+    probability of (1 - exp(-x / 2))^2, that of a walk to either side (D. Siegmund, Confidence sets in
+    change-point problems, Int. Stat. Rev. 56 (1988) 31), not that of chi-squared.
+    """
+    most = predicts.error(best) * np.exp(-2 * np.log(1 - np.sqrt(CONFIDENCE)) / len(predicts.pv))
+    return _moved_outward(predicts, best, at, lambda point: predicts.error(point) <= most)
+
+
+def _moved_outward(
+    predicts: Predictor, best: FloatArray, at: int, alike: Callable[[FloatArray], bool]
+) -> tuple[float, float]:
+    """Return the coordinates as far from the best one as points go that are ``alike``."""
     ends = []
     for side in (-1.0, 1.0):
         point, end = best, float(best[at])
         for distance in OUTWARD:
             place = min(max(best[at] + side * distance, 0.0), 1.0)
             point = _refitted(predicts, point, at, place)
-            if not _alike(_losses(predicts, point), losses):
+            if not alike(point):
                 break
             end = place
             if place in (0.0, 1.0):

@@ -13,18 +13,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import linalg
 
+from agent.workbench.fit import Fit
 from agent.workbench.innovations import Innovations, innovations
-from agent.workbench.nuisance import nuisance
 from agent.workbench.projection import VANISHES, nuisance_part, target_of
-from agent.workbench.search import Objective, lowered_by_simplex, objective_of
+from agent.workbench.search import Objective, lowered_by_simplex, objective_of, whitened
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.recording import FloatArray
-    from agent.workbench.fit import Fit
     from agent.workbench.record import Record
     from agent.workbench.space import Space
 
@@ -34,6 +32,8 @@ STEP = 0.02
 """First step of the search, part of a parameter's range."""
 EVALUATIONS = 40
 """For each parameter, each turn."""
+PLACES = 400
+"""Of an instant that are looked at."""
 DIFFERENCE = 1e-3
 """Step of derivatives, part of a parameter's range."""
 
@@ -68,9 +68,17 @@ class Predictor:
 
     def free_run(self, at: FloatArray) -> FloatArray:
         """Return PV of the model in free run, PV units, (n,); level and drift as a fit takes them."""
-        explained = self.objective.columns(at) @ self._solved(at)[0]
-        record = self.objective.record
-        return np.asarray(explained + nuisance_part(record, explained, record.weight), dtype=np.float64)
+        return self.fit(at).pv
+
+    def fit(self, at: FloatArray) -> Fit:
+        """Return the model with the values of a point and the coefficients that predict best there."""
+        objective, coefficients = self.objective, self._solved(at)[0]
+        record, explained = objective.record, objective.columns(at) @ coefficients
+        pv = np.asarray(explained + nuisance_part(record, explained, record.weight), dtype=np.float64)
+        missed = (record.pv - pv) * record.weight
+        values = objective.space.values(at)
+        at_bound = objective.space.at_bound(values)
+        return Fit(objective.model, values, coefficients, float(missed @ missed), pv, at_bound)
 
     def derivative(self, at: FloatArray) -> FloatArray:
         """Return the derivatives of the innovations by the coordinates, PV units, (m, k)."""
@@ -125,9 +133,24 @@ def predictor(fitted: Fit, record: Record) -> tuple[Predictor, FloatArray] | Non
             return None
         flat = 1e-7 * found.error(at)
         if len(at):
+            at = _placed(found, at)
             at = lowered_by_simplex(found.error, at, STEP, EVALUATIONS, near=1e-5, flat=flat)
         pv = found.free_run(at)
     return None if found is None else (found, at)
+
+
+def _placed(predicts: Predictor, at: FloatArray) -> FloatArray:
+    """Return the point with each instant where the predictions are best, all else kept.
+
+    The free run puts it where the load is low, and the innovations have a needle that a simplex passes by.
+    """
+    placed = at.copy()
+    for i, parameter in enumerate(predicts.space.parameters):
+        if parameter.instant:
+            tried = np.tile(placed, (PLACES + 1, 1))
+            tried[1:, i] = np.linspace(0.0, 1.0, PLACES)
+            placed = tried[int(np.argmin([predicts.error(each) for each in tried]))]
+    return placed
 
 
 def _predictor(objective: Objective, model_pv: FloatArray) -> Predictor | None:
@@ -136,9 +159,6 @@ def _predictor(objective: Objective, model_pv: FloatArray) -> Predictor | None:
     noise = innovations(np.where(counts, record.pv - model_pv, np.nan))
     if noise is None:
         return None
-    order = len(noise.coefficients)
-    kept = np.convolve(record.weight, np.ones(order + 1))[: len(record)] > order + 0.5
-    drift = noise.filtered(nuisance(len(record), record.period))[kept]
-    basis = linalg.orth(drift / np.linalg.norm(drift, axis=0), rcond=VANISHES)
-    pv = noise.filtered(record.pv)[kept]
-    return Predictor(objective, noise, kept, pv - basis @ (basis.T @ pv), basis)
+    target = whitened(objective, noise).target
+    kept = target.weight > 0
+    return Predictor(objective, noise, kept, target.pv[kept], target.basis[kept])

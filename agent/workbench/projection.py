@@ -55,14 +55,19 @@ class Solved:
 
 def target_of(record: Record, weight: FloatArray, *, linear: bool) -> Target:
     """Return what models of ``record`` are fitted to; ``weight`` (n,) says which samples count."""
-    pv = record.pv * weight
     if not linear:
+        pv = record.pv * weight
         return Target(weight, pv, np.empty((len(pv), 0)), record.facts.gain_sign, fixed_gain=True)
-    columns = nuisance(len(record), record.period) * weight[:, None]
+    return target_behind(record.pv, nuisance(len(record), record.period), weight, record.facts.gain_sign)
+
+
+def target_behind(pv: FloatArray, drift: FloatArray, weight: FloatArray, gain_sign: int) -> Target:
+    """Return PV (n,) of the samples that count, level and drift, columns (n, k), projected out."""
+    pv, columns = pv * weight, drift * weight[:, None]
     scale, rotation = np.linalg.eigh(columns.T @ columns)
     there = scale > VANISHES * scale[-1]
     basis = columns @ (rotation[:, there] / np.sqrt(scale[there]))
-    return Target(weight, pv - basis @ (basis.T @ pv), basis, record.facts.gain_sign, fixed_gain=False)
+    return Target(weight, pv - basis @ (basis.T @ pv), basis, gain_sign, fixed_gain=False)
 
 
 def solve(columns: FloatArray, target: Target) -> Solved:

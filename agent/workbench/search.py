@@ -14,7 +14,8 @@ import numpy as np
 from scipy.optimize import least_squares, minimize
 from scipy.stats.qmc import LatinHypercube
 
-from agent.workbench.projection import Solved, Target, least_error, solve
+from agent.workbench.nuisance import nuisance
+from agent.workbench.projection import Solved, Target, least_error, solve, target_behind
 from agent.workbench.space import Space, space_of
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.recording import FloatArray
     from agent.physics.loop_model import Layout, LoopModel
+    from agent.workbench.innovations import Innovations
     from agent.workbench.record import Record
 
 Round = tuple[int, float, int]
@@ -53,6 +55,22 @@ class Objective:
     def error(self, at: FloatArray) -> float:
         """Return the sum of squares, PV units squared."""
         return _error(self.columns(at), self.target)
+
+
+@dataclass(frozen=True, slots=True)
+class Whitened(Objective):
+    """The error of a model's one-step predictions, its residual taken to be autoregressive.
+
+    ``target`` is of the whitened record: ``whitened``.
+    """
+
+    noise: Innovations
+
+    def columns(self, at: FloatArray) -> FloatArray:
+        """Return the whitened columns at a point of the unit cube, (k,); zero before the first prediction."""
+        out = self.noise.filtered(Objective.columns(self, at))
+        out[: len(self.noise.coefficients)] = 0.0
+        return out
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +128,18 @@ def _error(columns: FloatArray, target: Target) -> float:
 def objective_of(model: LoopModel, record: Record, target: Target) -> Objective:
     """Return what the search lowers."""
     return Objective(model, record, model.layout(record.facts), target, space_of(model, record.facts))
+
+
+def whitened(objective: Objective, noise: Innovations) -> Whitened:
+    """Return the same behind the filter of an autoregression; samples count that have all it needs."""
+    record, order = objective.record, len(noise.coefficients)
+    counted = np.convolve(objective.target.weight, np.ones(order + 1))[: len(record)] > order + 0.5
+    drift, pv = noise.filtered(nuisance(len(record), record.period)), noise.filtered(record.pv)
+    drift[:order], pv[:order] = 0.0, 0.0
+    # An autoregression nearly takes a level off, yet what is left of it counts as any other.
+    drift /= np.linalg.norm(drift, axis=0)
+    target = target_behind(pv, drift, counted.astype(np.float64), record.facts.gain_sign)
+    return Whitened(objective.model, record, objective.layout, target, objective.space, noise)
 
 
 def hypercube(points: int, size: int) -> FloatArray:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.recording import FloatArray
     from agent.workbench.predictor import Predictor
+    from agent.workbench.record import Record
 
 PARTS = 5
 """Of level, speed and time."""
@@ -94,11 +95,15 @@ def _known(predicts: Predictor, best: FloatArray) -> FloatArray:
     record, kept = predicts.objective.record, predicts.kept
     residual = np.where(record.weight > 0, record.pv - predicts.free_run(best), 0.0)
     past = np.column_stack([_delayed(residual, lag)[kept] for lag in range(1, MEMORY + 1)])
-    time = np.arange(len(record))[:, np.newaxis]
-    before = np.exp(-time / (np.array(DECAYS) * record.period))
-    own = np.column_stack((predicts.objective.columns(best), before))
+    own = np.column_stack((predicts.objective.columns(best), left_of_start(record)))
     white = predicts.noise.filtered(own)[kept]
-    return _directions(np.column_stack((predicts.derivative(best), white, predicts.basis, past)))
+    return directions(np.column_stack((predicts.derivative(best), white, predicts.basis, past)))
+
+
+def left_of_start(record: Record) -> FloatArray:
+    """Return what PV may still do when the record begins, (n, k), of any unit."""
+    time = np.arange(len(record))[:, np.newaxis]
+    return np.asarray(np.exp(-time / (np.array(DECAYS) * record.period)), dtype=np.float64)
 
 
 def _alternatives(predicts: Predictor, best: FloatArray) -> dict[str, FloatArray]:
@@ -141,7 +146,7 @@ def _score(predicts: Predictor, columns: FloatArray, known: FloatArray, left: Fl
     white = predicts.noise.filtered(columns)[predicts.kept]
     length = np.linalg.norm(white, axis=0)
     white = white[:, length > 0] / length[length > 0]
-    new = _directions(white - known @ (known.T @ white), scaled=True)
+    new = directions(white - known @ (known.T @ white), scaled=True)
     count = new.shape[1]
     freedom = len(left) - known.shape[1] - count
     if count == 0 or freedom < 1:
@@ -152,7 +157,7 @@ def _score(predicts: Predictor, columns: FloatArray, known: FloatArray, left: Fl
     return Dependence(float(stats.f.sf(explained / by_chance, count, freedom)), explained - by_chance)
 
 
-def _directions(columns: FloatArray, *, scaled: bool = False) -> FloatArray:
+def directions(columns: FloatArray, *, scaled: bool = False) -> FloatArray:
     """Return an orthonormal basis of columns (m, k), of length one first unless they are ``scaled``."""
     if not scaled:
         length = np.linalg.norm(columns, axis=0)

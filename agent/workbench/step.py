@@ -11,8 +11,10 @@ from agent.workbench.intervals import Estimate, FittedParameter, estimated
 from agent.workbench.validation import rmse_on
 
 if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
     from agent.workbench.fit import Fit
     from agent.workbench.folds import HeldOut
+    from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
     from agent.workbench.trial import Tried
 
@@ -43,6 +45,8 @@ class Step:
     dropped: str | None
     fit: Fit
     held_out: HeldOut
+    predicts: tuple[Predictor, FloatArray] | None
+    """As in ``Tried``, like the two before."""
     rmse_fit: float
     """Of the samples that count, PV units."""
     fit_percent: float
@@ -83,9 +87,10 @@ def step_of(
         dropped=dropped,
         fit=found.fit,
         held_out=found.held_out,
+        predicts=found.predicts,
         rmse_fit=float(np.sqrt(np.mean(missed**2))),
         fit_percent=100 * (1 - float(np.linalg.norm(missed)) / spread),
-        estimate=estimated(found.fit, found.held_out, record),
+        estimate=estimated(found, record),
         verdict=verdict,
         rmse_validation=None if validation is None else rmse_on(found.fit, validation),
     )

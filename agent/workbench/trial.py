@@ -9,8 +9,10 @@ import numpy as np
 
 from agent.physics.effect import SpottedEffect
 from agent.physics.effects.hysteresis import HysteresisEffect
-from agent.workbench.fit import Fit, fit_from, nested_scan, residual_of
+from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
+from agent.workbench.instant_order import largest_first
+from agent.workbench.predictor import Predictor, predictor
 from agent.workbench.valve_starts import ValveStart, with_valve
 
 if TYPE_CHECKING:
@@ -40,6 +42,8 @@ class Trial:
     folds: Folds
     valves: tuple[ValveStart, ...] = ()
     """That the quantifier found, to start from."""
+    instants: FloatArray | None = None
+    """Values of an effect that happened once, own units, (m, k), to start from."""
     screen: Screen | None = None
     """Of ``screened``; None: the whole search is done at once."""
 
@@ -49,7 +53,12 @@ class Tried:
     """A model and how it does on blocks that it did not see."""
 
     fit: Fit
+    """With the least error in free run."""
     held_out: HeldOut
+    """In free run too, but of values that predict best where the base is linear: in closed loop those of the
+    least error lean on the load, the more the shorter what they are fitted to."""
+    predicts: tuple[Predictor, FloatArray] | None
+    """Where it predicts best; None where that cannot be asked."""
 
 
 def screened(trial: Trial) -> Screen:
@@ -61,8 +70,18 @@ def screened(trial: Trial) -> Screen:
 def tried(trial: Trial) -> Tried:
     """Fit the model with the effect, and predict each fold."""
     screen = trial.screen or screened(trial)
-    fitted = fit_from(_larger(trial), trial.record, screen.points)
-    return Tried(fitted, held_out(fitted, trial.record, trial.folds))
+    return predicted(fit_from(_larger(trial), trial.record, screen.points), trial.record, trial.folds)
+
+
+def predicted(fitted: Fit, record: Record, folds: Folds) -> Tried:
+    """Return a fit with its held-out error."""
+    found = predictor(fitted, record) if fitted.model.base.linear else None
+    if found is None:
+        return Tried(fitted, held_out(fitted, record, folds), None)
+    predicts, best = found[0], largest_first(*found)
+    if predicts.fit(best).error < fitted.error:
+        fitted = refit(predicts.fit(best), record, record.weight)  # the search in free run had missed it
+    return Tried(fitted, held_out(predicts.fit(best), record, folds, predicts.noise), (predicts, best))
 
 
 def _larger(trial: Trial) -> LoopModel:
@@ -72,9 +91,12 @@ def _larger(trial: Trial) -> LoopModel:
 
 def _starts(trial: Trial) -> FloatArray | None:
     effect = trial.effect
+    spots = [] if trial.instants is None else [trial.instants]
     if isinstance(effect, SpottedEffect):
-        spots = effect.spotted(residual_of(trial.smaller, trial.record), trial.record.facts)
-        return np.hstack((np.tile(trial.smaller.values, (len(spots), 1)), spots))
+        spots.append(effect.spotted(residual_of(trial.smaller, trial.record), trial.record.facts))
+    if spots:
+        own = np.vstack(spots)
+        return np.hstack((np.tile(trial.smaller.values, (len(own), 1)), own))
     if not trial.valves or not isinstance(effect, HysteresisEffect):
         return None
     names = tuple(name for name, _ in trial.smaller.model.parameters(trial.record.facts))

@@ -11,22 +11,26 @@ import numpy as np
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.candidates import AllTried, judged
 from agent.workbench.decision import LEVEL, judge
+from agent.workbench.event_scan import instant_p, instants_seen
 from agent.workbench.fit import fit
-from agent.workbench.folds import held_out
-from agent.workbench.library import missing
+from agent.workbench.library import happens_once, missing
 from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
 from agent.workbench.simulated_null import simulated_null_p
-from agent.workbench.trial import Trial, Tried, screened, tried
+from agent.workbench.trial import Trial, Tried, predicted, screened, tried
 from agent.workbench.valve_starts import ValveStart, valve_starts
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
     from agent.workbench.fit import Fit
     from agent.workbench.folds import Folds
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.record import Record
     from agent.workbench.step import Step
+
+
+ASKED = 75
+"""How often one staircase asks for something that happened once: 15 candidates, five steps."""
 
 
 @dataclass(slots=True)
@@ -60,13 +64,19 @@ class Trials:
 
     def judged_on(self, step: Step, effects: Sequence[Effect]) -> AllTried:
         """Try these effects on top of a model."""
-        models = self._tried(step.fit, effects)
-        return judged(step, models, self.record, lambda larger: self.null_p(step.fit, larger))
+        models = self._tried(step, effects)
+        return judged(step, models, self.record, lambda larger: self.null_p(step, larger))
 
-    def null_p(self, smaller: Fit, larger: Fit) -> float:
-        """Return how likely the last effect of ``larger`` seems to explain as much where it is not there."""
-        self.tell(f"{larger.model.effects[-1].name} by chance", 0, 1)
-        trial = NullTrial(smaller, larger, self.record, self.block)
+    def null_p(self, smaller: Step | Tried, larger: Fit) -> float:
+        """Return how likely the last effect of ``larger`` seems to explain as much where it is not there.
+
+        Of what happened once each candidate of each step has had its chance.
+        """
+        effect = larger.model.effects[-1]
+        self.tell(f"{effect.name} by chance", 0, 1)
+        if smaller.predicts is not None and happens_once(effect, self.record.facts):
+            return min(1.0, ASKED * instant_p(*smaller.predicts, effect))
+        trial = NullTrial(smaller.fit, larger, self.record, self.block)
         return simulated_null_p(trial.seen, trial, DRAWS, self.run, ENOUGH)
 
     def both(self, found: AllTried, name: str, rival: Effect) -> Tried | None:
@@ -86,7 +96,7 @@ class Trials:
         turned = tried(
             Trial(alone[1].fit, alone[0].fit.model.effects[-1], self.record, self.folds, self._valves or ())
         )
-        pairs = ((alone[0].fit, larger.fit), (alone[1].fit, turned.fit))
+        pairs = ((alone[0], larger.fit), (alone[1], turned.fit))
         return larger if all(self.null_p(*pair) < LEVEL for pair in pairs) else None
 
     def without(self, fitted: Fit, name: str) -> Tried:
@@ -105,15 +115,25 @@ class Trials:
 
     def predicted(self, fitted: Fit) -> Tried:
         """Return a fit with its held-out error."""
-        return Tried(fitted, held_out(fitted, self.record, self.folds))
+        return predicted(fitted, self.record, self.folds)
 
-    def _tried(self, smaller: Fit, effects: Sequence[Effect]) -> dict[str, Tried]:
+    def _instants(self, smaller: Step, effect: Effect) -> FloatArray | None:
+        if smaller.predicts is None or not happens_once(effect, self.record.facts):
+            return None
+        return instants_seen(*smaller.predicts, effect)
+
+    def _tried(self, smaller: Step, effects: Sequence[Effect]) -> dict[str, Tried]:
         """Try effects, the most promising first."""
         if self._valves is None and any(isinstance(each, HysteresisEffect) for each in effects):
             self.tell("sticking valves", 0, len(effects))
             self._valves = valve_starts(self.window)
-        trials = [Trial(smaller, each, self.record, self.folds, self._valves or ()) for each in effects]
         self.tell("a quick look at each", 0, len(effects))
+        trials = [
+            Trial(
+                smaller.fit, each, self.record, self.folds, self._valves or (), self._instants(smaller, each)
+            )
+            for each in effects
+        ]
         ordered = sorted(zip(self.run(screened, trials), trials, strict=True), key=lambda pair: pair[0].error)
         names = [each.effect.name for _, each in ordered]
         models = {}

@@ -41,7 +41,7 @@ def failures(step: Step, trials: Trials) -> tuple[Failure, ...]:
         start=trials.window.start,
     )
     panels = where_it_fails(_left(step, record), axes, trials.block, np.random.default_rng(0))
-    return beside(panels, step.estimate.dependence)
+    return beside(panels, step.estimate.dependence, step.estimate.happened)
 
 
 def lines(step: Step, trials: Trials) -> LineSpectrum | None:

@@ -85,12 +85,15 @@ def where_it_fails(
     return _first_beyond_chance(failures)
 
 
-def beside(failures: Sequence[Failure], dependence: Mapping[str, Dependence]) -> tuple[Failure, ...]:
-    """Return the panels with the smaller p of two tests: of the bin means, and of ``state_dependence``.
+def beside(
+    failures: Sequence[Failure], dependence: Mapping[str, Dependence], happened: float
+) -> tuple[Failure, ...]:
+    """Return the panels with the smallest p of the tests: of the bin means, and of ``state_dependence``.
 
-    The second is multiplied by ``DOUBTED``.
+    The second is multiplied by ``DOUBTED``, as is ``happened``, that nothing happened at an instant.
     """
     other = {axis: DOUBTED * each.p for axis, each in dependence.items()}
+    other["time"] = min(other.get("time", 1.0), DOUBTED * happened)
     return _first_beyond_chance(
         [replace(each, p=min(each.p, other.get(each.axis, 1.0))) for each in failures]
     )

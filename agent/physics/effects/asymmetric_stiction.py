@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effect import Facts, Parameter, Stage
-from agent.physics.effects.hysteresis import motion_of, motion_values, moving, rest_before, start_of
+from agent.physics.effects.hysteresis import J_BY_LAW, motion_of, motion_values, moving, rest_before, start_of
 from agent.physics.valves.damped_stem import damped_stem_by_direction
 
 if TYPE_CHECKING:
@@ -37,9 +37,9 @@ class AsymmetricStiction:
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return dead band, both slip jumps (all three at 0 remove it), first slip, how the stem moves."""
         return (
-            Parameter("dead_band", "OP", 0.0, facts.op_span, null=0.0),
-            Parameter("j_up", "OP", 0.0, facts.op_span, null=0.0),
-            Parameter("j_down", "OP", 0.0, facts.op_span, null=0.0),
+            Parameter("dead_band", "OP", 0.0, facts.op_span, null=0.0, by_law=J_BY_LAW),
+            Parameter("j_up", "OP", 0.0, facts.op_span, null=0.0, by_law=J_BY_LAW),
+            Parameter("j_down", "OP", 0.0, facts.op_span, null=0.0, by_law=J_BY_LAW),
             start_of(facts),
             *motion_of(facts),
         )

@@ -1,4 +1,4 @@
-"""A load that changes once or twice, and stays or goes again."""
+"""A load that changes up to three times, and stays or goes again."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 EDGE = 0.05
 """Share of the record at either end in which a step is not told from the level."""
+STEPS = 3
+"""In all."""
 INSTANTS = 120
 """Of the record that a search looks at before it begins."""
 LAGS = (0.0, 0.25, 1.0)
@@ -26,10 +28,10 @@ LEAST_ENERGY = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class LoadStep:
-    """Two steps behind a lag of their own on PV; their heights are solved for.
+    """Three steps behind a lag of their own on PV; their heights are solved for.
 
     One step alone does not find a load that comes and goes again, as of a pump or a batch: it leaves nearly
-    as much as none. Of a load that changes once the second step is small. A load enters through the process,
+    as much as none. Of a load that changes once the others are small. A load enters through the process,
     but seldom by the valve's way: the lag is searched, not taken from the process. None at all is a step of
     the level or of the transmitter, one of four periods is a slow load on an integrating process.
     """
@@ -40,21 +42,22 @@ class LoadStep:
     bases: tuple[str, ...] = ()
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return both instants, in either order, and the lag."""
+        """Return the instants, in any order, and the lag."""
         first, last = EDGE * facts.duration, (1 - EDGE) * facts.duration
         return (
             Parameter("time", "s", first, last, of_record=True),
             Parameter("time_2", "s", first, last, of_record=True),
+            Parameter("time_3", "s", first, last, of_record=True),
             Parameter("tau", "s", 0.0, 4 * facts.period),
         )
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:  # noqa: ARG002
-        """Return both steps, of height one, (n, 2)."""
-        tau = float(values[2])
-        return np.stack([_step(time, float(instant), tau) for instant in values[:2]], axis=1)
+        """Return the steps, of height one, (n, 3)."""
+        *instants, tau = values.tolist()
+        return np.stack([_step(time, instant, tau) for instant in instants], axis=1)
 
     def spotted(self, residual: FloatArray, facts: Facts) -> FloatArray:
-        """Return for each of some lags the step that leaves the least, and the next beside it, (m, 3)."""
+        """Return for each of some lags the steps that leave the least, one after the other, (m, 4)."""
         first, last = EDGE * facts.duration, (1 - EDGE) * facts.duration
         time = np.asarray(facts.ts * np.arange(len(residual)), dtype=np.float64)
         known = np.isfinite(residual)
@@ -63,9 +66,11 @@ class LoadStep:
         for tau in (lag * facts.period for lag in LAGS):
             steps = np.stack([_step(time, each, tau) for each in instants], axis=1)[known]
             drift = np.stack((np.ones(len(steps)), time[known]), axis=1)
-            place = _explains_most(steps, drift, residual[known])
-            other = _explains_most(steps, np.column_stack((drift, steps[:, place])), residual[known])
-            found.append((instants[place], instants[other], tau))
+            places: list[int] = []
+            for _ in range(STEPS):
+                besides = np.column_stack((drift, steps[:, places]))
+                places.append(_explains_most(steps, besides, residual[known]))
+            found.append((*instants[places], tau))
         return np.array(found)
 
 

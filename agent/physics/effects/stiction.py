@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effect import Facts, Parameter, Stage
-from agent.physics.effects.hysteresis import motion_of, motion_values, moving, rest_before, start_of
+from agent.physics.effects.hysteresis import (
+    J_BY_LAW,
+    S_BY_LAW,
+    motion_of,
+    motion_values,
+    moving,
+    rest_before,
+    start_of,
+)
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
@@ -35,8 +43,8 @@ class Stiction:
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return S, J/S, where the stem first slips, and how it moves."""
         return (
-            Parameter("s", "OP", 0.0, facts.op_span, null=0.0),
-            Parameter("j_over_s", "1", 0.0, 1.0, natural=True),
+            Parameter("s", "OP", 0.0, facts.op_span, null=0.0, by_law=S_BY_LAW),
+            Parameter("j_over_s", "1", 0.0, 1.0, natural=True, by_law=J_BY_LAW),
             start_of(facts),
             *(motion_of(facts) if self.law is None else ()),
         )

@@ -155,21 +155,21 @@ def test_nothing_is_spotted_in_nothing():
 
 
 def test_a_load_step_has_gone_63_percent_after_its_lag():
-    column, later = LoadStep().columns(T, WAVE, np.array([100.0, 200.0, 30.0])).T
+    column, later, _ = LoadStep().columns(T, WAVE, np.array([100.0, 200.0, 300.0, 30.0])).T
     assert np.all(column[:101] == 0)
     assert column[130] == pytest.approx(1 - np.exp(-1))
     np.testing.assert_allclose(later[100:], column[:-100])
-    sudden = LoadStep().columns(T, WAVE, np.array([100.0, 200.0, 0.0])).T
-    np.testing.assert_array_equal(sudden, [T > 100, T > 200])
+    sudden = LoadStep().columns(T, WAVE, np.array([100.0, 200.0, 50.0, 0.0])).T
+    np.testing.assert_array_equal(sudden, [T > 100, T > 200, T > 50])
 
 
-@pytest.mark.parametrize("instants", [(170.0, 230.0), (420.0, 90.0)])
+@pytest.mark.parametrize("instants", [(170.0, 230.0, 300.0), (420.0, 90.0, 250.0)])
 def test_a_load_that_comes_and_goes_is_spotted(instants):
-    left = LoadStep().columns(T, WAVE, np.array([*instants, 0.0])) @ [3.0, -3.0] + 0.01 * T
+    left = LoadStep().columns(T, WAVE, np.array([*instants, 0.0])) @ [3.0, -4.0, 2.0] + 0.01 * T
     left[:40] = np.nan
     sudden = LoadStep().spotted(left, FACTS)[0]
-    assert sorted(sudden[:2]) == pytest.approx(sorted(instants), abs=FACTS.duration / 100)
-    assert sudden[2] == 0
+    assert sorted(sudden[:3]) == pytest.approx(sorted(instants), abs=FACTS.duration / 100)
+    assert sudden[3] == 0
 
 
 def test_a_gain_change_makes_no_difference_where_the_flow_is_balanced():

@@ -7,8 +7,9 @@ from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.load_step import LoadStep
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import contributions, fit, nested_fit, refit
+from agent.workbench.fit import contributions, fit, fit_at, nested_fit, refit
 from agent.workbench.folds import FEWEST_BLOCKS, FOLDS, block_losses, folds_of, held_out
+from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record
 
 FOPDT = LoopModel(Fopdt())
@@ -48,16 +49,16 @@ def test_a_fit_that_does_not_see_a_step_keeps_when_and_how_high_it_was():
     pv = window.pv + height * (np.arange(len(window)) > at)
     record = bare_record(type(window)("step", 0.0, 1.0, window.op, pv))
     base = fit(FOPDT, record, record.weight)
-    larger = nested_fit(
-        base, LoopModel(Fopdt(), (LoadStep(),)), record, np.array([[*base.values, at, 300.0, 0.0]])
-    )
+    values = np.array([*base.values, at, 300.0, 450.0, 0.0])
+    target = target_of(record, record.weight, linear=True)
+    larger = refit(fit_at(LoopModel(Fopdt(), (LoadStep(),)), record, target, values), record, record.weight)
     assert larger.coefficients[1] == pytest.approx(height, abs=0.1)
     blind, other = record.weight.copy(), record.weight.copy()
     blind[600:800] = 0.0
     other[1000:1200] = 0.0
     unseen, seen = (refit(larger, record, weight) for weight in (blind, other))
     for each in (unseen, seen):
-        assert each.values[2:4] == pytest.approx(larger.values[2:4], abs=1e-6)
+        assert each.values[2:5] == pytest.approx(larger.values[2:5], abs=1e-6)
     assert unseen.coefficients[1:] == pytest.approx(larger.coefficients[1:], abs=1e-12)
     assert (seen.coefficients[1:] != larger.coefficients[1:]).all()
     assert (unseen.coefficients[0] != larger.coefficients[0]).all()

@@ -7,6 +7,8 @@ from test_closed_loop import free_run, loop
 from agent.analysis.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
+from agent.physics.effects.hysteresis import J_BY_LAW, S_BY_LAW
+from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import fit, nested_fit
 from agent.workbench.folds import HeldOut
@@ -14,6 +16,7 @@ from agent.workbench.intervals import estimated
 from agent.workbench.predictor import predictor
 from agent.workbench.projection import nuisance_part
 from agent.workbench.record import bare_record
+from agent.workbench.trial import Tried
 
 TAU = -1 / np.log(0.9)
 BAND = 1.5
@@ -30,7 +33,8 @@ def fitted(request):
 def test_its_intervals_hold_what_the_free_run_has_biased(fitted):
     model, record = fitted
     blank = HeldOut(np.zeros(0), np.zeros((0, 4)), model.pv)
-    found = {each.name: each for each in estimated(model, blank, record).parameters}
+    tried = Tried(model, blank, predictor(model, record))
+    found = {each.name: each for each in estimated(tried, record).parameters}
     for name, true in (("tau", TAU), ("delay", 1.0), ("deadband.s", BAND)):
         assert found[name].low <= true <= found[name].high
     _, tau, band, _ = model.values
@@ -47,3 +51,18 @@ def test_its_free_run_falls_hardly_below_the_floor(fitted):
     missed = np.sum((record.pv - predicts.free_run(best))[counts] ** 2)
     assert model.error < 0.92 * floor
     assert abs(missed - floor) < 0.7 * abs(model.error - floor)
+
+
+def test_what_the_law_of_friction_leaves_open_is_in_the_interval(fitted):
+    model, record = fitted
+    with_law = LoopModel(Fopdt(), (Stiction(),))
+    asked = nested_fit(fit(LoopModel(Fopdt()), record, record.weight), with_law, record)
+    blank = HeldOut(np.zeros(0), np.zeros((0, len(asked.values))), model.pv)
+    found = {
+        each.name: each
+        for each in estimated(Tried(asked, blank, predictor(asked, record)), record).parameters
+    }
+    s, j = found["stiction.s"], found["stiction.j_over_s"]
+    assert s.low <= (1 - S_BY_LAW + 1e-6) * s.value
+    assert s.high >= (1 + S_BY_LAW - 1e-6) * s.value
+    assert j.low <= (1 - J_BY_LAW + 1e-6) * j.value

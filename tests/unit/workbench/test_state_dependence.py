@@ -68,13 +68,14 @@ def test_a_lag_that_the_base_lacks_shows_in_the_rate():
     assert found["op_rate"].p < 1e-3
 
 
-def test_the_smaller_of_both_tests_counts():
+def test_the_smallest_of_the_tests_counts():
     rng = np.random.default_rng(0)
     panels = where_it_fails(
         rng.normal(size=900), {"time": np.arange(900.0), "op_level": rng.normal(size=900)}, 60, rng
     )
-    assert beside(panels, {}) == panels
-    found = {each.axis: each.p for each in beside(panels, {"time": Dependence(1e-5, 9.0)})}
+    assert beside(panels, {}, 1.0) == panels
+    found = {each.axis: each.p for each in beside(panels, {"time": Dependence(1e-5, 9.0)}, 1.0)}
     assert found["time"] == pytest.approx(DOUBTED * 1e-5)
     assert found["op_level"] == {each.axis: each.p for each in panels}["op_level"]
-    assert beside(panels, {"time": Dependence(1e-5, 9.0)})[0].axis == "time"
+    assert beside(panels, {"time": Dependence(1e-5, 9.0)}, 1.0)[0].axis == "time"
+    assert beside(panels, {}, 1e-4)[0].p == pytest.approx(DOUBTED * 1e-4)
