@@ -7,6 +7,7 @@ from agent.analysis.quantify.free_run import second_search
 from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
 from agent.analysis.quantify.free_run.fitted import start
 from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, J_RATIO, SOPDT, S
+from agent.analysis.quantify.free_run.residuals import lasting
 from agent.analysis.quantify.free_run.search import Found
 from agent.analysis.quantify.free_run.second_search import GRIDS, converged, converged_search, searched_again
 from agent.analysis.recording import LoopHints
@@ -34,6 +35,18 @@ def test_a_valve_that_needs_shots_has_not_converged():
     problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
     error = start(candidate, FOPDT, problem).error
     assert not converged(found_of(problem, candidate, 0.5 * error), problem)
+
+
+def test_residuals_that_last_ask_for_one_search_more(monkeypatch):
+    problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
+    candidate[S] *= 0.8
+    found = found_of(problem, candidate)
+    assert lasting(found.best, problem) >= second_search.LASTS
+    monkeypatch.setattr(second_search, "converged", lambda *_: True)
+    grids = []
+    monkeypatch.setattr(second_search, "searched_again", lambda found, grid, *_: grids.append(grid) or found)
+    converged_search(found, problem, LoopHints())
+    assert grids == [GRIDS[0]]
 
 
 def test_what_needs_more_by_shots_changes_nothing():

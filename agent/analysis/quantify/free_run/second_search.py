@@ -1,11 +1,12 @@
 """Searching once more where the first search has not converged.
 
-The right valve explains the whole record about as well as a few of its periods, and hardly needs stems that
-are set off. Where the best one does not, it is sought again, on grids that the first search did not see: one
-family of processes at a time, for a wrong valve with two poles may crowd out the right one with one; with
-more values of J, for a valve that slides in small jumps fits at its own J only; and every valve of the grid
-is compared by shots, for over five periods already the free run of a valve that is nearly right may look
-worse than that of a wrong one. What needs the least by shots is kept (docs/decisions/0026-second-search.md).
+The right valve explains the whole record about as well as a few of its periods, hardly needs stems that are
+set off, and leaves noise. Where the best one does not, it is sought again, on grids that the first search did
+not see: one family of processes at a time, for a wrong valve with two poles may crowd out the right one with
+one; with more values of J, for a valve that slides in small jumps fits at its own J only; and every valve of
+the grid is compared by shots, for over five periods already the free run of a valve that is nearly right may
+look worse than that of a wrong one. What needs the least by shots is kept
+(docs/decisions/0026-second-search.md, 0028-residuals-that-last.md).
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from agent.analysis.quantify.free_run.coarse_grid import Family, Grid
 from agent.analysis.quantify.free_run.fitted import refine, restart, start
 from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, SOPDT
 from agent.analysis.quantify.free_run.problem import first_periods
+from agent.analysis.quantify.free_run.residuals import lasting
 from agent.analysis.quantify.free_run.search import concluded, structures
 from agent.analysis.quantify.free_run.shooting import Shots
 from agent.analysis.quantify.free_run.shooting_search import Stage, compared, shot
@@ -52,12 +54,18 @@ WORSE = 1.25
 converged."""
 NEEDS_SHOTS = 0.9
 """Error of shots over that of the free run, below which neither has."""
+LASTS = 0.15
+"""Autocorrelation of the residuals an eighth of a period on, from which they are more than noise."""
 
 
 def converged_search(found: Found, problem: Problem, hints: LoopHints) -> Found:
-    """Return what was found, or what further searches found until one converged."""
+    """Return what was found, or what further searches found until one converged.
+
+    Residuals that last ask for one search more, no further: correlated noise and bristles last as well.
+    """
     for number, grid in enumerate(GRIDS):
-        if converged(found, problem):
+        leaves_noise = number > 0 or lasting(found.best, problem) < LASTS
+        if leaves_noise and converged(found, problem):
             break
         found = searched_again(found, grid, problem, hints, np.random.default_rng(1 + number))
     return found

@@ -1,0 +1,54 @@
+"""What a model leaves of PV, and whether it is noise.
+
+A wrong valve errs for as long as a stroke lasts; noise is forgotten within few samples.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.quantify.free_run.objective import (
+    INTEGRATOR,
+    LOG_TAU,
+    fit_gain,
+    process_response,
+    valve_position,
+)
+
+if TYPE_CHECKING:
+    from agent.analysis.quantify.free_run.fitted import Fitted
+    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.analysis.recording import FloatArray
+
+PART = 1 / 8
+"""Of a period, after which what is left of noise is small and an error of the valve still lasts."""
+LEAST_LAG = 2
+"""Blocks; neighbours are alike by the fraction of a delay alone."""
+
+
+def residuals(fitted: Fitted, problem: Problem) -> FloatArray:
+    """Return high-passed PV minus the model, zero where it does not count, PV units, (m,)."""
+    candidate, structure = fitted.candidate, fitted.structure
+    position = valve_position(candidate, problem)
+    response = process_response(position, candidate, structure, problem.block, problem.keep)
+    _, gain, start_up = fit_gain(response, candidate, structure, problem)
+    modelled = gain * response
+    if structure != INTEGRATOR:
+        blocks = np.arange(len(response))
+        modelled += start_up * np.exp(-problem.block * blocks / math.exp(candidate[LOG_TAU]))
+    modelled *= problem.weight
+    return problem.pv - modelled + problem.basis @ (problem.basis.T @ modelled)
+
+
+def lasting(fitted: Fitted, problem: Problem) -> float:
+    """Return the autocorrelation of the residuals an eighth of a period on, -1 to 1.
+
+    Both of a pair must count.
+    """
+    left = residuals(fitted, problem)
+    lag = max(LEAST_LAG, round(PART * problem.period / problem.block))
+    total = float(left @ left)
+    return float(left[lag:] @ left[:-lag]) / total if total > 0 else 0.0
