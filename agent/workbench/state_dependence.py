@@ -41,8 +41,9 @@ DOUBTED = 20.0
 tests/unit/workbench/test_closed_loop.py, p was below 0.05 on 12 %, below 0.05 / 20 on 2 %."""
 LEVEL = 0.05
 """The loop depends on an axis, and a residual follows one, where p is below it."""
-MOST_LEFT = 0.5
-"""Of the excess, by an effect that is what is missing."""
+MOST_LEFT = 0.4
+"""Of the excess, by an effect that is what is missing: on loops 6000 to 6006 of ``simulators.hidden_effects``
+right ones leave up to 0.35."""
 TOLD = 1e-3
 """Singular value, of columns of length one, from which on a direction is one of its own."""
 

@@ -16,11 +16,10 @@ from agent.analysis.quantify.free_run.objective import (
     INTEGRATOR,
     LOG_TAU,
     SOPDT,
-    fit_gain,
     free_run_error,
-    process_response,
     valve_position,
 )
+from agent.analysis.quantify.free_run.residuals import residuals
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
@@ -79,7 +78,7 @@ def log_likelihood(fit: Fit, problem: Problem) -> float:
     Noise that is coloured otherwise than a walk would else count the same evidence several times. And they
     are taken to have Student's distribution, so that one step of a load is no proof of a slip.
     """
-    innovations = residual(fit, problem)
+    innovations = residuals(fit.candidate, fit.structure, problem)
     rows = len(innovations) - ORDER
     known = problem.weight > 0
     usable = np.all([known[lag : rows + lag] for lag in range(ORDER + 1)], axis=0)
@@ -106,17 +105,3 @@ def student_likelihood(values: FloatArray, least: float) -> float:
         scale = max(float(np.mean(weights * squares)), least, 1e-300)
     far = float(np.sum(np.log1p(squares / (FREEDOM * scale))))
     return -0.5 * len(values) * math.log(scale) - 0.5 * (FREEDOM + 1) * far
-
-
-def residual(fit: Fit, problem: Problem) -> FloatArray:
-    """Return the innovations of a fit, PV units, 0 where nothing is known, (m,)."""
-    candidate = fit.candidate
-    position = valve_position(candidate, problem)
-    response = process_response(position, candidate, fit.structure, problem.block, problem.keep)
-    _, gain, start = fit_gain(response, candidate, fit.structure, problem)
-    model = gain * response
-    if fit.structure != INTEGRATOR:
-        pole = math.exp(-problem.block / math.exp(candidate[LOG_TAU]))
-        model = model + start * pole ** np.arange(len(model))
-    left = (problem.pv - model) * problem.weight
-    return np.asarray((left - problem.basis @ (problem.basis.T @ left)) * problem.weight, dtype=np.float64)

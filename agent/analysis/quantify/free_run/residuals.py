@@ -29,9 +29,8 @@ LEAST_LAG = 2
 """Blocks; neighbours are alike by the fraction of a delay alone."""
 
 
-def residuals(fitted: Fitted, problem: Problem) -> FloatArray:
+def residuals(candidate: FloatArray, structure: int, problem: Problem) -> FloatArray:
     """Return high-passed PV minus the model, zero where it does not count, PV units, (m,)."""
-    candidate, structure = fitted.candidate, fitted.structure
     position = valve_position(candidate, problem)
     response = process_response(position, candidate, structure, problem.block, problem.keep)
     _, gain, start_up = fit_gain(response, candidate, structure, problem)
@@ -48,7 +47,7 @@ def lasting(fitted: Fitted, problem: Problem) -> float:
 
     Both of a pair must count.
     """
-    left = residuals(fitted, problem)
+    left = residuals(fitted.candidate, fitted.structure, problem)
     lag = max(LEAST_LAG, round(PART * problem.period / problem.block))
     total = float(left @ left)
     return float(left[lag:] @ left[:-lag]) / total if total > 0 else 0.0
