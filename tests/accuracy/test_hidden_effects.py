@@ -4,6 +4,7 @@ import pytest
 
 from agent.analysis.recording import LoopWindow
 from agent.physics.effects import EFFECTS
+from agent.workbench.decision import LEAST_PERCENT
 from agent.workbench.session import Workbench
 from benchmarks.decoy import Decoy
 from benchmarks.hidden_case import floor_of, judge
@@ -24,7 +25,8 @@ def test_a_valve_is_accused_where_it_sticks_and_not_where_op_answers_to_a_load(t
     bench = Workbench(window, without=NOT_TRIED)
     decision = bench.candidates()
     assert decision.candidates[0].family == "valve_hysteresis"
-    assert decision.candidates[0].error_reduction_percent > 20
+    assert decision.candidates[0].error_reduction_percent > LEAST_PERCENT
+    assert decision.candidates[0].low > 0
     found = bench.auto()[-1]
     if truth == "stiction":
         assert decision.family == "valve_hysteresis"
