@@ -195,16 +195,16 @@ def strokes(
             else:
                 reached = force - direction * (f_d + stop)
                 if not at_once:
-                    low = 0.0
-                    high = still
+                    # exp(-t / damping) and exp(-t / supply) halfway are the roots of those of the whole.
+                    slows = 1.0
+                    fills = 1.0
                     for _ in range(BISECTIONS):
-                        middle = 0.5 * (low + high)
-                        free = math.exp(-middle / damping)
-                        if (way - forced) * free + forced * math.exp(-middle / supply) > stop:
-                            low = middle
-                        else:
-                            high = middle
-                    reached += (begins - op[t]) * math.exp(-high / supply) - (force - op[t])
+                        free = math.sqrt(free)
+                        fed = math.sqrt(fed)
+                        if (way - forced) * slows * free + forced * fills * fed > stop:
+                            slows *= free
+                            fills *= fed
+                    reached += (begins - op[t]) * fills * fed - (force - op[t])
                 if direction * (reached - x) > 0.0:
                     x = reached
                 direction = 0.0
