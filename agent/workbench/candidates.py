@@ -63,11 +63,19 @@ def judged(
     }
     null_p = {name: 1.0 for name in models if name not in found or not found[name].more}
     chances = {name: each.by_chance for name, each in found.items()}
+    likelier = {name: each.criterion for name, each in found.items()}
     once = {name for name, each in models.items() if happens_once(each.fit.model.effects[-1], record.facts)}
     asked: set[str] = set()
     while True:
         decision = judge(
-            smaller.held_out.losses, losses, families, null_p, stopped, by_chance=chances, once=once
+            smaller.held_out.losses,
+            losses,
+            families,
+            null_p,
+            stopped,
+            by_chance=chances,
+            once=once,
+            likelier=likelier,
         )
         effect = decision.effect
         if effect is None or (decision.kind == "suggested" and not decision.rivals):

@@ -74,13 +74,15 @@ def judge(
     *,
     by_chance: Mapping[str, float] | None = None,
     once: Collection[str] = (),
+    likelier: Mapping[str, float] | None = None,
     rng: np.random.Generator | None = None,
 ) -> Decision:
     """Judge candidates by their held-out errors.
 
     An effect is confirmed where it reduces the error by at least ``LEAST_PERCENT``, the interval of the
     reduction is above zero, and p, adjusted by Holm, is below ``LEVEL``. Of those that are, one is told from
-    the best by the same rule: where the best reduces its error by as much, as significantly.
+    the best by the same rule: where the best reduces its error by as much, as significantly, and the record
+    is not likelier with the other: in free run the one that hides more of OP's answer has less error.
 
     Args:
         losses_base: Squared error of each held-out block without any of the candidates, (b,), b >= 2, one of
@@ -96,6 +98,7 @@ def judge(
             acts in few blocks cannot be significant by their signs, however plain it is there.
         once: Candidates of what happened once. Refits know when, so that their blocks are not blind: p of
             their signs does not count, only ``by_chance``.
+        likelier: How much likelier the record is with a candidate (``Evidence.criterion``).
         rng: Of the bootstrap; None: always the same draws.
     """
     draws = np.random.default_rng(0) if rng is None else rng
@@ -118,7 +121,13 @@ def judge(
     if confirmed:
         best = confirmed[0]
         least = own[best.effect]
-        alike = {each.effect for each in confirmed if not _told_apart(least, own[each.effect], draws)}
+        likely = likelier or {}
+        alike = {
+            each.effect
+            for each in confirmed
+            if likely.get(each.effect, -np.inf) >= likely.get(best.effect, np.inf)
+            or not _told_apart(least, own[each.effect], draws)
+        }
         inside = [effect for effect in own if effect in alike and effect not in at_bound]
         outside = [effect for effect in own if effect in alike and effect in at_bound]
         if inside and best.effect in at_bound:

@@ -1,7 +1,7 @@
 """The parameters of a fitted model, and how sure they are.
 
 A model on a linear base has those with which it predicts best (``predictor.py``), with the interval that the
-derivatives of the innovations tell; of the bands of friction and slack it is at least the ``plateau``. Any
+derivatives of the innovations tell; of what was added it is at least the ``plateau``. Any
 other model has those of its fit, with the delete-a-group jackknife over the folds: each leaves a fifth of the
 record out, and from the scatter of the K estimates follows the variance of the one from all, (K - 1) / K
 times their sum of squares about the mean, with K - 1 degrees of freedom (reconstructed from Shao and Tu, The
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from agent.physics.effects.hysteresis import MOTION, HysteresisEffect
+from agent.physics.effects.hysteresis import MOTION
 from agent.physics.effects.load_step import LoadStep
 from agent.workbench.event_scan import instant_p
 from agent.workbench.plateau import instant_plateau, plateau
@@ -71,11 +71,11 @@ def estimated(found: Tried, record: Record) -> Estimate:
     predicts, best = found.predicts
     space = predicts.space
     half = np.tile(stats.norm.ppf(0.5 + CONFIDENCE / 2) * predicts.spread(best), (2, 1))
-    needles = {each.name for each in fitted.model.effects if isinstance(each, HysteresisEffect)}
+    added = {each.name for each in fitted.model.effects}
     for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
         effect, _, what = name.partition(".")
         profile = instant_plateau if parameter.instant else plateau
-        if parameter.instant or (effect in needles and what not in MOTION and not parameter.of_record):
+        if parameter.instant or (effect in added and what not in MOTION and not parameter.of_record):
             low, high = profile(predicts, best, i)
             half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
     half = np.maximum(half, _by_law(space, best))

@@ -17,13 +17,21 @@ import numpy as np
 from agent.workbench.fit import Fit
 from agent.workbench.innovations import Innovations, innovations
 from agent.workbench.projection import VANISHES, nuisance_part, target_of
-from agent.workbench.search import Objective, lowered_by_simplex, objective_of, whitened
+from agent.workbench.search import (
+    Objective,
+    hypercube,
+    lowered_by_simplex,
+    objective_of,
+    searched,
+    whitened,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.recording import FloatArray
     from agent.workbench.record import Record
+    from agent.workbench.search import Round
     from agent.workbench.space import Space
 
 TURNS = 3
@@ -32,6 +40,13 @@ STEP = 0.02
 """First step of the search, part of a parameter's range."""
 EVALUATIONS = 40
 """For each parameter, each turn."""
+CLEARLY = 1e-3
+"""Part of the squares that a better valley is lower by."""
+SCAN = 400
+"""Points of a look for one."""
+MOVED = 0.2
+"""How far half of them move the values of all but the last effect, parts of a parameter's range."""
+ROUNDS: tuple[Round, ...] = ((4, 0.05, 20), (2, 0.02, 40))
 PLACES = 400
 """Of an instant that are looked at."""
 DIFFERENCE = 1e-3
@@ -65,6 +80,10 @@ class Predictor:
         """Return the sum of their squares; infinite where the point has no answer."""
         residual = self.residual(at)
         return float(residual @ residual) if np.isfinite(residual).all() else np.inf
+
+    def variance(self, at: FloatArray) -> float:
+        """Return their mean square, to compare those of other autoregressions; PV units squared."""
+        return self.error(at) / len(self.pv)
 
     def free_run(self, at: FloatArray) -> FloatArray:
         """Return PV of the model in free run, PV units, (n,); level and drift as a fit takes them."""
@@ -126,7 +145,34 @@ def predictor(fitted: Fit, record: Record) -> tuple[Predictor, FloatArray] | Non
         None where the residual has too few samples in a row.
     """
     objective = objective_of(fitted.model, record, target_of(record, record.weight, linear=True))
-    at, pv, found = objective.space.at(fitted.values), fitted.pv, None
+    start = objective.space.at(fitted.values)
+    found = _settled(objective, start, fitted.pv)
+    first = _predictor(objective, fitted.pv)
+    if found is None or first is None or not len(start):
+        return found
+    # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
+    for looks, at in ((first, start), found):
+        other = _elsewhere(looks, at)
+        if other is not None and other[0].variance(other[1]) < found[0].variance(found[1]):
+            found = other
+    return found
+
+
+def _elsewhere(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
+    """Return where the predictions are best in another valley, if one is deeper; None where none is."""
+    objective = predicts.objective
+    scanned = searched(whitened(objective, predicts.noise), _spread(objective, at), ROUNDS)
+    if predicts.error(scanned) >= (1 - CLEARLY) * predicts.error(at):
+        return None
+    return _settled(objective, scanned, predicts.free_run(scanned))
+
+
+def _settled(objective: Objective, at: FloatArray, pv: FloatArray) -> tuple[Predictor, FloatArray] | None:
+    """Return the predictions and the point near ``at`` where they are best.
+
+    ``pv`` (n,) is the free run whose residual tells the first autoregression; the last is of its own.
+    """
+    found = None
     for _ in range(TURNS):
         found = _predictor(objective, pv)
         if found is None:
@@ -137,6 +183,23 @@ def predictor(fitted: Fit, record: Record) -> tuple[Predictor, FloatArray] | Non
             at = lowered_by_simplex(found.error, at, STEP, EVALUATIONS, near=1e-5, flat=flat)
         pv = found.free_run(at)
     return None if found is None else (found, at)
+
+
+def _spread(objective: Objective, at: FloatArray) -> FloatArray:
+    """Return ``at`` and points of the unit cube, (m, k), the last effect anywhere, all else near ``at``.
+
+    In closed loop a free run may have its least error in another valley, turned round by the controller: an
+    inverse response that is not there, with a shorter delay.
+    """
+    names = objective.space.names
+    last = names[-1].partition(".")[0] if objective.model.effects else None
+    own = np.array([last is None or name.partition(".")[0] == last for name in names])
+    points = np.tile(at, (SCAN, 1))
+    points[:, own] = hypercube(SCAN, int(own.sum()))
+    others = points[SCAN // 2 :, ~own]
+    moved = np.random.default_rng(0).uniform(-MOVED, MOVED, others.shape)
+    points[SCAN // 2 :, ~own] = others + moved * (hypercube(len(others), others.shape[1]) < 0.5)
+    return np.vstack((at, np.clip(points, 0.0, 1.0)))
 
 
 def _placed(predicts: Predictor, at: FloatArray) -> FloatArray:
