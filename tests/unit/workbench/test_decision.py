@@ -51,6 +51,17 @@ def test_sign_flips_are_those_of_scipy():
     assert sign_flip_p(base, other) == pytest.approx(exact.pvalue)
 
 
+def test_an_effect_with_which_the_record_is_likelier_is_not_told_from_the_best():
+    """The best of the free run may be the one that hides more of OP's answer to the load."""
+    rng = np.random.default_rng(4)
+    base = base_losses(rng)
+    losses = {"deadband": less(rng, base, 60), "stiction": less(rng, base, 75)}
+    assert judged(base, losses).effect == "stiction"
+    assert judged(base, losses, likelier={"deadband": 90.0, "stiction": 120.0}).effect == "stiction"
+    found = judged(base, losses, likelier={"deadband": 120.0, "stiction": 90.0})
+    assert (found.kind, found.effect, found.indistinguishable) == ("family", "deadband", ("stiction",))
+
+
 def test_models_that_are_alike_have_p_one_and_no_reduction():
     base = base_losses(np.random.default_rng(0))
     assert sign_flip_p(base, base) == 1.0

@@ -8,15 +8,17 @@ from agent.analysis.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.hysteresis import J_BY_LAW, S_BY_LAW
+from agent.physics.effects.inverse_response import InverseResponse
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import fit, nested_fit
+from agent.workbench.fit import fit, fit_at, nested_fit
 from agent.workbench.folds import HeldOut
 from agent.workbench.intervals import estimated
 from agent.workbench.predictor import predictor
-from agent.workbench.projection import nuisance_part
+from agent.workbench.projection import nuisance_part, target_of
 from agent.workbench.record import bare_record
 from agent.workbench.trial import Tried
+from simulators.hidden_effects import hidden_effect_plant
 
 TAU = -1 / np.log(0.9)
 BAND = 1.5
@@ -66,3 +68,17 @@ def test_what_the_law_of_friction_leaves_open_is_in_the_interval(fitted):
     assert s.low <= (1 - S_BY_LAW + 1e-6) * s.value
     assert s.high >= (1 + S_BY_LAW - 1e-6) * s.value
     assert j.low <= (1 - J_BY_LAW + 1e-6) * j.value
+
+
+def test_a_wrong_valley_is_left():
+    """There the zero is hardly there, and the delay longer: where the search in free run had ended."""
+    plant = hidden_effect_plant(7107, "inverse_response")
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, plant.op, plant.pv))
+    model = LoopModel(Fopdt(), (InverseResponse(),))
+    target = target_of(record, record.weight, linear=True)
+    process = plant.scenario.process
+    wrong = fit_at(model, record, target, np.array([process.delay + process.lead, process.tau, 0.4]))
+    predicts, best = predictor(wrong, record)
+    delay, _, lead = predicts.space.values(best)
+    assert lead == pytest.approx(process.lead, rel=0.1)
+    assert delay < process.delay + 0.5 * process.lead
