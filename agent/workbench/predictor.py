@@ -16,6 +16,7 @@ import numpy as np
 
 from agent.workbench.fit import Fit
 from agent.workbench.innovations import Innovations, innovations
+from agent.workbench.library import happens_once
 from agent.workbench.projection import VANISHES, nuisance_part, target_of
 from agent.workbench.search import (
     Objective,
@@ -150,6 +151,9 @@ def predictor(fitted: Fit, record: Record) -> tuple[Predictor, FloatArray] | Non
     first = _predictor(objective, fitted.pv)
     if found is None or first is None or not len(start):
         return found
+    last = fitted.model.effects[-1:]
+    if any(happens_once(each, record.facts) for each in last):
+        return found  # each turn has looked for its instants all over the record
     # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
     for looks, at in ((first, start), found):
         other = _elsewhere(looks, at)

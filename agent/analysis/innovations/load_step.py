@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.signal import fftconvolve
+from scipy.fft import irfft, next_fast_len, rfft
 
 from agent.analysis.innovations.whitened import Fit, fitted, log_likelihood
 from agent.analysis.quantify.free_run.objective import DELAY, LOG_TAU, LOG_TAU2, process_response
@@ -62,22 +62,36 @@ def with_load_step(linear: Fit, whitened: Sequence[Problem]) -> float:
 
 def _best_step(linear: Fit, problem: Problem) -> LoadStep:
     """Return the step that together with OP explains most of PV behind one filter."""
-    steps = []
-    for candidate in process_grid(problem, linear.candidate[LOG_TAU2] - linear.candidate[LOG_TAU]):
+    candidates = process_grid(problem, linear.candidate[LOG_TAU2] - linear.candidate[LOG_TAU])
+    answers, shapes = [], []
+    for candidate in candidates:
         candidate[DELAY] = problem.fixed_delay or candidate[DELAY]
         answer = process_response(problem.op, candidate, linear.structure, problem.block, problem.keep)
         answer = answer * problem.weight
-        answer -= problem.basis @ (problem.basis.T @ answer)
-        steps.append(_beside(answer, _response(candidate, linear.structure, problem), problem, candidate))
-    return max(steps, key=lambda step: step.taken)
+        answers.append(answer - problem.basis @ (problem.basis.T @ answer))
+        shapes.append(_response(candidate, linear.structure, problem))
+    # All at once: of several hundred short transforms most of the time is not the transforms'.
+    of_pv = _covariances(problem.pv[np.newaxis], np.array(shapes))
+    of_answer = _covariances(np.array(answers), np.array(shapes))
+    beside = zip(answers, shapes, of_pv, of_answer, candidates, strict=True)
+    return max((_beside(problem.pv, *each) for each in beside), key=lambda step: step.taken)
 
 
-def _beside(answer: FloatArray, shape: FloatArray, problem: Problem, candidate: FloatArray) -> LoadStep:
-    """Return the best step beside the answer to OP of gain one, (m,), OP units."""
+def _beside(
+    pv: FloatArray,
+    answer: FloatArray,
+    shape: FloatArray,
+    of_pv: FloatArray,
+    of_answer: FloatArray,
+    candidate: FloatArray,
+) -> LoadStep:
+    """Return the best step beside the answer to OP of gain one, (m,), OP units.
+
+    ``of_pv`` and ``of_answer`` (m,) are the covariances of PV and of that answer with a step's ``shape``.
+    """
     energy = np.cumsum(shape * shape)[::-1]
     usable = energy > LEAST_ENERGY * energy[0]
-    of_pv, of_answer = _covariances(problem.pv, shape), _covariances(answer, shape)
-    answers, gains = float(answer @ answer), float(answer @ problem.pv)
+    answers, gains = float(answer @ answer), float(answer @ pv)
     if answers <= 0:
         return LoadStep(0.0, 0, 0.0, candidate)
     left = energy - of_answer**2 / answers
@@ -89,9 +103,12 @@ def _beside(answer: FloatArray, shape: FloatArray, problem: Problem, candidate: 
     return LoadStep(float(taken[at]) + gains**2 / answers, at, float(height[at]), candidate)
 
 
-def _covariances(signal: FloatArray, shape: FloatArray) -> FloatArray:
-    """Return the covariance of the signal with the shape begun at each block, (m,)."""
-    return np.asarray(fftconvolve(signal, shape[::-1])[len(signal) - 1 :], dtype=np.float64)
+def _covariances(signals: FloatArray, shapes: FloatArray) -> FloatArray:
+    """Return the covariance of signals with shapes begun at each block, row by row, (k, m)."""
+    count = shapes.shape[1]
+    length = next_fast_len(2 * count - 1, real=True)
+    product = rfft(signals, length) * rfft(shapes, length).conj()
+    return np.asarray(irfft(product, length)[:, :count], dtype=np.float64)
 
 
 def _response(candidate: FloatArray, structure: int, problem: Problem) -> FloatArray:

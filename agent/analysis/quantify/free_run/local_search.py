@@ -16,8 +16,9 @@ from agent.analysis.quantify.free_run.objective import (
     LOG_TAU,
     LOG_TAU2,
     S,
-    free_run_error,
+    in_bounds,
     process_error,
+    valve_position,
 )
 from agent.analysis.quantify.free_run.problem import Problem
 from agent.jit import kernel
@@ -107,14 +108,17 @@ def random_steps(
 ) -> tuple[FloatArray, float]:
     """Return the best candidate met by an adaptive random search around ``start``, and its error.
 
-    Steps shrink after ten failures in a row. S trades off with the delay: half the steps in S go along.
+    Steps shrink after ten failures in a row. A step of the process alone leaves the valve where it is. S
+    trades off with the delay: half the steps in S go along.
     """
     samples_per_op = 0.0 if problem.fixed_delay > 0.0 else 1.0 / problem.op_speed
     best = start.copy()
+    best_position = valve_position(best, problem)
     failures = 0
     for _ in range(evaluations):
         trial = best.copy()
-        if rng.random() < 0.8:
+        moves = rng.random() < 0.8
+        if moves:
             disturb(trial, best, scale, problem.op_span, rng)
             if rng.random() < 0.5:
                 trial[DELAY] -= (trial[S] - best[S]) * samples_per_op
@@ -124,9 +128,12 @@ def random_steps(
             trial[LOG_TAU] += 0.1 * scale * rng.standard_normal()
             trial[LOG_TAU2] += 0.2 * scale * rng.standard_normal()
         trial[DELAY] = max(trial[DELAY], 1.0)
-        trial_error = free_run_error(trial, structure, problem)
+        position = best_position
+        if moves and in_bounds(trial, problem):
+            position = valve_position(trial, problem)
+        trial_error = process_error(position, trial, structure, problem)
         if trial_error < error:
-            best, error = trial, trial_error
+            best, error, best_position = trial, trial_error, position
             failures = 0
         else:
             failures += 1
