@@ -10,7 +10,17 @@ import numpy as np
 from agent.physics.bases.base import StartingBase
 from agent.workbench.library import happens_once
 from agent.workbench.projection import nuisance_part, target_of
-from agent.workbench.search import STEP, Pinned, Round, best_of, hypercube, objective_of, searched, whitened
+from agent.workbench.search import (
+    STEP,
+    Pinned,
+    Round,
+    best_of,
+    hypercube,
+    objective_of,
+    searched,
+    spread_about,
+    whitened,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -114,15 +124,8 @@ def nested_starts(smaller: Fit, space: Space) -> FloatArray:
     Part of the delay that a smaller model needed may be the new effect's: the old go down more than up.
     """
     known = len(smaller.values)
-    new = hypercube(SCAN, len(space) - known)
-    filled = np.hstack(
-        (np.tile(smaller.values, (SCAN, 1)), space.values(np.zeros(len(space)))[known:] + 0 * new)
-    )
-    points = space.at(filled)
-    points[:, known:] = new
-    moved = points[SCAN // 2 :, :known]
-    moved += np.random.default_rng(0).uniform(-0.2, 0.1, moved.shape) * (hypercube(len(moved), known) < 0.5)
-    return np.clip(points, 0.0, 1.0)
+    at = space.at(np.concatenate((smaller.values, space.values(np.zeros(len(space)))[known:])))
+    return spread_about(at, np.arange(len(space)) >= known, (-0.2, 0.1), SCAN)
 
 
 def refit(fitted: Fit, record: Record, weight: FloatArray, noise: Innovations | None = None) -> Fit:

@@ -71,11 +71,10 @@ def estimated(found: Tried, record: Record) -> Estimate:
     predicts, best = found.predicts
     space = predicts.space
     half = np.tile(stats.norm.ppf(0.5 + CONFIDENCE / 2) * predicts.spread(best), (2, 1))
-    added = {each.name for each in fitted.model.effects}
     for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
-        effect, _, what = name.partition(".")
+        what = name.partition(".")[2]  # of an effect; empty for the base
         profile = instant_plateau if parameter.instant else plateau
-        if parameter.instant or (effect in added and what not in MOTION and not parameter.of_record):
+        if parameter.instant or (what and what not in MOTION and not parameter.of_record):
             low, high = profile(predicts, best, i)
             half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
     half = np.maximum(half, _by_law(space, best))

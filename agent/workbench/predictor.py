@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.fit import Fit
+from agent.workbench.fit import SCAN, Fit
 from agent.workbench.innovations import Innovations, innovations
 from agent.workbench.library import happens_once
 from agent.workbench.projection import VANISHES, nuisance_part, target_of
 from agent.workbench.search import (
     Objective,
-    hypercube,
     lowered_by_simplex,
     objective_of,
     searched,
+    spread_about,
     whitened,
 )
 
@@ -43,8 +43,6 @@ EVALUATIONS = 40
 """For each parameter, each turn."""
 CLEARLY = 1e-3
 """Part of the squares that a better valley is lower by."""
-SCAN = 400
-"""Points of a look for one."""
 MOVED = 0.2
 """How far half of them move the values of all but the last effect, parts of a parameter's range."""
 ROUNDS: tuple[Round, ...] = ((4, 0.05, 20), (2, 0.02, 40))
@@ -148,12 +146,11 @@ def predictor(fitted: Fit, record: Record) -> tuple[Predictor, FloatArray] | Non
     objective = objective_of(fitted.model, record, target_of(record, record.weight, linear=True))
     start = objective.space.at(fitted.values)
     found = _settled(objective, start, fitted.pv)
+    if any(happens_once(each, record.facts) for each in fitted.model.effects[-1:]):
+        return found  # each turn has looked for its instants all over the record
     first = _predictor(objective, fitted.pv)
     if found is None or first is None or not len(start):
         return found
-    last = fitted.model.effects[-1:]
-    if any(happens_once(each, record.facts) for each in last):
-        return found  # each turn has looked for its instants all over the record
     # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
     for looks, at in ((first, start), found):
         other = _elsewhere(looks, at)
@@ -198,12 +195,7 @@ def _spread(objective: Objective, at: FloatArray) -> FloatArray:
     names = objective.space.names
     last = names[-1].partition(".")[0] if objective.model.effects else None
     own = np.array([last is None or name.partition(".")[0] == last for name in names])
-    points = np.tile(at, (SCAN, 1))
-    points[:, own] = hypercube(SCAN, int(own.sum()))
-    others = points[SCAN // 2 :, ~own]
-    moved = np.random.default_rng(0).uniform(-MOVED, MOVED, others.shape)
-    points[SCAN // 2 :, ~own] = others + moved * (hypercube(len(others), others.shape[1]) < 0.5)
-    return np.vstack((at, np.clip(points, 0.0, 1.0)))
+    return np.vstack((at, spread_about(at, own, (-MOVED, MOVED), SCAN)))
 
 
 def _placed(predicts: Predictor, at: FloatArray) -> FloatArray:

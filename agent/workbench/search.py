@@ -149,6 +149,22 @@ def hypercube(points: int, size: int) -> FloatArray:
     return np.asarray(LatinHypercube(size, rng=np.random.default_rng(0)).random(points), dtype=np.float64)
 
 
+def spread_about(
+    at: FloatArray, free: NDArray[np.bool_], moved: tuple[float, float], points: int
+) -> FloatArray:
+    """Return points of the unit cube, (``points``, k), always the same.
+
+    The ``free`` coordinates, (k,), are spread; the others are as ``at`` (k,) has them, and in half of the
+    points about half of them are off by something within ``moved``.
+    """
+    found = np.tile(at, (points, 1))
+    found[:, free] = hypercube(points, int(free.sum()))
+    others = found[points // 2 :, ~free]
+    off = np.random.default_rng(0).uniform(*moved, others.shape)
+    found[points // 2 :, ~free] = others + off * (hypercube(*others.shape) < 0.5)
+    return np.clip(found, 0.0, 1.0)
+
+
 def best_of(objective: Objective | Pinned, starts: FloatArray, count: int) -> list[FloatArray]:
     """Return the ``count`` best of ``starts`` (m, k), best first."""
     errors = np.array([objective.error(each) for each in starts])

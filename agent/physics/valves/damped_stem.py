@@ -179,7 +179,6 @@ def strokes(
                 comes_to_rest = True
         if direction != 0.0:
             # The way left obeys w' = -w / damping + the rise of the actuator's force.
-            still = 1.0
             begins = before
             free = damping_keeps
             fed = supply_keeps
