@@ -18,6 +18,8 @@ from agent.analysis.quantify.free_run.search import process_grid
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.recording import FloatArray
 
@@ -38,6 +40,19 @@ class LoadStep(NamedTuple):
     height: float
     """What PV goes by in the end, PV units (per block for an integrator)."""
     candidate: FloatArray
+
+
+class Shape(NamedTuple):
+    """The answer to a step of the load, for every block that it may begin at."""
+
+    energy: FloatArray
+    """Sum of squares of what the record sees of it, (m,)."""
+    usable: NDArray[np.bool_]
+    """Whether that is enough, (m,)."""
+    transform: NDArray[np.complex128]
+    """Conjugate of its Fourier transform."""
+    of_pv: FloatArray
+    """Its covariance with PV, (m,)."""
 
 
 def with_load_step(linear: Fit, whitened: Sequence[Problem]) -> float:
@@ -63,52 +78,60 @@ def with_load_step(linear: Fit, whitened: Sequence[Problem]) -> float:
 def _best_step(linear: Fit, problem: Problem) -> LoadStep:
     """Return the step that together with OP explains most of PV behind one filter."""
     candidates = process_grid(problem, linear.candidate[LOG_TAU2] - linear.candidate[LOG_TAU])
-    answers, shapes = [], []
+    answers: list[FloatArray] = []
+    by_lag: dict[float, Shape] = {}
     for candidate in candidates:
         candidate[DELAY] = problem.fixed_delay or candidate[DELAY]
         answer = process_response(problem.op, candidate, linear.structure, problem.block, problem.keep)
         answer = answer * problem.weight
         answers.append(answer - problem.basis @ (problem.basis.T @ answer))
-        shapes.append(_response(candidate, linear.structure, problem))
+        lag = float(candidate[LOG_TAU])
+        if lag not in by_lag:  # a step may come at any time: its shape has no delay of its own
+            by_lag[lag] = _shape(_response(candidate, linear.structure, problem), problem)
     # All at once: of several hundred short transforms most of the time is not the transforms'.
-    of_pv = _covariances(problem.pv[np.newaxis], np.array(shapes))
-    of_answer = _covariances(np.array(answers), np.array(shapes))
-    beside = zip(answers, shapes, of_pv, of_answer, candidates, strict=True)
+    shapes = [by_lag[float(candidate[LOG_TAU])] for candidate in candidates]
+    of_answers = _covariances(np.array(answers), np.array([shape.transform for shape in shapes]))
+    beside = zip(answers, shapes, of_answers, candidates, strict=True)
     return max((_beside(problem.pv, *each) for each in beside), key=lambda step: step.taken)
 
 
+def _shape(response: FloatArray, problem: Problem) -> Shape:
+    """Return what is compared with PV and with answers to OP, from the answer to a step, (m,)."""
+    energy = np.cumsum(response * response)[::-1]
+    transform = rfft(response, _length(response)).conj()
+    of_pv = _covariances(problem.pv[np.newaxis], transform[np.newaxis])[0]
+    return Shape(energy, energy > LEAST_ENERGY * energy[0], transform, of_pv)
+
+
 def _beside(
-    pv: FloatArray,
-    answer: FloatArray,
-    shape: FloatArray,
-    of_pv: FloatArray,
-    of_answer: FloatArray,
-    candidate: FloatArray,
+    pv: FloatArray, answer: FloatArray, shape: Shape, of_answer: FloatArray, candidate: FloatArray
 ) -> LoadStep:
     """Return the best step beside the answer to OP of gain one, (m,), OP units.
 
-    ``of_pv`` and ``of_answer`` (m,) are the covariances of PV and of that answer with a step's ``shape``.
+    ``of_answer`` (m,) are the covariances of that answer with the step's shape.
     """
-    energy = np.cumsum(shape * shape)[::-1]
-    usable = energy > LEAST_ENERGY * energy[0]
     answers, gains = float(answer @ answer), float(answer @ pv)
     if answers <= 0:
         return LoadStep(0.0, 0, 0.0, candidate)
-    left = energy - of_answer**2 / answers
-    usable &= left > ALIKE * energy
-    rest = of_pv - of_answer * gains / answers
+    left = shape.energy - of_answer**2 / answers
+    usable = shape.usable & (left > ALIKE * shape.energy)
+    rest = shape.of_pv - of_answer * gains / answers
     height = np.where(usable, rest, 0.0) / np.where(usable, left, 1.0)
     taken = height * rest
     at = int(np.argmax(taken))
     return LoadStep(float(taken[at]) + gains**2 / answers, at, float(height[at]), candidate)
 
 
-def _covariances(signals: FloatArray, shapes: FloatArray) -> FloatArray:
-    """Return the covariance of signals with shapes begun at each block, row by row, (k, m)."""
-    count = shapes.shape[1]
-    length = next_fast_len(2 * count - 1, real=True)
-    product = rfft(signals, length) * rfft(shapes, length).conj()
-    return np.asarray(irfft(product, length)[:, :count], dtype=np.float64)
+def _length(signal: FloatArray) -> int:
+    """Return how long a transform is of what is shifted by up to its length."""
+    return int(next_fast_len(2 * signal.shape[-1] - 1, real=True))
+
+
+def _covariances(signals: FloatArray, transforms: NDArray[np.complex128]) -> FloatArray:
+    """Return the covariance of signals (k, m) with shapes begun at each block, row by row, (k, m)."""
+    length = _length(signals)
+    product = rfft(signals, length) * transforms
+    return np.asarray(irfft(product, length)[:, : signals.shape[1]], dtype=np.float64)
 
 
 def _response(candidate: FloatArray, structure: int, problem: Problem) -> FloatArray:

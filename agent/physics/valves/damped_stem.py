@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -35,6 +35,25 @@ AT_ONCE = 0.05
 """Damping and supply together, samples, below which a slip begins and ends within the sample."""
 MEMORY = 6
 """Samples after which the supply has forgotten what OP was."""
+
+
+class Motion(NamedTuple):
+    """What of a stem every sample needs: an exponential takes as long as the rest of a sample."""
+
+    damping: float
+    """Time constant of the stem, samples."""
+    supply: float
+    """Time constant of the air to the actuator, samples; never quite that of the stem."""
+    rest: float
+    """Force over f_D at which the stem stops, over f_S - f_D."""
+    damping_keeps: float
+    """What is left of a way after a sample."""
+    supply_keeps: float
+    """What is left of a step of OP after a sample."""
+    feeds: float
+    """Damping over supply less damping."""
+    at_once: bool
+    """Whether a slip ends within the sample."""
 
 
 @kernel
@@ -82,8 +101,25 @@ def damped_stem_by_direction(
     """
     position = np.empty(op.size)
     state = stem_at(x0, op[0])
-    strokes(op, 0, op.size, state, (f_s_up, f_s_down, f_d), (damping, supply, rest), position, op.size)
+    stem = motion_of(damping, supply, rest)
+    strokes(op, 0, op.size, state, (f_s_up, f_s_down, f_d), stem, position, op.size)
     return position
+
+
+@kernel
+def motion_of(damping: float, supply: float, rest: float) -> Motion:
+    """Return what ``strokes`` takes of a stem; ``damping`` and ``supply`` in samples."""
+    if abs(supply - damping) < 1e-6 * damping:
+        supply *= 1.0 + 1e-5
+    return Motion(
+        damping=damping,
+        supply=supply,
+        rest=rest,
+        damping_keeps=math.exp(-1.0 / damping),
+        supply_keeps=math.exp(-1.0 / supply),
+        feeds=damping / (supply - damping),
+        at_once=damping + supply < AT_ONCE,
+    )
 
 
 @kernel
@@ -106,7 +142,7 @@ def strokes(
     end: int,
     state: NDArray[np.float64],
     bands: tuple[float, float, float],
-    stem: tuple[float, float, float],
+    stem: Motion,
     position: NDArray[np.float64],
     until_rest_after: int,
 ) -> int:
@@ -118,19 +154,14 @@ def strokes(
         end: Sample before which it ends.
         state: From ``stem_at``, or as the samples before left it; it is moved on, (5,).
         bands: Static friction upward and downward, kinetic friction, OP units.
-        stem: Damping, supply (samples), rest.
+        stem: From ``motion_of``.
         position: Takes the positions at the end of each sample, OP units, (n,).
         until_rest_after: Ends where the stem comes to rest in this sample or a later one; ``end`` or more:
             it goes on to the end.
     """
     f_s_up, f_s_down, f_d = bands
-    damping, supply, rest = stem
-    if abs(supply - damping) < 1e-6 * damping:
-        supply *= 1.0 + 1e-5
-    damping_keeps = math.exp(-1.0 / damping)
-    supply_keeps = math.exp(-1.0 / supply)
-    feeds = damping / (supply - damping)
-    at_once = damping + supply < AT_ONCE
+    damping, supply, rest, feeds = stem.damping, stem.supply, stem.rest, stem.feeds
+    damping_keeps, supply_keeps, at_once = stem.damping_keeps, stem.supply_keeps, stem.at_once
     x, force, direction, jump, stop = state[0], state[1], state[2], state[3], state[4]
     t = begin
     while t < end:

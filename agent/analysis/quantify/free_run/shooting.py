@@ -31,7 +31,7 @@ from agent.analysis.quantify.free_run.objective import (
 )
 from agent.analysis.quantify.free_run.problem import Problem
 from agent.jit import kernel
-from agent.physics.valves.damped_stem import stem_at, strokes
+from agent.physics.valves.damped_stem import Motion, motion_of, stem_at, strokes
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
@@ -75,13 +75,16 @@ class Track(NamedTuple):
     """OP units, (m,)."""
     tried_position: FloatArray
     tried_response: FloatArray
+    tried_state: FloatArray
+    """Of the stem and of the process, (5,) and (4,)."""
+    tried_memory: FloatArray
 
 
 @kernel
 def track_for(problem: Problem) -> Track:
     """Return room for a record."""
     n, m = problem.op.size, problem.pv.size
-    return Track(np.empty(n), np.empty(m), np.empty(n), np.empty(m))
+    return Track(np.empty(n), np.empty(m), np.empty(n), np.empty(m), np.empty(5), np.empty(4))
 
 
 @kernel
@@ -111,6 +114,7 @@ class Shot(NamedTuple):
     memory: FloatArray
     """Of the process (``at_rest``), (4,)."""
     valve: Valve
+    motion: Motion
     process: Process
 
 
@@ -126,13 +130,14 @@ def shoot(
     process = process_of(candidate, structure, block, problem.keep, m)
     track.response[: process.whole] = 0.0
     state = stem_at(valve.x0, problem.op[0])
-    t = move(valve, problem, 0, n, state, track.position, block)
+    motion = motion_of(valve.damping, valve.supply, valve.rest)
+    t = move(valve, motion, problem, 0, n, state, track.position, block)
     memory = at_rest(track.position, block)
     begin = blocks_before(t, n, block)
     respond(track.position, 0, begin, process, memory, track.response)
     count = 0
     while t < n:
-        shot = Shot(t, begin, state.copy(), memory.copy(), valve, process)
+        shot = Shot(t, begin, state.copy(), memory.copy(), valve, motion, process)
         next_t, end = go_on(shot, state, memory, length, problem, track)
         error = squares(track.response, begin, end, process, problem, aim)
         usual = aim.variance * (end - begin)
@@ -151,12 +156,18 @@ def shoot(
 
 @kernel
 def move(
-    valve: Valve, problem: Problem, begin: int, end: int, state: FloatArray, position: FloatArray, until: int
+    valve: Valve,
+    motion: Motion,
+    problem: Problem,
+    begin: int,
+    end: int,
+    state: FloatArray,
+    position: FloatArray,
+    until: int,
 ) -> int:
     """Move a stem on from ``begin`` to ``end``, as ``strokes`` does, and return where it goes on."""
     bands = (valve.f_s, valve.f_s, valve.f_d)
-    stem = (valve.damping, valve.supply, valve.rest)
-    return strokes(problem.op, begin, end, state, bands, stem, position, until)
+    return strokes(problem.op, begin, end, state, bands, motion, position, until)
 
 
 @kernel
@@ -168,7 +179,7 @@ def go_on(
     Returns the sample and the block with which they go on.
     """
     n = problem.pv.size * problem.block
-    t = move(shot.valve, problem, shot.t, n, state, track.position, shot.t + length)
+    t = move(shot.valve, shot.motion, problem, shot.t, n, state, track.position, shot.t + length)
     end = blocks_before(t, n, problem.block)
     respond(track.position, shot.begin, end, shot.process, memory, track.response)
     return t, end
@@ -197,47 +208,53 @@ def best_shift(
 ) -> float:
     """Return how far from its rest the stem best is, OP units, by the errors up to the block ``end``.
 
-    0 where none of them is below ``least``.
+    0 where none of them is below ``least``. One loop without calls that take a record: it is where a search
+    by shots spends its time, and handing over a dozen arrays takes as long as a trial.
     """
-    best = 0.0
-    for part in OFFSETS:
-        for shift in (part * s, -part * s):
-            error = shifted(shot, end, shift, least, problem, aim, track)
-            if error < least:
-                best, least = shift, error
-    step = 0.5 * abs(best)
-    for _ in range(HALVINGS if best != 0.0 else 0):
-        centre = best
-        for shift in (centre + step, centre - step):
-            error = shifted(shot, end, shift, least, problem, aim, track)
-            if error < least:
-                best, least = shift, error
-        step *= 0.5
+    op, block, target, weight, gain = problem.op, problem.block, aim.target, problem.weight, aim.gain
+    position, response, state, memory = (
+        track.tried_position,
+        track.tried_response,
+        track.tried_state,
+        track.tried_memory,
+    )
+    rested, remembered, process = shot.state, shot.memory, shot.process
+    bands = (shot.valve.f_s, shot.valve.f_s, shot.valve.f_d)
+    for i in range(shot.begin * block, shot.t - 1):
+        position[i] = track.position[i]
+    best = centre = step = 0.0
+    first_trials = 2 * OFFSETS.size
+    for trial in range(first_trials + 2 * HALVINGS):
+        if trial < first_trials:
+            step = OFFSETS[trial // 2] * s
+        elif best == 0.0:
+            break
+        elif trial % 2 == 0:
+            step = 0.5 * (abs(best) if trial == first_trials else step)
+            centre = best
+        shift = centre + step if trial % 2 == 0 else centre - step
+        for i in range(state.size):
+            state[i] = rested[i]
+        for i in range(memory.size):
+            memory[i] = remembered[i]
+        state[0] += shift
+        t = shot.t
+        position[t - 1] = state[0]
+        error = 0.0
+        last = shot.begin
+        while last < end and error <= least:
+            first, last = last, min(end, last + CHUNK)
+            if last * block > t:
+                strokes(op, t, last * block, state, bands, shot.motion, position, op.size)
+                t = last * block
+            respond(position, first, last, process, memory, response)
+            of_chunk = 0.0
+            for b in range(first + process.whole, min(last + process.whole, response.size)):
+                of_chunk += ((target[b] - gain * response[b]) * weight[b]) ** 2
+            error += of_chunk
+        if error < least:
+            best, least = shift, error
     return best
-
-
-@kernel
-def shifted(
-    shot: Shot, end: int, shift: float, limit: float, problem: Problem, aim: Aim, track: Track
-) -> float:
-    """Return the sum of squares of a shot with the stem set off, infinite once above ``limit``."""
-    block, begin, t = problem.block, shot.begin, shot.t
-    position, response = track.tried_position, track.tried_response
-    state, memory = shot.state.copy(), shot.memory.copy()
-    state[0] += shift
-    position[begin * block : t - 1] = track.position[begin * block : t - 1]
-    position[t - 1] = state[0]
-    error = 0.0
-    for first in range(begin, end, CHUNK):
-        last = min(end, first + CHUNK)
-        if last * block > t:
-            move(shot.valve, problem, t, last * block, state, position, problem.op.size)
-            t = last * block
-        respond(position, first, last, shot.process, memory, response)
-        error += squares(response, first, last, shot.process, problem, aim)
-        if error > limit:
-            return np.inf
-    return error
 
 
 @kernel
