@@ -5,11 +5,19 @@ import pytest
 
 from agent.analysis.quantify.free_run import second_search
 from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
-from agent.analysis.quantify.free_run.fitted import start
-from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, J_RATIO, SOPDT, S
+from agent.analysis.quantify.free_run.fitted import Fitted, start
+from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, J_RATIO, SIZE, SOPDT, S
 from agent.analysis.quantify.free_run.residuals import lasting
 from agent.analysis.quantify.free_run.search import Found
-from agent.analysis.quantify.free_run.second_search import GRIDS, converged, converged_search, searched_again
+from agent.analysis.quantify.free_run.second_search import (
+    GRIDS,
+    OF_ALL,
+    SURE_OF_A_FAMILY,
+    converged,
+    converged_search,
+    going_on,
+    searched_again,
+)
 from agent.analysis.recording import LoopHints
 from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once
 
@@ -66,6 +74,14 @@ def test_it_finds_the_valve_that_the_first_search_missed(off):
     again = searched_again(found_of(problem, wrong), GRIDS[0], problem, hints, np.random.default_rng(0))
     assert again.best.candidate[S] == pytest.approx(candidate[S], rel=0.02)
     assert again.best.error < start(wrong, FOPDT, problem).error
+
+
+def test_some_of_each_family_go_on_and_the_best_of_all():
+    good, bad = ([Fitted(least + i, FOPDT, np.zeros(SIZE)) for i in range(50)] for least in (0.0, 100.0))
+    errors = [each.error for each in going_on([good, bad])]
+    of_good = OF_ALL - SURE_OF_A_FAMILY
+    assert sorted(errors) == [*range(of_good), *range(100, 100 + SURE_OF_A_FAMILY)]
+    assert going_on([good[:3]]) == good[:3]
 
 
 def test_each_family_has_its_processes_alone():

@@ -6,7 +6,7 @@ not see: one family of processes at a time, for a wrong valve with two poles may
 one; with more values of J, for a valve that slides in small jumps fits at its own J only; and every valve of
 the grid is compared by shots, for over five periods already the free run of a valve that is nearly right may
 look worse than that of a wrong one. What needs the least by shots is kept
-(docs/decisions/0026-second-search.md, 0028-residuals-that-last.md).
+(docs/decisions/0026-second-search.md, 0028-residuals-that-last.md, 0031-further-searches-bounded.md).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.coarse_grid import Family, Grid
-from agent.analysis.quantify.free_run.fitted import refine, restart, start
+from agent.analysis.quantify.free_run.fitted import by_error, refine, restart, start
 from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, SOPDT
 from agent.analysis.quantify.free_run.problem import first_periods
 from agent.analysis.quantify.free_run.residuals import lasting
@@ -38,12 +38,16 @@ JUMPS = np.array([0, 0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.14, 0.17, 0.2, 0.25, 0
 GRIDS = (
     Grid(8.0, 56, JUMPS, (6, 6, 4), 2),
     Grid(5.0, 67, JUMPS, (6, 6, 4), 2),
-    Grid(6.5, 61, JUMPS, (6, 6, 4), 2),
 )
-"""Of the second search and those after it."""
+"""Of the second search and the third, which is the last."""
 FAMILIES = {FOPDT: Family(False, False), SOPDT: Family(False, True), INTEGRATOR: Family(True, False)}
-OF_A_FAMILY = (Stage(5, Shots(0.5, 4.0), 0.5, 10, 40), Stage(5, Shots(0.5, 4.0), 0.4, 100, 10))
+OF_A_FAMILY = Stage(5, Shots(0.5, 4.0), 0.5, 5, 40)
+SURE_OF_A_FAMILY = 6
+"""That go on from each family, whatever the others have."""
+OF_ALL = 40
+"""That go on, of all families."""
 STAGES = (
+    Stage(5, Shots(0.5, 4.0), 0.4, 100, 15),
     Stage(12, Shots(0.5, 4.0), 0.4, 60, 6),
     Stage(math.inf, Shots(0.5, 4.0), 0.4, 80, 3),
     Stage(math.inf, Shots(0.5, 10.0), 0.3, 200, 3),
@@ -85,14 +89,19 @@ def searched_again(
     found: Found, grid: Grid, problem: Problem, hints: LoopHints, rng: np.random.Generator
 ) -> Found:
     """Return what a search on this grid finds, where it needs less by shots than what was found before."""
-    starts: list[Fitted] = []
-    for structure in structures(hints):
-        own: Sequence[Fitted] = climbed(problem, FAMILIES[structure], grid, rng)
-        for stage in OF_A_FAMILY:
-            own = compared(own, stage, problem, rng)
-        starts += own
-    surest, free = shot(starts, found.best, STAGES, problem, rng)
+    starts = [
+        compared(climbed(problem, FAMILIES[structure], grid, rng), OF_A_FAMILY, problem, rng)
+        for structure in structures(hints)
+    ]
+    surest, free = shot(going_on(starts), found.best, STAGES, problem, rng)
     if surest is None or surest.error >= found.by_shots:
         return found
     followed = [found.best, *(start(each.candidate, each.structure, problem) for each in free)]
     return concluded(followed, surest, found.others, problem, hints, rng) or found
+
+
+def going_on(families: Sequence[Sequence[Fitted]]) -> list[Fitted]:
+    """Return the best of all families, some of each among them; each family has its best first."""
+    sure = [fitted for family in families for fitted in family[:SURE_OF_A_FAMILY]]
+    others = by_error([fitted for family in families for fitted in family[SURE_OF_A_FAMILY:]])
+    return sure + others[: OF_ALL - len(sure)]
