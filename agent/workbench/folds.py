@@ -3,7 +3,8 @@
 The model runs through the whole record from OP alone, so a held-out block leaks nothing by what came before
 it but for the noise that both share at its edges; hence the guard (``missing_effect.md`` section 4, step 5).
 Level and slow drift are no claim of any model and are taken out with the whole record in view: drawn on into
-a block from outside they would bury every difference.
+a block from outside they would bury every difference. Where a valve stood before the record only its opening
+tells, which every fit sees and no score counts.
 """
 
 from __future__ import annotations
@@ -45,9 +46,9 @@ class Folds:
     fold: NDArray[np.int64]
     """Of each block, (b,)."""
     guard: int
-    """Samples on both sides of what is held out that no fit sees."""
-    opening: int = 0
-    """First samples, in no block, that all fits see: where a base that is not linear starts."""
+    """Samples on both sides of what is held out that no fit by free run sees."""
+    opening: int
+    """First samples, in no block, that all fits see."""
 
     @property
     def count(self) -> int:
@@ -58,9 +59,9 @@ class Folds:
         """Return which samples the fit of a fold does not see but must predict, (n,)."""
         return np.asarray((self.block >= 0) & (self.fold[self.block] == fold), dtype=np.bool_)
 
-    def seen(self, fold: int, weight: FloatArray) -> FloatArray:
-        """Return ``weight`` (n,) of the samples that the fit of a fold sees."""
-        hidden = np.convolve(self.held_out(fold), np.ones(2 * self.guard + 1), mode="same") > 0.5
+    def seen(self, fold: int, weight: FloatArray, guard: int) -> FloatArray:
+        """Return ``weight`` (n,) of what the fit of a fold sees, ``guard`` samples from what it must predict."""
+        hidden = np.convolve(self.held_out(fold), np.ones(2 * guard + 1), mode="same") > 0.5
         hidden[: self.opening] = False
         return weight * ~hidden
 
@@ -99,15 +100,14 @@ def folds_of(record: Record, base: Fit) -> Folds | str:
     block = np.minimum(np.arange(n) // length, n // length - 1)  # the last one takes the rest
     known = np.bincount(block, weights=record.weight)
     enough = known >= 0.5 * np.bincount(block)
-    opening = 0 if base.model.base.linear else length
-    enough[0] &= opening == 0
+    enough[0] = False
     if enough.sum() < FEWEST_BLOCKS:
         return f"only {enough.sum()} stretches of the record have enough samples, {FEWEST_BLOCKS} are needed"
     number = np.where(enough, np.cumsum(enough) - 1, -1)
     guard = int(min(memory(base, record), length))
     run = min(max(1, -(-RUN * guard // length)), int(enough.sum()) // FOLDS)
     fold = np.arange(enough.sum()) // run % FOLDS
-    return Folds(number[block], fold, guard, opening)
+    return Folds(number[block], fold, guard, opening=length)
 
 
 def memory(base: Fit, record: Record) -> float:
@@ -128,10 +128,12 @@ def held_out(fitted: Fit, record: Record, folds: Folds, noise: Innovations | Non
         noise: How its residual goes on; the refits then predict best, as ``fitted`` does. None: their free
             run is best. The folds are predicted in free run either way.
     """
+    # Innovations are independent, so that those of neighbours tell nothing of what is held out.
+    guard = folds.guard if noise is None else 0
     pv = np.full(len(record), np.nan)
     values = []
     for fold in range(FOLDS):
-        one = refit(fitted, record, folds.seen(fold, record.weight), noise)
+        one = refit(fitted, record, folds.seen(fold, record.weight, guard), noise)
         hidden = folds.held_out(fold)
         pv[hidden] = one.pv[hidden]
         values.append(one.values)

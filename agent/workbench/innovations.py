@@ -48,11 +48,13 @@ class Innovations:
         return out
 
 
-def innovations(residual: FloatArray) -> Innovations | None:
+def innovations(residual: FloatArray, *, longest: bool = False) -> Innovations | None:
     """Fit an autoregression by least squares, its order by Schwarz's criterion (Ann. Statist. 6 (1978) 461).
 
     Args:
         residual: (n,), NaN where there is none.
+        longest: Of ``MOST_LAGS`` instead. What few lags leave of a load biases all that is fitted behind them
+            in closed loop.
 
     Returns:
         None where there are too few samples in a row, or the residual is constant.
@@ -73,7 +75,8 @@ def innovations(residual: FloatArray) -> Innovations | None:
     weights = linalg.solve_triangular(factor, past.T @ now, lower=True)
     squares = np.maximum(now @ now - np.cumsum(weights**2), np.finfo(float).tiny)
     terms = np.arange(1, most + 2)
-    kept = 1 + int(np.argmin(count * np.log(squares / count) + terms * np.log(count)))
+    by_schwarz = 1 + int(np.argmin(count * np.log(squares / count) + terms * np.log(count)))
+    kept = most + 1 if longest else by_schwarz
     solved = linalg.solve_triangular(factor[:kept, :kept].T, weights[:kept])
     values = np.full(len(residual), np.nan)
     values[most:][complete] = now - past[:, :kept] @ solved

@@ -215,7 +215,7 @@ def _placed(predicts: Predictor, at: FloatArray) -> FloatArray:
 def _predictor(objective: Objective, model_pv: FloatArray) -> Predictor | None:
     record = objective.record
     counts = record.weight > 0
-    noise = innovations(np.where(counts, record.pv - model_pv, np.nan))
+    noise = innovations(np.where(counts, record.pv - model_pv, np.nan), longest=True)
     if noise is None:
         return None
     target = whitened(objective, noise).target

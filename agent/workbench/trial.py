@@ -55,8 +55,9 @@ class Tried:
     fit: Fit
     """With the least error in free run."""
     held_out: HeldOut
-    """In free run too, but of values that predict best where the base is linear: in closed loop those of the
-    least error lean on the load, the more the shorter what they are fitted to."""
+    """In free run too. Where the base is linear its refits are those that predict best or those of the least
+    free-run error, whichever have less: in closed loop the latter lean on the load, the former on what an
+    incomplete model does not say."""
     predicts: tuple[Predictor, FloatArray] | None
     """Where it predicts best; None where that cannot be asked."""
 
@@ -81,7 +82,11 @@ def predicted(fitted: Fit, record: Record, folds: Folds) -> Tried:
     predicts, best = found[0], largest_first(*found)
     if predicts.fit(best).error < fitted.error:
         fitted = refit(predicts.fit(best), record, record.weight)  # the search in free run had missed it
-    return Tried(fitted, held_out(predicts.fit(best), record, folds, predicts.noise), (predicts, best))
+    either = (
+        held_out(predicts.fit(best), record, folds, predicts.noise),
+        held_out(fitted, record, folds),
+    )
+    return Tried(fitted, min(either, key=lambda each: each.rmse), (predicts, best))
 
 
 def _larger(trial: Trial) -> LoopModel:

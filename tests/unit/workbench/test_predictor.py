@@ -9,15 +9,16 @@ from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.hysteresis import J_BY_LAW, S_BY_LAW
 from agent.physics.effects.inverse_response import InverseResponse
+from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import fit, fit_at, nested_fit
-from agent.workbench.folds import HeldOut
+from agent.workbench.folds import HeldOut, folds_of, held_out
 from agent.workbench.intervals import estimated
 from agent.workbench.predictor import predictor
 from agent.workbench.projection import nuisance_part, target_of
 from agent.workbench.record import bare_record
-from agent.workbench.trial import Tried
+from agent.workbench.trial import Tried, predicted
 from simulators.hidden_effects import hidden_effect_plant
 
 TAU = -1 / np.log(0.9)
@@ -82,3 +83,33 @@ def test_a_wrong_valley_is_left():
     delay, _, lead = predicts.space.values(best)
     assert lead == pytest.approx(process.lead, rel=0.1)
     assert delay < process.delay + 0.5 * process.lead
+
+
+def test_a_load_of_long_memory_biases_no_rate():
+    """Behind the four lags of Schwarz's criterion the rate is told as 0.14 OP/s, and surely."""
+    plant = hidden_effect_plant(5200, "rate_limit")
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, plant.op, plant.pv))
+    rate = plant.scenario.valve.rate
+    process = plant.scenario.process
+    true = fit_at(
+        LoopModel(Fopdt(), (RateLimit(),)),
+        record,
+        target_of(record, record.weight, linear=True),
+        np.array([process.delay, process.tau, rate]),
+    )
+    predicts, best = predictor(true, record)
+    assert predicts.space.values(best)[2] == pytest.approx(rate, rel=0.1)
+
+
+def test_the_lesser_of_two_held_out_errors_is_told():
+    """Of refits that predict best and of those of the least free-run error."""
+    plant = hidden_effect_plant(5201, "sensor_lag")
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, plant.op, plant.pv))
+    base = fit(LoopModel(Fopdt()), record, record.weight)
+    folds = folds_of(record, base)
+    found = predicted(base, record, folds)
+    predicts, best = found.predicts
+    by_free_run = held_out(base, record, folds)
+    by_predictions = held_out(predicts.fit(best), record, folds, predicts.noise)
+    assert by_predictions.rmse > 1.2 * by_free_run.rmse
+    assert found.held_out.rmse == by_free_run.rmse

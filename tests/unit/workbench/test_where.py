@@ -5,7 +5,7 @@ import pytest
 from scipy import signal
 
 from agent.workbench.axes import UNITS, last_turns, physical_axes
-from agent.workbench.innovations import innovations
+from agent.workbench.innovations import MOST_LAGS, innovations
 from agent.workbench.resampling import resampled
 from agent.workbench.where import bins_of, panel_of, where_it_fails
 
@@ -162,7 +162,9 @@ def test_innovations_of_a_known_autoregression():
 
 def test_innovations_of_noise_need_no_past_and_of_a_constant_are_none():
     rng = np.random.default_rng(1)
-    assert innovations(rng.normal(size=1000)).coefficients.size == 0
+    white = rng.normal(size=1000)
+    assert innovations(white).coefficients.size == 0
+    assert innovations(white, longest=True).coefficients.size == MOST_LAGS
     assert innovations(np.ones(1000)) is None
     assert innovations(np.full(1000, np.nan)) is None
 
