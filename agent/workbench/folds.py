@@ -60,7 +60,7 @@ class Folds:
         return np.asarray((self.block >= 0) & (self.fold[self.block] == fold), dtype=np.bool_)
 
     def seen(self, fold: int, weight: FloatArray, guard: int) -> FloatArray:
-        """Return ``weight`` (n,) of what the fit of a fold sees, ``guard`` samples from what it must predict."""
+        """Return ``weight`` (n,) of what the fit of a fold sees, ``guard`` samples from what it predicts."""
         hidden = np.convolve(self.held_out(fold), np.ones(2 * guard + 1), mode="same") > 0.5
         hidden[: self.opening] = False
         return weight * ~hidden
