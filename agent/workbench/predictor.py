@@ -145,11 +145,13 @@ def predictor(fitted: Fit, record: Record) -> tuple[Predictor, FloatArray] | Non
     """
     objective = objective_of(fitted.model, record, target_of(record, record.weight, linear=True))
     start = objective.space.at(fitted.values)
-    found = _settled(objective, start, fitted.pv)
+    first = _predictor(objective, fitted.pv)
+    if first is None:
+        return None
+    found = _settled(first, start)
     if any(happens_once(each, record.facts) for each in fitted.model.effects[-1:]):
         return found  # each turn has looked for its instants all over the record
-    first = _predictor(objective, fitted.pv)
-    if found is None or first is None or not len(start):
+    if found is None or not len(start):
         return found
     # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
     for looks, at in ((first, start), found):
@@ -165,25 +167,22 @@ def _elsewhere(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArr
     scanned = searched(whitened(objective, predicts.noise), _spread(objective, at), ROUNDS)
     if predicts.error(scanned) >= (1 - CLEARLY) * predicts.error(at):
         return None
-    return _settled(objective, scanned, predicts.free_run(scanned))
+    there = _predictor(objective, predicts.free_run(scanned))
+    return None if there is None else _settled(there, scanned)
 
 
-def _settled(objective: Objective, at: FloatArray, pv: FloatArray) -> tuple[Predictor, FloatArray] | None:
-    """Return the predictions and the point near ``at`` where they are best.
-
-    ``pv`` (n,) is the free run whose residual tells the first autoregression; the last is of its own.
-    """
-    found = None
-    for _ in range(TURNS):
-        found = _predictor(objective, pv)
-        if found is None:
+def _settled(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
+    """Return the point near ``at`` where the predictions are best, behind the autoregression of their own."""
+    for turn in range(TURNS):
+        again = _predictor(predicts.objective, predicts.free_run(at)) if turn else predicts
+        if again is None:
             return None
-        flat = 1e-7 * found.error(at)
+        predicts = again
+        flat = 1e-7 * predicts.error(at)
         if len(at):
-            at = _placed(found, at)
-            at = lowered_by_simplex(found.error, at, STEP, EVALUATIONS, near=1e-5, flat=flat)
-        pv = found.free_run(at)
-    return None if found is None else (found, at)
+            at = _placed(predicts, at)
+            at = lowered_by_simplex(predicts.error, at, STEP, EVALUATIONS, near=1e-5, flat=flat)
+    return predicts, at
 
 
 def _spread(objective: Objective, at: FloatArray) -> FloatArray:
