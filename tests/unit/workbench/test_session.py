@@ -30,10 +30,11 @@ def test_it_names_the_slack_and_the_error_falls_to_the_noise(bench):
     assert bench.comparison().verdict.kind == "no_failure_visible"
 
 
-def test_the_truth_is_near_the_interval(bench):
-    """Nine intervals in ten hold it, as ``make bench`` counts; of one loop twice the half width is asked."""
+def test_the_slack_is_told(bench):
+    """How often intervals hold the truth: test_predictor.py, over ten records; here is one of them."""
     band = next(each for each in bench.step.parameters if each.name == "deadband.s")
-    assert abs(band.value - S) <= band.high - band.low
+    assert band.value == pytest.approx(S, abs=0.05)
+    assert band.low < band.value < band.high
     assert band.high - band.low < 0.2
     assert band.unit == "OP"
 

@@ -35,11 +35,20 @@ def test_a_loop_that_lacks_nothing_is_seldom_accused():
     assert min(least) > 1e-4
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
-def test_slack_shows_in_the_travel_and_is_gone_once_it_is_modelled(seed):
+@pytest.mark.parametrize(
+    ("seed", "plainest"),
+    [
+        (0, "travel_since_reversal"),
+        (1, "travel_since_reversal"),
+        (2, "op_rate"),
+        (3, "travel_since_reversal"),
+    ],
+)
+def test_slack_shows_in_the_travel_and_is_gone_once_it_is_modelled(seed, plainest):
+    """Of seed 2 the speed of OP tells even more: a slack hides slow moves."""
     found = asked(*loop(seed, slack=1.5))
     assert set(found) == AXES
-    # Of seed 2 the speed of OP tells as much: a slack hides slow moves.
+    assert worst(found) == plainest
     assert found["travel_since_reversal"].p < 1e-6
     modelled = asked(*loop(seed, slack=1.5), slack=True)
     assert min(each.p for each in modelled.values()) > 1e-3
