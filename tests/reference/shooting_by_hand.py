@@ -13,7 +13,7 @@ from agent.analysis.quantify.free_run.objective import (
     S,
 )
 from agent.analysis.quantify.free_run.shooting import HALVINGS, LEAST_BLOCKS, OFFSETS, TOO_LARGE
-from agent.physics.valves.damped_stem import motion_of, stem_at, strokes
+from agent.physics.valves.damped_stem import stem_at, stem_motion, strokes
 from tests.reference.free_run_twins import process_response
 
 
@@ -25,7 +25,7 @@ class Shooting:
         self.aim, self.shots = aim, shots
         self.f_s = candidate[S] * (1 + candidate[J_RATIO]) / 2
         self.f_d = candidate[S] * (1 - candidate[J_RATIO]) / 2
-        self.stem = motion_of(
+        self.stem = stem_motion(
             *(float(np.exp(candidate[axis])) for axis in (LOG_DAMPING, LOG_SUPPLY, LOG_REST))
         )
         self.n = len(problem.pv) * problem.block

@@ -20,7 +20,7 @@ from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.quantify.free_run.random_shots import random_shots
 from agent.analysis.quantify.free_run.shooting import Aim, Shots, aim_by, shot_error, track_for
 from agent.analysis.recording import LoopWindow
-from agent.physics.valves.damped_stem import damped_stem, motion_of, stem_at, strokes
+from agent.physics.valves.damped_stem import damped_stem, stem_at, stem_motion, strokes
 from tests.reference import free_run_twins as slow
 from tests.reference.shooting_by_hand import Shooting
 from tests.reference.test_free_run_twin import ACTING, FEW, SEEDS, STRUCTURES, candidate_of, problem_of
@@ -45,7 +45,7 @@ def test_a_stem_goes_on_where_it_was_left(seed, cuts, damping):
     position, state, t = np.empty(len(op)), stem_at(op[0] - 0.3, op[0]), 0
     for cut in [*sorted(cuts), len(op)]:
         while t < cut:
-            t = strokes(op, t, cut, state, (1.5, 1.5, 0.5), motion_of(*stem), position, t)
+            t = strokes(op, t, cut, state, (1.5, 1.5, 0.5), stem_motion(*stem), position, t)
             assert state[2] == 0 or t == cut  # at rest, or asked to stop
     np.testing.assert_array_equal(position, damped_stem(op, 1.5, 0.5, op[0] - 0.3, *stem))
 
@@ -84,9 +84,9 @@ def loop_whose_stem_rests_elsewhere_once(off=0.2):
     s, j = 4.0, 3.9  # it jumps, and never finds back by itself
     f_s, f_d = (s + j) / 2, (s - j) / 2
     position, state = np.empty(len(op)), stem_at(op[0], op[0])
-    rest = strokes(op, 0, len(op), state, (f_s, f_s, f_d), motion_of(*STEM), position, 300)
+    rest = strokes(op, 0, len(op), state, (f_s, f_s, f_d), stem_motion(*STEM), position, 300)
     state[0] -= off * s
-    strokes(op, rest, len(op), state, (f_s, f_s, f_d), motion_of(*STEM), position, len(op))
+    strokes(op, rest, len(op), state, (f_s, f_s, f_d), stem_motion(*STEM), position, len(op))
     answer = 2 * slow.first_order(position - position[0], 12.0)
     pv = 80 + np.concatenate([np.zeros(3), answer[:-3]]) + 0.02 * random.standard_normal(len(t))
     problem = pose(LoopWindow("FIC1", 0.0, 1.0, op, pv))

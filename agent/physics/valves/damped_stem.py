@@ -101,13 +101,13 @@ def damped_stem_by_direction(
     """
     position = np.empty(op.size)
     state = stem_at(x0, op[0])
-    stem = motion_of(damping, supply, rest)
+    stem = stem_motion(damping, supply, rest)
     strokes(op, 0, op.size, state, (f_s_up, f_s_down, f_d), stem, position, op.size)
     return position
 
 
 @kernel
-def motion_of(damping: float, supply: float, rest: float) -> Motion:
+def stem_motion(damping: float, supply: float, rest: float) -> Motion:
     """Return what ``strokes`` takes of a stem; ``damping`` and ``supply`` in samples."""
     if abs(supply - damping) < 1e-6 * damping:
         supply *= 1.0 + 1e-5
@@ -154,7 +154,7 @@ def strokes(
         end: Sample before which it ends.
         state: From ``stem_at``, or as the samples before left it; it is moved on, (5,).
         bands: Static friction upward and downward, kinetic friction, OP units.
-        stem: From ``motion_of``.
+        stem: From ``stem_motion``.
         position: Takes the positions at the end of each sample, OP units, (n,).
         until_rest_after: Ends where the stem comes to rest in this sample or a later one; ``end`` or more:
             it goes on to the end.

@@ -31,7 +31,7 @@ from agent.analysis.quantify.free_run.objective import (
 )
 from agent.analysis.quantify.free_run.problem import Problem
 from agent.jit import kernel
-from agent.physics.valves.damped_stem import Motion, motion_of, stem_at, strokes
+from agent.physics.valves.damped_stem import Motion, stem_at, stem_motion, strokes
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
@@ -130,7 +130,7 @@ def shoot(
     process = process_of(candidate, structure, block, problem.keep, m)
     track.response[: process.whole] = 0.0
     state = stem_at(valve.x0, problem.op[0])
-    motion = motion_of(valve.damping, valve.supply, valve.rest)
+    motion = stem_motion(valve.damping, valve.supply, valve.rest)
     t = move(valve, motion, problem, 0, n, state, track.position, block)
     memory = at_rest(track.position, block)
     begin = blocks_before(t, n, block)
