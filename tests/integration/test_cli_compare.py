@@ -89,7 +89,13 @@ MODEL = {
     "loop": "FIC7",
     "base": "fopdt",
     "effects": ["deadband"],
-    "parameters": {"delay": 1.0, "tau": 8.0, "deadband.s": 3.0, "deadband.start": 0.0},
+    "parameters": {
+        "delay": 1.0,
+        "tau": 8.0,
+        "deadband.s": 3.0,
+        "deadband.start": 0.0,
+        "deadband.damping": 0.1,
+    },
 }
 
 

@@ -17,6 +17,18 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 
+def lagged(command: FloatArray, tau: float, ts: float) -> FloatArray:
+    """Return what follows a command (n,) behind a lag of ``tau`` s, at the end of each sample of ``ts`` s.
+
+    Exact for a command that is held meanwhile; before the first sample all is at rest.
+    """
+    if tau <= 0.0:
+        return command
+    keep = math.exp(-ts / tau)
+    deviation = lfilter([1.0 - keep], [1.0, -keep], command - command[0])
+    return np.asarray(command[0] + deviation)
+
+
 @dataclass(frozen=True, slots=True)
 class ActuatorLag:
     """A first-order lag before the stem."""
@@ -31,10 +43,5 @@ class ActuatorLag:
         return (Parameter("tau", "s", 0.0, facts.period, null=0.0),)
 
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:
-        """Return where the actuator is at the end of each sample, exact for a command held meanwhile."""
-        tau = float(values[0])
-        if tau <= 0.0:
-            return position
-        keep = math.exp(-ts / tau)
-        deviation = lfilter([1.0 - keep], [1.0, -keep], position - position[0])
-        return np.asarray(position[0] + deviation)
+        """Return where the actuator is at the end of each sample."""
+        return lagged(position, float(values[0]), ts)

@@ -9,7 +9,8 @@ import numpy as np
 
 from agent.jit import kernel
 from agent.physics.effect import Facts, Parameter, Stage
-from agent.physics.effects.hysteresis import rest_before, start_of
+from agent.physics.effects.actuator_lag import lagged
+from agent.physics.effects.hysteresis import S_BY_LAW, motion_of, rest_before, start_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,7 +37,10 @@ def backlash(command: FloatArray, width: float, x0: float) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Deadband:
-    """Slack: a dead band without a slip jump."""
+    """Slack: a dead band without a slip jump, behind a stem that takes its time.
+
+    Without the stem's own lag each spike of OP would move the edges of the band, and S be told too wide.
+    """
 
     name: str = "deadband"
     family: str = "valve_hysteresis"
@@ -44,14 +48,21 @@ class Deadband:
     bases: tuple[str, ...] = ()
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return the width of the band and where the plug first moves."""
-        return Parameter("s", "OP", 0.0, facts.op_span, null=0.0), start_of(facts)
+        """Return the width of the band, where the plug first moves, and the lag of the stem before it."""
+        return (
+            Parameter("s", "OP", 0.0, facts.op_span, null=0.0, by_law=S_BY_LAW),
+            start_of(facts),
+            *motion_of(facts, ("damping",)),
+        )
 
-    def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
+    def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:
         """Return where the plug is."""
-        width, start = (float(value) for value in values)
-        return backlash(position, width, rest_before(float(position[0]), width / 2, width / 2, start))
+        width, start, damping = (float(value) for value in values)
+        if width == 0.0:
+            return position
+        stem = lagged(position, damping, ts)
+        return backlash(stem, width, rest_before(float(position[0]), width / 2, width / 2, start))
 
-    def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:  # noqa: ARG002
+    def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:
         """Return the values of a band as wide as S."""
-        return np.array([bands.s, start])
+        return np.array([bands.s, start, stem.damping * ts])

@@ -10,6 +10,8 @@ from agent.physics.effect import Facts, Parameter, ValveEffect
 from agent.physics.valves.damped_stem import DAMPING, REST, SUPPLY, DampedStem
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from agent.units import FrictionBands
@@ -59,15 +61,17 @@ def rest_before(op: float, f_s_up: float, f_s_down: float, start: float) -> floa
     return min(max(rest, op - f_s_up), op + f_s_down)
 
 
-def motion_of(facts: Facts) -> tuple[Parameter, ...]:
+def motion_of(facts: Facts, names: Sequence[str] = MOTION) -> tuple[Parameter, ...]:
     """How a stem moves once it slips: its damping, its supply of air, and where it comes to rest.
 
     Nobody knows them beforehand, and S and J that are searched with those of another stem are others.
+    ``names``: which of them.
     """
     ranges = zip(MOTION, ("s", "s", "1"), (DAMPING, SUPPLY, REST), (facts.ts, facts.ts, 1.0), strict=True)
     return tuple(
         Parameter(name, unit, low * scale, high * scale, log=True, natural=True)
         for name, unit, (low, high), scale in ranges
+        if name in names
     )
 
 

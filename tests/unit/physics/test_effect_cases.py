@@ -35,8 +35,17 @@ MOTION = motion_values(DampedStem(), 1.0)
 
 
 def test_a_dead_band_takes_its_width_from_every_stroke():
-    position = Deadband().apply(WAVE, np.array([6.0, 3.0]), 1.0)
+    position = Deadband().apply(WAVE, np.array([6.0, 3.0, 0.01]), 1.0)
     assert np.ptp(position[150:]) == pytest.approx(20 - 6, abs=0.02)
+
+
+def test_a_stem_that_takes_its_time_brings_less_of_a_spike_to_the_edges_of_its_slack():
+    spike = np.where(T == 300, 10.0, 0.0)
+    moved = [
+        np.ptp(Deadband().apply(50 + spike, np.array([6.0, 3.0, damping]), 1.0)) for damping in (0.01, 0.9)
+    ]
+    assert moved[0] == pytest.approx(10 - 3)
+    assert moved[1] == pytest.approx(10 * (1 - np.exp(-1 / 0.9)) - 3)
 
 
 def test_a_stem_that_cannot_slip_far_is_late_by_half_of_s_on_either_stroke():
@@ -195,7 +204,7 @@ def test_a_first_order_process_takes_up_another_gain_of_its_inflow_with_its_own_
 
 def test_the_stem_acts_behind_the_actuator_and_before_the_trim_however_they_were_added():
     chain = (RateLimit(), Deadband(), Characteristic())
-    values = {"rate_limit": [0.2], "deadband": [3.0, 1.0], "characteristic": [0.05]}
+    values = {"rate_limit": [0.2], "deadband": [3.0, 1.0, 0.2], "characteristic": [0.05]}
     position = WAVE
     for effect in chain:
         position = effect.apply(position, np.array(values[effect.name]), 1.0)

@@ -12,6 +12,8 @@ from agent.workbench.record import bare_record
 
 DELAY, TAU, GAIN, LEVEL = 4.0, 9.0, -1.5, 60.0
 S = 3.0
+STEM = 0.1
+"""Lag of the stem before the slack, s."""
 
 
 def moves(samples=800, seed=0):
@@ -35,4 +37,4 @@ def made(effects=(), values=(), noise=0.05, samples=800, seed=0, loop="made"):
 
 def slack(**options):
     """The same with a dead band of ``S``."""
-    return made((Deadband(),), (S, 0.0), **options)
+    return made((Deadband(),), (S, 0.0, STEM), **options)
