@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from agent.workbench.decision import judge
+from agent.workbench.evidence import far_likelier
 from agent.workbench.step import Verdict
 
 if TYPE_CHECKING:
@@ -45,10 +46,11 @@ def _add_both(bench: Workbench, decision: Decision) -> bool:
 
 
 def _drop_idle(bench: Workbench) -> None:
-    """Take out earlier effects that reduce the held-out error no more."""
+    """Take out earlier effects that reduce the held-out error no more, nor make the record far likelier."""
     for name in bench.step.effects[:-1]:
         bench.trials.tell(f"without {name}", 0, 1)
         rest = bench.trials.without(bench.step.fit, name)
         losses = {name: bench.step.held_out.losses}
-        if judge(rest.held_out.losses, losses, {name: bench.effect(name).family}).kind == "none":
+        idle = judge(rest.held_out.losses, losses, {name: bench.effect(name).family}).kind == "none"
+        if idle and not far_likelier(rest, bench.step, bench.record):
             bench.take(rest, dropped=name)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
-from agent.workbench.decision import LEAST_PERCENT, LEVEL, Decision, judge
-from agent.workbench.evidence import evidence_of, less_likely
-from agent.workbench.library import acts_on_op, happens_once
+from agent.workbench.decision import LEAST_PERCENT, Decision, judge
+from agent.workbench.doubts import Doubts
+from agent.workbench.evidence import evidence_of
+from agent.workbench.holm import LEVEL
+from agent.workbench.likeliest import is_strong, outdone, plain
 from agent.workbench.state_dependence import LEVEL as FOLLOWED
-from agent.workbench.state_dependence import resolves, state_dependence
+from agent.workbench.state_dependence import fails, state_dependence
 from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
@@ -44,7 +47,8 @@ def judged(
     """Judge effects by their held-out errors, and the winner by a simulated null as well.
 
     An effect must lower the error where it was fitted, too: what helps little there helps elsewhere by luck
-    of the smaller model's folds. And it must lower the innovations, as no answer to the disturbance does.
+    of the smaller model's folds. And it must lower the innovations, as no answer to the disturbance does,
+    by as much as any other does, and so plainly that nothing else is likely (``likeliest.py``).
 
     Args:
         smaller: The model without any of them.
@@ -52,66 +56,51 @@ def judged(
         record: What they were fitted to.
         null_p_of: How likely the effect of a fit seems to explain as much where it is not there.
     """
-    families = {name: each.fit.model.effects[-1].family for name, each in models.items()}
-    losses = {name: each.held_out.losses for name, each in models.items()}
+    found = {name: evidence_of(smaller, each, record, len(models)) for name, each in models.items()}
     enough = (1 - LEAST_PERCENT / 100) * smaller.fit.error
-    stopped = [name for name, each in models.items() if own_at_bound(each.fit)]
-    found = {
-        name: evidence_of(smaller.fit, each.fit, record, len(models))
-        for name, each in models.items()
-        if each.fit.error <= enough
-    }
-    null_p = {name: 1.0 for name in models if name not in found or not found[name].more}
-    chances = {name: each.by_chance for name, each in found.items()}
-    likelier = {name: each.criterion for name, each in found.items()}
-    once = {name for name, each in models.items() if happens_once(each.fit.model.effects[-1], record.facts)}
-    asked: set[str] = set()
-    while True:
-        decision = judge(
-            smaller.held_out.losses,
-            losses,
-            families,
-            null_p,
-            stopped,
-            by_chance=chances,
-            once=once,
-            likelier=likelier,
-        )
-        effect = decision.effect
-        if effect is None or (decision.kind == "suggested" and not decision.rivals):
-            break
-        new = [each for each in (effect, *decision.rivals) if each not in asked | null_p.keys()]
-        asked.update(new)
-        standing = {each for each in new if _stands_for_another(smaller, models[each], record)}
-        null_p.update(dict.fromkeys(standing, 1.0))
-        # Asked before rivals are compared: under a load that wanders the record may be likelier with what did
-        # not happen than with what did.
-        for each in once.intersection(new) - standing:
-            null_p[each] = null_p_of(models[each].fit)
-        if any(null_p.get(each, 0.0) >= LEVEL for each in new):
-            continue
-        unlikely = less_likely({each: found[each] for each in (effect, *decision.rivals)})
-        if unlikely:
-            null_p.update(dict.fromkeys(unlikely, 1.0))
-            continue
-        if decision.kind == "suggested" or effect in null_p:
-            break
-        null_p[effect] = null_p_of(models[effect].fit)
-    if decision.effect is not None and null_p.get(decision.effect, 0.0) >= LEVEL:
-        decision = replace(decision, kind="none", effect=None, family=None)
+    lowers = {name: found[name] for name, each in models.items() if each.fit.error <= enough}
+    null_p = {name: 1.0 for name in models if name not in lowers or not found[name].more}
+    clear: set[str] = set()
+    if smaller.predicts is not None:
+        null_p.update(dict.fromkeys(outdone(found), 1.0))
+        clear = {name for name in plain(found) - null_p.keys() if _is_complete(models[name])}
+    judge_by = partial(
+        judge,
+        smaller.held_out.losses,
+        {name: each.held_out.losses for name, each in models.items()},
+        {name: each.family for name, each in found.items()},
+        at_bound=[name for name, each in models.items() if own_at_bound(each.fit)],
+        by_chance={name: each.by_chance for name, each in lowers.items()},
+        once={name for name, each in found.items() if each.once},
+        likelier={name: each.criterion for name, each in lowers.items()},
+        clear=clear,
+    )
+    decision = _undoubted(judge_by, Doubts(smaller, models, found, null_p_of), null_p)
+    if decision.effect is not None and smaller.predicts is not None:
+        alike = [found[each] for each in (decision.effect, *decision.indistinguishable)]
+        if not is_strong(alike, len(models)):
+            decision = replace(decision, kind="suggested")
     return AllTried(decision, models)
 
 
-def _stands_for_another(smaller: Step, larger: Tried, record: Record) -> bool:
-    """Whether what made the smaller model fail is still there with the last effect of ``larger``.
+def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts, null_p: dict[str, float]) -> Decision:
+    """Return the decision that stands when all doubts of its effect and its rivals were asked."""
+    while True:
+        decision = judge_by(null_p=null_p)
+        effect = decision.effect
+        if effect is None:
+            return decision
+        beyond = decision.kind == "suggested" and not decision.rivals
+        new = {} if beyond else doubts.of(decision, null_p)
+        if not new:
+            doubted = null_p.get(effect, 0.0) >= LEVEL
+            return replace(decision, kind="none", effect=None, family=None) if doubted else decision
+        null_p.update(new)
 
-    A wave that goes on all the time is seen by itself, whatever else is missing.
-    """
-    effect = larger.fit.model.effects[-1]
-    of_op = acts_on_op(effect, record.facts) or happens_once(effect, record.facts)
-    if larger.predicts is None or not of_op:
-        return False
-    return not resolves(smaller.estimate.dependence, state_dependence(*larger.predicts))
+
+def _is_complete(larger: Tried) -> bool:
+    """Whether no axis tells any more that a model fails."""
+    return larger.predicts is not None and not fails(state_dependence(*larger.predicts))
 
 
 def own_at_bound(fitted: Fit) -> tuple[str, ...]:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from agent.workbench.holm import holm
+from agent.workbench.holm import LEVEL, holm
+from agent.workbench.likeliest import less_likely
 from agent.workbench.paired_blocks import reduction, sign_flip_p
 
 if TYPE_CHECKING:
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-LEVEL = 0.05
-"""Significant below it."""
 SUGGESTED = 0.2
 """Below it an effect is worth a look. Of 12 that are not there, none is in four records of five."""
 LEAST_PERCENT = 5.0
@@ -53,8 +52,8 @@ class Decision:
     """``family``: one of the family, it cannot be said which. ``suggested``: not significant, or no better
     than an effect of another family."""
     effect: str | None
-    """Of those that cannot be told apart the simplest of the best one's family, one with a parameter at a
-    bound last; None where there is none."""
+    """Of those that cannot be told apart the simplest of the best one's family, but one with which the record
+    is far less likely, or with a parameter at a bound, last; None where there is none."""
     family: str | None
     indistinguishable: tuple[str, ...]
     """The others that cannot be told from the best."""
@@ -75,6 +74,7 @@ def judge(
     by_chance: Mapping[str, float] | None = None,
     once: Collection[str] = (),
     likelier: Mapping[str, float] | None = None,
+    clear: Collection[str] = (),
     rng: np.random.Generator | None = None,
 ) -> Decision:
     """Judge candidates by their held-out errors.
@@ -99,6 +99,8 @@ def judge(
         once: Candidates of what happened once. Refits know when, so that their blocks are not blind: p of
             their signs does not count, only ``by_chance``.
         likelier: How much likelier the record is with a candidate (``Evidence.criterion``).
+        clear: Candidates that the innovations tell so plainly that the interval may hold zero: what acts in a
+            few strokes leaves it wide.
         rng: Of the bootstrap; None: always the same draws.
     """
     draws = np.random.default_rng(0) if rng is None else rng
@@ -116,7 +118,11 @@ def judge(
         p_all = max(adjusted[effect], (null_p or {}).get(effect, 0.0))
         ranked.append(Candidate(effect, families[effect], found.percent, found.low, found.high, p_all))
     ranked.sort(key=lambda each: -each.error_reduction_percent)
-    large = [each for each in ranked if _is_large(each.error_reduction_percent, each.low)]
+    large = [
+        each
+        for each in ranked
+        if _is_large(each.error_reduction_percent, np.inf if each.effect in clear else each.low)
+    ]
     confirmed = [each for each in large if each.p < LEVEL]
     if confirmed:
         best = confirmed[0]
@@ -128,8 +134,11 @@ def judge(
             if likely.get(each.effect, -np.inf) >= likely.get(best.effect, np.inf)
             or not _told_apart(least, own[each.effect], draws)
         }
-        inside = [effect for effect in own if effect in alike and effect not in at_bound]
-        outside = [effect for effect in own if effect in alike and effect in at_bound]
+        kin = {each for each in alike & likely.keys() if families[each] == best.family}
+        poor = less_likely({each: likely[each] for each in kin})
+        ordered = sorted((effect for effect in own if effect in alike), key=poor.__contains__)
+        inside = [effect for effect in ordered if effect not in at_bound]
+        outside = [effect for effect in ordered if effect in at_bound]
         if inside and best.effect in at_bound:
             best = next(each for each in confirmed if each.effect in inside)
         decided = _of_set(best, inside + outside, families, tuple(ranked))

@@ -11,16 +11,15 @@ import numpy as np
 from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import by_chance, innovations, likelihood_ratio, tells_more
 from agent.workbench.library import acts_on_op, happens_once
-from agent.workbench.prediction_error import least_innovations
+from agent.workbench.likeliest import VERY_STRONG
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from agent.workbench.fit import Fit
+    from agent.workbench.innovations import Innovations
     from agent.workbench.record import Record
+    from agent.workbench.step import Step
+    from agent.workbench.trial import Tried
 
-VERY_STRONG = 10.0
-"""Evidence for one of two models, twice a logarithm (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773)."""
+    Model = Step | Tried
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,42 +30,67 @@ class Evidence:
     """Whether it explains more than what OP knows of the disturbance."""
     by_chance: float
     """How likely they fall as far where nothing is missing."""
-    criterion: float = 0.0
+    criterion: float
     """How much likelier the record is with it: Schwarz's criterion, twice a logarithm."""
+    family: str
+    """Of the effect."""
+    answers: bool
+    """Whether it acts on OP, so that it can answer to whatever OP answers to."""
+    once: bool
+    """Whether it happened at an instant."""
 
 
-def evidence_of(smaller: Fit, larger: Fit, record: Record, candidates: int) -> Evidence:
-    """Return what the innovations say of the last effect.
+def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) -> Evidence:
+    """Return what the innovations say of the last effect, each model where it predicts best.
 
-    A disturbance of its own time knows nothing of OP, so it need only be no worse.
+    At the values of the free run the larger model may be the one that answers to the disturbance, and the
+    true effect not yet what it is. A disturbance of its own time knows nothing of OP, so it need only be no
+    worse.
+
+    Args:
+        smaller: The model without the effect.
+        larger: The model with it.
+        record: What they were fitted to.
+        candidates: How many effects were tried on the smaller one.
     """
-    effect = larger.model.effects[-1]
-    answers = acts_on_op(effect, record.facts)
-    base = smaller.model.base
-    raw = [innovations(residual_of(each, record)) for each in (smaller, larger)]
-    least = raw
-    if base.linear:
-        count = len(base.parameters(record.facts))
-        starts = [each.values[:count] for each in (smaller, larger)]
-        least = [least_innovations(each, record, starts) for each in (smaller, larger)]
-    before, after = least if answers else raw
-    if before is None or after is None or least[0] is None or least[1] is None:
-        return Evidence(more=True, by_chance=1.0)
-    searched = len(larger.values) - len(smaller.values)
-    solved = len(larger.coefficients) - len(smaller.coefficients)
-    count = int(np.count_nonzero(np.isfinite(least[0].values)))
-    likelier = likelihood_ratio(least[0], least[1]) - (searched + solved) * math.log(count)
+    effect = larger.fit.model.effects[-1]
+    answers, once = acts_on_op(effect, record.facts), happens_once(effect, record.facts)
+    before, after = (_least_innovations(each, record) for each in (smaller, larger))
+    if before is None or after is None:
+        return Evidence(True, 1.0, 0.0, effect.family, answers, once)
+    searched = len(larger.fit.values) - len(smaller.fit.values)
+    added = _numbers(larger) - _numbers(smaller)
     chance = 1.0
-    if base.linear and (answers or happens_once(effect, record.facts)):
+    if larger.fit.model.base.linear and (answers or once):
         # What goes on all the time, as a wave does, is in every block: there their signs tell.
         # Each instant is searched over the whole record.
         instants = sum(each.instant for each in effect.parameters(record.facts))
         tries = candidates * SCAN ** max(1, instants)
-        chance = by_chance(least[0], least[1], searched + solved, tries)
-    return Evidence(tells_more(before, after, searched if answers else 0), chance, likelier)
+        chance = by_chance(before, after, added, tries)
+    more = tells_more(before, after, searched if answers else 0)
+    criterion = _criterion(before, after, added)
+    return Evidence(more, chance, criterion, effect.family, answers, once)
 
 
-def less_likely(rivals: Mapping[str, Evidence]) -> list[str]:
-    """Return those with which the record is far less likely than with the best of them."""
-    best = max(each.criterion for each in rivals.values())
-    return [name for name, each in rivals.items() if best - each.criterion > VERY_STRONG]
+def far_likelier(smaller: Model, larger: Model, record: Record) -> bool:
+    """Return whether the record is very much likelier with a larger model, each where it predicts best."""
+    before, after = (_least_innovations(each, record) for each in (smaller, larger))
+    if before is None or after is None:
+        return False
+    return _criterion(before, after, _numbers(larger) - _numbers(smaller)) > VERY_STRONG
+
+
+def _criterion(before: Innovations, after: Innovations, added: int) -> float:
+    count = np.count_nonzero(np.isfinite(before.values))
+    return likelihood_ratio(before, after) - added * math.log(count)
+
+
+def _numbers(model: Model) -> int:
+    return len(model.fit.values) + len(model.fit.coefficients)
+
+
+def _least_innovations(model: Model, record: Record) -> Innovations | None:
+    if model.predicts is None:
+        return innovations(residual_of(model.fit, record))
+    predicts, best = model.predicts
+    return innovations(residual_of(predicts.fit(best), record), longest=True)

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
+LEVEL = 0.05
+"""Significant below it."""
+
 
 def holm(p: FloatArray) -> FloatArray:
     """Return adjusted p-values (m,): those below a level may be rejected together at that level.

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.decision import LEAST_PERCENT, LEVEL
+from agent.workbench.decision import LEAST_PERCENT
+from agent.workbench.holm import LEVEL
 from agent.workbench.paired_blocks import reduction, sign_flip_p
 
 if TYPE_CHECKING:

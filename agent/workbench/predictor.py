@@ -133,12 +133,15 @@ class Predictor:
         return solved, self.pv - white @ solved
 
 
-def predictor(fitted: Fit, record: Record) -> tuple[Predictor, FloatArray] | None:
+def predictor(
+    fitted: Fit, record: Record, smaller: tuple[Predictor, FloatArray] | None = None
+) -> tuple[Predictor, FloatArray] | None:
     """Return the predictions of a model with a linear base, and the point where they are best.
 
     Args:
         fitted: In free run; the search begins there.
         record: What it was fitted to.
+        smaller: The same of the model without the last effect; None where there is none.
 
     Returns:
         None where the residual has too few samples in a row.
@@ -156,19 +159,37 @@ def predictor(fitted: Fit, record: Record) -> tuple[Predictor, FloatArray] | Non
     # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
     for looks, at in ((first, start), found):
         other = _elsewhere(looks, at)
-        if other is not None and other[0].variance(other[1]) < found[0].variance(found[1]):
+        if other is not None and _variance(other) < _variance(found):
+            found = other
+    if smaller is not None and _variance(smaller) < _variance(found):
+        # More cannot predict worse but where the search has missed it.
+        begin = np.concatenate((smaller[1], found[1][len(smaller[1]) :]))
+        other = _sought(found[0], _scanned(found[0], begin))
+        if other is not None and _variance(other) < _variance(found):
             found = other
     return found
 
 
+def _variance(found: tuple[Predictor, FloatArray]) -> float:
+    return found[0].variance(found[1])
+
+
 def _elsewhere(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
     """Return where the predictions are best in another valley, if one is deeper; None where none is."""
+    scanned = _scanned(predicts, at)
+    deeper = predicts.error(scanned) < (1 - CLEARLY) * predicts.error(at)
+    return _sought(predicts, scanned) if deeper else None
+
+
+def _scanned(predicts: Predictor, at: FloatArray) -> FloatArray:
     objective = predicts.objective
-    scanned = searched(whitened(objective, predicts.noise), _spread(objective, at), ROUNDS)
-    if predicts.error(scanned) >= (1 - CLEARLY) * predicts.error(at):
-        return None
-    there = _predictor(objective, predicts.free_run(scanned))
-    return None if there is None else _settled(there, scanned)
+    return searched(whitened(objective, predicts.noise), _spread(objective, at), ROUNDS)
+
+
+def _sought(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
+    """Return the point near ``at`` where the predictions are best, behind the autoregression of ``at``."""
+    there = _predictor(predicts.objective, predicts.free_run(at))
+    return None if there is None else _settled(there, at)
 
 
 def _settled(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:

@@ -78,17 +78,22 @@ def state_dependence(predicts: Predictor, best: FloatArray) -> dict[str, Depende
     return {axis: replace(each, p=min(1.0, len(found) * each.p)) for axis, each in found.items()}
 
 
+def fails(found: Mapping[str, Dependence]) -> bool:
+    """Return whether any axis tells that a model fails."""
+    return any(DOUBTED * each.p < LEVEL for each in found.values())
+
+
 def resolves(before: Mapping[str, Dependence], after: Mapping[str, Dependence]) -> bool:
     """Return whether a larger model takes away most of what tells that the smaller one fails.
 
-    Where it does not, what was added stands for something else: it explains a part of what that does.
+    Where it does not, on the same axis or another, what was added stands for something else: it explains a
+    part of what that does.
     """
     if not before or not after:
         return True
-    axis = max(before, key=lambda each: before[each].excess)
-    if DOUBTED * before[axis].p >= LEVEL or DOUBTED * after[axis].p >= LEVEL:
-        return True
-    return after[axis].excess < MOST_LEFT * before[axis].excess
+    most = max(before.values(), key=lambda each: each.excess)
+    left = max((each.excess for each in after.values() if DOUBTED * each.p < LEVEL), default=0.0)
+    return DOUBTED * most.p >= LEVEL or left < MOST_LEFT * most.excess
 
 
 def _known(predicts: Predictor, best: FloatArray) -> FloatArray:

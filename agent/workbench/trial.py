@@ -40,6 +40,8 @@ class Trial:
     effect: Effect
     record: Record
     folds: Folds
+    predicts: tuple[Predictor, FloatArray] | None = None
+    """Where the smaller model predicts best; None where that cannot be asked."""
     valves: tuple[ValveStart, ...] = ()
     """That the quantifier found, to start from."""
     instants: FloatArray | None = None
@@ -71,12 +73,18 @@ def screened(trial: Trial) -> Screen:
 def tried(trial: Trial) -> Tried:
     """Fit the model with the effect, and predict each fold."""
     screen = trial.screen or screened(trial)
-    return predicted(fit_from(_larger(trial), trial.record, screen.points), trial.record, trial.folds)
+    fitted = fit_from(_larger(trial), trial.record, screen.points)
+    return predicted(fitted, trial.record, trial.folds, trial.predicts)
 
 
-def predicted(fitted: Fit, record: Record, folds: Folds) -> Tried:
-    """Return a fit with its held-out error."""
-    found = predictor(fitted, record) if fitted.model.base.linear else None
+def predicted(
+    fitted: Fit, record: Record, folds: Folds, smaller: tuple[Predictor, FloatArray] | None = None
+) -> Tried:
+    """Return a fit with its held-out error.
+
+    ``smaller``: where the model without the last effect predicts best, if there is one.
+    """
+    found = predictor(fitted, record, smaller) if fitted.model.base.linear else None
     if found is None:
         return Tried(fitted, held_out(fitted, record, folds), None)
     predicts, best = found[0], largest_first(*found)

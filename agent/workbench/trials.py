@@ -10,9 +10,10 @@ import numpy as np
 
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.candidates import AllTried, judged
-from agent.workbench.decision import LEVEL, judge
+from agent.workbench.decision import judge
 from agent.workbench.event_scan import instant_p, instants_seen
 from agent.workbench.fit import fit
+from agent.workbench.holm import LEVEL
 from agent.workbench.library import happens_once, missing
 from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
 from agent.workbench.simulated_null import simulated_null_p
@@ -87,15 +88,13 @@ class Trials:
         """
         self.tell(f"{name} and {rival.name}", 0, 1)
         alone = found.models[name], found.models[rival.name]
-        larger = tried(Trial(alone[0].fit, rival, self.record, self.folds, self._valves or ()))
+        larger = tried(self._trial(alone[0], rival))
         for each in alone:
             decision = judge(each.held_out.losses, {"both": larger.held_out.losses}, {"both": "both"})
             if decision.kind != "confirmed":
                 return None
         # The null is one of the last effect, so the model is turned round for the other.
-        turned = tried(
-            Trial(alone[1].fit, alone[0].fit.model.effects[-1], self.record, self.folds, self._valves or ())
-        )
+        turned = tried(self._trial(alone[1], alone[0].fit.model.effects[-1]))
         pairs = ((alone[0], larger.fit), (alone[1], turned.fit))
         return larger if all(self.null_p(*pair) < LEVEL for pair in pairs) else None
 
@@ -117,6 +116,9 @@ class Trials:
         """Return a fit with its held-out error."""
         return predicted(fitted, self.record, self.folds)
 
+    def _trial(self, smaller: Step | Tried, effect: Effect) -> Trial:
+        return Trial(smaller.fit, effect, self.record, self.folds, smaller.predicts, self._valves or ())
+
     def _instants(self, smaller: Step, effect: Effect) -> FloatArray | None:
         if smaller.predicts is None or not happens_once(effect, self.record.facts):
             return None
@@ -129,10 +131,7 @@ class Trials:
             self._valves = valve_starts(self.window)
         self.tell("a quick look at each", 0, len(effects))
         trials = [
-            Trial(
-                smaller.fit, each, self.record, self.folds, self._valves or (), self._instants(smaller, each)
-            )
-            for each in effects
+            replace(self._trial(smaller, each), instants=self._instants(smaller, each)) for each in effects
         ]
         ordered = sorted(zip(self.run(screened, trials), trials, strict=True), key=lambda pair: pair[0].error)
         names = [each.effect.name for _, each in ordered]

@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, tidy
-from agent.workbench.decision import LEAST_PERCENT, LEVEL
+from agent.workbench.decision import LEAST_PERCENT
+from agent.workbench.holm import LEVEL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -62,6 +62,26 @@ def test_an_effect_with_which_the_record_is_likelier_is_not_told_from_the_best()
     assert (found.kind, found.effect, found.indistinguishable) == ("family", "deadband", ("stiction",))
 
 
+def test_of_two_alike_the_far_likelier_is_named():
+    base = base_losses(np.random.default_rng(4))
+    best = less(np.random.default_rng(5), base, 60)
+    losses = {"deadband": less(np.random.default_rng(6), best, 0, 0.02), "stiction": best}
+    for ahead, named in ((9.0, "deadband"), (11.0, "stiction")):
+        found = judged(base, losses, likelier={"deadband": 90.0, "stiction": 90.0 + ahead})
+        other = ({"deadband", "stiction"} - {named}).pop()
+        assert (found.kind, found.effect, found.indistinguishable) == ("family", named, (other,))
+
+
+def test_what_is_clear_needs_no_interval_but_must_lower_the_error():
+    base = np.ones(14)
+    losses = {"stiction": np.where(np.arange(14) < 2, 0.2, 1.02)}
+    sure = {"by_chance": {"stiction": 1e-6}}
+    assert judged(base, losses, **sure).candidates[0].low <= 0
+    assert judged(base, losses, **sure).kind == "none"
+    assert judged(base, losses, clear=["stiction"], **sure).kind == "confirmed"
+    assert judged(base, {"stiction": 0.97 * base}, clear=["stiction"], **sure).kind == "none"
+
+
 def test_models_that_are_alike_have_p_one_and_no_reduction():
     base = base_losses(np.random.default_rng(0))
     assert sign_flip_p(base, base) == 1.0

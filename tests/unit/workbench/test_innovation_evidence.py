@@ -10,9 +10,13 @@ from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.load_step import LoadStep
 from agent.physics.loop_model import LoopModel
-from agent.workbench.evidence import VERY_STRONG, Evidence, evidence_of, less_likely
+from agent.workbench.evidence import evidence_of
 from agent.workbench.fit import fit, nested_fit
+from agent.workbench.folds import HeldOut
+from agent.workbench.likeliest import less_likely
+from agent.workbench.predictor import predictor
 from agent.workbench.record import bare_record
+from agent.workbench.trial import Tried
 
 CANDIDATES = 14
 
@@ -23,11 +27,22 @@ def changed():
     op, pv = loop(1, slack=0.0)
     more = answered_more(op, np.arange(N) > 1000)
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv + more))
-    return fit(LoopModel(Fopdt()), record, record.weight), record
+    return model_on(record), record
+
+
+def model_on(record):
+    base = fit(LoopModel(Fopdt()), record, record.weight)
+    return Tried(base, blank(base), predictor(base, record))
+
+
+def blank(model):
+    return HeldOut(np.zeros(0), np.zeros((0, 2)), model.pv)
 
 
 def evidence(effect, base, record):
-    return evidence_of(base, nested_fit(base, LoopModel(Fopdt(), (effect,)), record), record, CANDIDATES)
+    model = nested_fit(base.fit, LoopModel(Fopdt(), (effect,)), record)
+    larger = Tried(model, blank(model), predictor(model, record, base.predicts))
+    return evidence_of(base, larger, record, CANDIDATES)
 
 
 def test_it_is_for_what_changed_and_not_for_what_stands_in_for_it(changed):
@@ -35,18 +50,12 @@ def test_it_is_for_what_changed_and_not_for_what_stands_in_for_it(changed):
     assert found["gain_change"].more
     assert found["gain_change"].by_chance < 1e-10
     assert not found["deadband"].more
-    assert "gain_change" not in less_likely(found)
-    assert "load_step" in less_likely(found)
+    unlikely = less_likely({name: each.criterion for name, each in found.items()})
+    assert "gain_change" not in unlikely
+    assert "load_step" in unlikely
 
 
 def test_a_step_of_a_loop_without_one_is_chance():
     op, pv = loop(2, slack=0.0)
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
-    base = fit(LoopModel(Fopdt()), record, record.weight)
-    assert evidence(LoadStep(), base, record).by_chance > 0.05
-
-
-def test_the_likelier_of_two_stays_and_equals_stay_both():
-    often, seldom = Evidence(True, 0.0, 50.0), Evidence(True, 0.0, 49.0 - VERY_STRONG)
-    assert less_likely({"a": often, "b": seldom}) == ["b"]
-    assert less_likely({"a": often, "b": often}) == []
+    assert evidence(LoadStep(), model_on(record), record).by_chance > 0.05

@@ -57,6 +57,13 @@ def test_slack_shows_in_the_travel_and_is_gone_once_it_is_modelled(seed, plaines
     assert resolves(modelled, found)  # it did not fail: there was nothing to take away
 
 
+def test_what_is_left_on_another_axis_is_not_resolved():
+    before = {"op_level": Dependence(1e-9, 1.0), "time": Dependence(1e-6, 0.7)}
+    for excess, p, resolved in ((0.5, 1e-6, False), (0.3, 1e-6, True), (0.5, LEVEL / DOUBTED, True)):
+        after = {"op_level": Dependence(1.0, 0.0), "time": Dependence(p, excess)}
+        assert resolves(before, after) == resolved
+
+
 @pytest.mark.parametrize(
     ("axis", "part"),
     [("time", lambda _: np.arange(N) > 1000), ("op_level", lambda op: op > 2)],

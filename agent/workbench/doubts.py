@@ -1,0 +1,69 @@
+"""What speaks against an effect that would be confirmed; asked only then, for some of it takes long."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from agent.workbench.holm import LEVEL
+from agent.workbench.likeliest import less_likely
+from agent.workbench.state_dependence import resolves, state_dependence
+
+if TYPE_CHECKING:
+    from agent.workbench.decision import Decision
+    from agent.workbench.evidence import Evidence
+    from agent.workbench.fit import Fit
+    from agent.workbench.step import Step
+    from agent.workbench.trial import Tried
+
+
+@dataclass(slots=True)
+class Doubts:
+    """Of the candidates on top of one model."""
+
+    smaller: Step
+    models: Mapping[str, Tried]
+    """By the effect that was added, like ``found``."""
+    found: Mapping[str, Evidence]
+    null_p_of: Callable[[Fit], float]
+    """How likely the effect of a fit seems to explain as much where it is not there."""
+    _asked: set[str] = field(default_factory=set)
+
+    def of(self, decision: Decision, null_p: Mapping[str, float]) -> dict[str, float]:
+        """Return p that a decision's effect or a rival is not there; 1 where something speaks against it.
+
+        Args:
+            decision: With an effect.
+            null_p: What was returned before.
+
+        Returns:
+            Only what is new; empty where no doubt is left to be asked.
+        """
+        effect = str(decision.effect)
+        rivals = (effect, *decision.rivals)
+        new = [each for each in rivals if each not in self._asked | null_p.keys()]
+        self._asked.update(new)
+        doubts = {each: 1.0 for each in new if self._stands_for_another(each)}
+        # Asked before rivals are compared: under a load that wanders the record may be likelier with what did
+        # not happen than with what did.
+        once = [each for each in new if self.found[each].once and each not in doubts]
+        doubts.update({each: self.null_p_of(self.models[each].fit) for each in once})
+        if any(p >= LEVEL for p in doubts.values()):
+            return doubts
+        unlikely = less_likely({each: self.found[each].criterion for each in rivals})
+        if unlikely:
+            return doubts | dict.fromkeys(unlikely, 1.0)
+        if decision.kind != "suggested" and effect not in null_p.keys() | doubts.keys():
+            doubts[effect] = self.null_p_of(self.models[effect].fit)
+        return doubts
+
+    def _stands_for_another(self, name: str) -> bool:
+        """Whether what made the smaller model fail is still there with an effect.
+
+        A wave that goes on all the time is seen by itself, whatever else is missing.
+        """
+        evidence, predicts = self.found[name], self.models[name].predicts
+        if predicts is None or not (evidence.answers or evidence.once):
+            return False
+        return not resolves(self.smaller.estimate.dependence, state_dependence(*predicts))
