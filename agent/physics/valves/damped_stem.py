@@ -29,8 +29,9 @@ SUPPLY = (0.02, 0.5)
 """Range of that of the air to the actuator, samples."""
 REST = (3e-4, 0.3)
 """Range of the force over f_D at which a stem stops, over f_S - f_D."""
-BISECTIONS = 5
-"""Halvings in the search of the moment of rest: a 32th of a sample."""
+SQUARINGS = 5
+PART = 2.0**-SQUARINGS
+"""Of a sample, to which the moment of rest is found."""
 AT_ONCE = 0.05
 """Damping and supply together, samples, below which a slip begins and ends within the sample."""
 MEMORY = 6
@@ -52,6 +53,10 @@ class Motion(NamedTuple):
     """What is left of a step of OP after a sample."""
     feeds: float
     """Damping over supply less damping."""
+    part_slows: float
+    """What is left of a way after a part of a sample."""
+    part_fills: float
+    """What is left of a step of OP after it."""
     at_once: bool
     """Whether a slip ends within the sample."""
 
@@ -118,6 +123,8 @@ def stem_motion(damping: float, supply: float, rest: float) -> Motion:
         damping_keeps=math.exp(-1.0 / damping),
         supply_keeps=math.exp(-1.0 / supply),
         feeds=damping / (supply - damping),
+        part_slows=math.exp(-PART / damping),
+        part_fills=math.exp(-PART / supply),
         at_once=damping + supply < AT_ONCE,
     )
 
@@ -179,17 +186,13 @@ def strokes(
             t += 1
             continue
         if direction == 0.0:
-            force = op[t]
-            for past in range(t - 1, max(t - MEMORY, 0) - 1, -1):
-                if not math.isnan(op[past]):
-                    force = op[past]
-            for past in range(max(t - MEMORY, 0), t):
-                if not math.isnan(op[past]):
-                    force = op[past] + (force - op[past]) * supply_keeps
+            force = settled_force(op, t, supply_keeps)
         before = force
         force = op[t] + (before - op[t]) * supply_keeps
-        way = 0.0  # to go at the start of motion in this sample
-        moves_from = 0.0  # moment when it starts, samples
+        # From when it moves: the force, the way to go, and what is left of way and step at the sample's end.
+        begins, way = before, 0.0
+        free, fed = damping_keeps, supply_keeps
+        part_slows, part_fills = stem.part_slows, stem.part_fills
         if direction == 0.0:
             if force - x > f_s_up or x - force > f_s_down:
                 direction = 1.0 if force > x else -1.0
@@ -201,8 +204,15 @@ def strokes(
                 if at_once or step <= over:
                     way = direction * (before - x) - f_d
                 else:
-                    moves_from = supply * math.log(step / over)
-                    way = jump
+                    # It breaks away when the force, exponentially on its way to OP, passes x + f_S.
+                    begins, way = x + direction * f_s, jump
+                    fed = supply_keeps * step / over
+                    moves = 1.0 - supply * math.log(step / over)
+                    part_slows = math.exp(-moves / damping * PART)
+                    part_fills = math.exp(-moves / supply * PART)
+                    free = part_slows
+                    for _ in range(SQUARINGS):
+                        free *= free
         else:
             way = direction * (before - x) - f_d
             if way <= stop and direction * (force - x) - f_d <= stop:
@@ -210,14 +220,6 @@ def strokes(
                 comes_to_rest = True
         if direction != 0.0:
             # The way left obeys w' = -w / damping + the rise of the actuator's force.
-            begins = before
-            free = damping_keeps
-            fed = supply_keeps
-            if moves_from > 0.0:
-                still = 1.0 - moves_from
-                begins = op[t] + (before - op[t]) * math.exp(-moves_from / supply)
-                free = math.exp(-still / damping)
-                fed = math.exp(-still / supply)
             forced = direction * (op[t] - begins) * feeds
             left = (way - forced) * free + forced * fed
             if left > stop:
@@ -225,16 +227,8 @@ def strokes(
             else:
                 reached = force - direction * (f_d + stop)
                 if not at_once:
-                    # exp(-t / damping) and exp(-t / supply) halfway are the roots of those of the whole.
-                    slows = 1.0
-                    fills = 1.0
-                    for _ in range(BISECTIONS):
-                        free = math.sqrt(free)
-                        fed = math.sqrt(fed)
-                        if (way - forced) * slows * free + forced * fills * fed > stop:
-                            slows *= free
-                            fills *= fed
-                    reached += (begins - op[t]) * fills * fed - (force - op[t])
+                    fills = filled_at_rest(way - forced, forced, stop, part_slows, part_fills)
+                    reached += (begins - op[t]) * fills - (force - op[t])
                 if direction * (reached - x) > 0.0:
                     x = reached
                 direction = 0.0
@@ -245,6 +239,53 @@ def strokes(
             break
     state[0], state[1], state[2], state[3], state[4] = x, force, direction, jump, stop
     return t
+
+
+@kernel
+def settled_force(op: NDArray[np.float64], t: int, supply_keeps: float) -> float:
+    """Return the force before sample t of an actuator that forgets what OP (n,) was ``MEMORY`` samples ago."""
+    first = max(t - MEMORY, 0)
+    while first < t and math.isnan(op[first]):
+        first += 1
+    if first == t:
+        return float(op[t])
+    force = op[first]
+    passes = 1.0 - supply_keeps
+    for past in range(first + 1, t):
+        if not math.isnan(op[past]):
+            force = supply_keeps * force + passes * op[past]
+    return float(force)
+
+
+@kernel
+def filled_at_rest(own: float, forced: float, stop: float, part_slows: float, part_fills: float) -> float:
+    """Return what is left of a step of OP when a stem comes to rest, by bisection.
+
+    Args:
+        own: Way to go at the start that only slows down, OP units.
+        forced: Way that the rise of the force adds, OP units.
+        stop: Way at which the stem rests, OP units.
+        part_slows: What is left of ``own`` after a part of the time in which it moves.
+        part_fills: What is left of ``forced`` then.
+    """
+    # What is left after a half, a quarter and so on of the time: squares, for a root takes five times as long.
+    slows_2, fills_2 = part_slows * part_slows, part_fills * part_fills
+    slows_4, fills_4 = slows_2 * slows_2, fills_2 * fills_2
+    slows_8, fills_8 = slows_4 * slows_4, fills_4 * fills_4
+    slows_16, fills_16 = slows_8 * slows_8, fills_8 * fills_8
+    filled = 1.0
+    for slows, fills in (
+        (slows_16, fills_16),
+        (slows_8, fills_8),
+        (slows_4, fills_4),
+        (slows_2, fills_2),
+        (part_slows, part_fills),
+    ):
+        slower, fuller = own * slows, filled * fills
+        moves_on = slower + forced * fuller > stop
+        own = slower if moves_on else own
+        filled = fuller if moves_on else filled
+    return filled * part_fills
 
 
 @dataclass(frozen=True, slots=True)
