@@ -70,6 +70,22 @@ def before_compilation(tell: Callable[[], None]) -> None:
     event.register("numba:compile", _BeforeCompilation(tell))
 
 
+def inlined_kernel(function: F) -> F:
+    """Compile ``function`` like ``kernel``, a copy of it within each kernel that calls it.
+
+    For what is called for few samples at a time: handing over its arrays would take as long as its work.
+    """
+    return cast("F", numba.njit(cache=True, nogil=True, inline="always")(function))
+
+
+def fused_kernel(function: F) -> F:
+    """Compile ``function`` like ``kernel``, and let a product and a sum become one instruction.
+
+    For filters, in which each step waits for the one before. It rounds once instead of twice.
+    """
+    return cast("F", numba.njit(cache=True, nogil=True, fastmath={"contract"})(function))
+
+
 def summing_kernel(function: F) -> F:
     """Compile ``function`` like ``kernel``, and let the compiler reorder sums to add several at once.
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agent.analysis.quantify.free_run.problem import Problem, to_blocks
-from agent.jit import kernel, summing_kernel
+from agent.jit import fused_kernel, inlined_kernel, kernel, summing_kernel
 from agent.physics.valves.damped_stem import DAMPING, REST, SUPPLY, damped_stem
 
 if TYPE_CHECKING:
@@ -79,19 +79,23 @@ def valve_position(candidate: FloatArray, problem: Problem) -> FloatArray:
 
 
 class Process(NamedTuple):
-    """High pass, process of gain one and delay, in blocks."""
+    """High pass, process of gain one and delay, in blocks.
+
+    Its filters have no gains of their own, so that each waits for one product and sum a block.
+    """
 
     pole: float
     pole2: float
-    in_gain: float
     keep: float
     """Pole of the high-pass filter."""
     block: int
     """Samples in a block."""
     whole: int
-    """Blocks of the delay,"""
-    part: float
-    """and the fraction that is left, interpolated."""
+    """Blocks of the delay; the fraction that is left is interpolated,"""
+    now: float
+    """with the gain of all filters times the part of this block,"""
+    then: float
+    """and that of the block before."""
 
 
 @kernel
@@ -105,49 +109,64 @@ def process_of(candidate: FloatArray, structure: int, block: int, keep: float, m
     pole2 = 0.0
     if structure == SOPDT:
         pole2 = math.exp(-block / math.exp(max(AT_ONCE, min(candidate[LOG_TAU2], candidate[LOG_TAU]))))
-    in_gain *= 1.0 - pole2
     # A block of PV lies (block - 1) / 2 samples after its first, a block's response at its end.
     lag = to_blocks(candidate[DELAY], block)
-    return Process(pole, pole2, in_gain, keep, block, min(int(lag), m), lag - int(lag))
+    gain = in_gain * (1.0 - pole2) * keep
+    then = gain * (lag - int(lag))
+    return Process(pole, pole2, keep, block, min(int(lag), m), gain - then, then)
+
+
+class Memory(NamedTuple):
+    """Where the filters stand; no array, for it would be read before it is written, at every shot."""
+
+    passed: float
+    """Position high-passed."""
+    former: float
+    """Mean of the block before."""
+    first: float
+    second: float
+    """Both lags; like ``passed`` less their gains."""
+
+
+@inlined_kernel
+def block_mean(position: FloatArray, b: int, block: int) -> float:
+    """Return the mean of one block of the position (n,)."""
+    mean = position[b]
+    if block > 1:
+        mean = 0.0
+        for t in range(b * block, (b + 1) * block):
+            mean += position[t]
+        mean /= block
+    return float(mean)
 
 
 @kernel
-def at_rest(position: FloatArray, block: int) -> FloatArray:
-    """Return the memory of a process in balance with the first block, (4,).
-
-    Position high-passed, the block's mean, and the two lags.
-    """
-    memory = np.zeros(4)
-    memory[1] = position[0] if block == 1 else position[:block].mean()
-    return memory
+def at_rest(position: FloatArray, block: int) -> Memory:
+    """Return the memory of a process in balance with the first block of the position (n,)."""
+    return Memory(0.0, block_mean(position, 0, block), 0.0, 0.0)
 
 
-@summing_kernel
+@fused_kernel
 def respond(
-    position: FloatArray, begin: int, end: int, process: Process, memory: FloatArray, response: FloatArray
-) -> None:
+    position: FloatArray, begin: int, end: int, process: Process, memory: Memory, response: FloatArray
+) -> Memory:
     """Add to the response (m,) what the blocks ``begin`` to ``end`` of the position (n,) cause; OP units.
 
-    ``memory`` (4,) is of the blocks before, and moved on. y(t) depends first on position(t - delay). One loop
-    for all filters, so that the processor works on them side by side.
+    ``memory`` is of the blocks before; that of the last one is returned. y(t) depends first on
+    position(t - delay). One loop for all filters, so that the processor works on them side by side.
     """
     block, keep, pole, pole2 = process.block, process.keep, process.pole, process.pole2
-    in_gain, part, whole = process.in_gain, process.part, process.whole
-    passed, former, first, second = memory[0], memory[1], memory[2], memory[3]
+    whole, now, then = process.whole, process.now, process.then
+    passed, former, first, second = memory
     for b in range(begin, min(end, response.size - whole)):
-        mean = position[b]
-        if block > 1:
-            mean = 0.0
-            for t in range(b * block, (b + 1) * block):
-                mean += position[t]
-            mean /= block
-        passed = keep * passed + keep * (mean - former)
+        mean = block_mean(position, b, block)
+        passed = keep * passed + (mean - former)
         former = mean
-        first = pole * first + in_gain * passed
+        first = pole * first + passed
         older = second
         second = pole2 * second + first
-        response[b + whole] = (1.0 - part) * second + part * older
-    memory[0], memory[1], memory[2], memory[3] = passed, former, first, second
+        response[b + whole] = now * second + then * older
+    return Memory(passed, former, first, second)
 
 
 @kernel

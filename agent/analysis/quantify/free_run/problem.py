@@ -47,7 +47,10 @@ class Problem(NamedTuple):
     weight: FloatArray
     """1 where OP and PV are known and the model can know what PV answers to, else 0, (m,)."""
     basis: FloatArray
-    """Orthonormal level, slope and end of the filter's memory on the blocks that count, (m, 3)."""
+    """Orthonormal level, slope and end of the filter's memory on the blocks that count, (m, 3).
+
+    Column by column in memory, so that the sums over each are added several at once.
+    """
     gain_sign: int
     """+1, -1, or 0 where both are possible."""
     fixed_delay: float
@@ -161,7 +164,7 @@ def nuisance_basis(weight: FloatArray, keep: float) -> FloatArray:
     at = np.arange(len(weight), dtype=np.float64)
     columns = np.stack([np.ones_like(at), at / len(at), keep**at], axis=1) * weight[:, None]
     orthonormal, _ = np.linalg.qr(columns)
-    return np.ascontiguousarray(orthonormal)
+    return np.asfortranarray(orthonormal)
 
 
 def dominant_period(op: FloatArray) -> float:
