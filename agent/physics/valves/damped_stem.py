@@ -243,7 +243,7 @@ def strokes(
 
 @kernel
 def settled_force(op: NDArray[np.float64], t: int, supply_keeps: float) -> float:
-    """Return the force before sample t of an actuator that forgets what OP (n,) was ``MEMORY`` samples ago."""
+    """Return the force before sample t; what OP (n,) was ``MEMORY`` samples ago is forgotten."""
     first = max(t - MEMORY, 0)
     while first < t and math.isnan(op[first]):
         first += 1
@@ -268,7 +268,7 @@ def filled_at_rest(own: float, forced: float, stop: float, part_slows: float, pa
         part_slows: What is left of ``own`` after a part of the time in which it moves.
         part_fills: What is left of ``forced`` then.
     """
-    # What is left after a half, a quarter and so on of the time: squares, for a root takes five times as long.
+    # What is left after a half, a quarter and so on of the time: squares, for roots take five times as long.
     slows_2, fills_2 = part_slows * part_slows, part_fills * part_fills
     slows_4, fills_4 = slows_2 * slows_2, fills_2 * fills_2
     slows_8, fills_8 = slows_4 * slows_4, fills_4 * fills_4
