@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agent.analysis.quantify.free_run.bank import Bank
-from agent.jit import kernel, summing_kernel
+from agent.jit import fused_kernel, inlined_kernel, kernel, summing_kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -43,7 +43,46 @@ def moves_of(
     return moves
 
 
-@summing_kernel
+class Running(NamedTuple):
+    """One response so far, and its sums."""
+
+    first: float
+    """Of the first lag, OP units."""
+    z: float
+    """The response, OP units."""
+    plain: float
+    squares: float
+    slow: float
+    """Times keep^t."""
+    neighbours: float
+    """Times the one before."""
+
+
+@inlined_kernel
+def moved_on(so_far: Running, pole: float, second: float, passed: float, fading: float) -> Running:
+    """Return the sums with one more block; ``passed`` is the position high-passed, times the gain."""
+    first = pole * so_far.first + passed
+    z = second * so_far.z + first
+    return Running(
+        first,
+        z,
+        so_far.plain + z,
+        so_far.squares + z * z,
+        so_far.slow + z * fading,
+        so_far.neighbours + z * so_far.z,
+    )
+
+
+@kernel
+def add_sums(sums: FloatArray, q: int, i: int, times: float, running: Running) -> None:
+    """Add the sums of a response at the delay ``q`` and the pole ``i``."""
+    sums[0, q, i] += times * running.plain
+    sums[1, q, i] += times * running.squares
+    sums[2, q, i] += times * running.slow
+    sums[3, q, i] += times * running.neighbours
+
+
+@fused_kernel
 def response_sums(
     means: FloatArray,
     keep: float,
@@ -56,49 +95,45 @@ def response_sums(
 ) -> None:
     """Fill ``sums`` (4, delays, poles): of the response z, z^2, z keep^t and z(t) z(t-1).
 
-    Over the samples that count once it is delayed; ``delays`` ascend, so that they end the sums early.
+    Over the samples that count once it is delayed; ``delays`` ascend, so that they end the sums early. Two
+    processes at a time: their filters wait for themselves only, and all their sums stay in registers.
     """
     m = means.size
-    k = poles.size
-    first = np.zeros(k)
-    z = np.zeros(k)
-    r0 = np.zeros(k)
-    r1 = np.zeros(k)
-    r2 = np.zeros(k)
-    r3 = np.zeros(k)
-    passed = 0.0
-    former = means[0]
-    fading = 1.0
-    begin = delays.size - 1
-    end = delays.size - 1
-    for t in range(m + 1):
-        while begin >= 0 and t == max(0, burn - delays[begin]):
-            for i in range(k):
-                sums[0, begin, i] = -r0[i]
-                sums[1, begin, i] = -r1[i]
-                sums[2, begin, i] = -r2[i]
-                sums[3, begin, i] = -r3[i]
-            begin -= 1
-        while end >= 0 and t == m - delays[end]:
-            for i in range(k):
-                sums[0, end, i] += r0[i]
-                sums[1, end, i] += r1[i]
-                sums[2, end, i] += r2[i]
-                sums[3, end, i] += r3[i]
-            end -= 1
-        if t == m:
-            break
-        passed = keep * passed + keep * (means[t] - former)
+    passed = np.empty(m)
+    fading = np.empty(m)
+    high, former, memory = 0.0, means[0], 1.0
+    for t in range(m):
+        high = keep * high + keep * (means[t] - former)
         former = means[t]
-        for i in range(k):
-            first[i] = poles[i] * first[i] + gains[i] * passed
-            zi = second[i] * z[i] + first[i]
-            r0[i] += zi
-            r1[i] += zi * zi
-            r2[i] += zi * fading
-            r3[i] += zi * z[i]
-            z[i] = zi
-        fading *= keep
+        passed[t], fading[t] = high, memory
+        memory *= keep
+    sums[:] = 0.0
+    for i in range(0, poles.size, 2):
+        j = min(i + 1, poles.size - 1)
+        one = Running(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        other = one
+        begin = end = delays.size - 1
+        t = 0
+        while end >= 0:
+            if begin >= 0 and t >= burn - delays[begin]:
+                add_sums(sums, begin, i, -1.0, one)
+                if j > i:
+                    add_sums(sums, begin, j, -1.0, other)
+                begin -= 1
+                continue
+            until = m - delays[end]
+            if t >= until:
+                add_sums(sums, end, i, 1.0, one)
+                if j > i:
+                    add_sums(sums, end, j, 1.0, other)
+                end -= 1
+                continue
+            if begin >= 0:
+                until = min(until, burn - delays[begin])
+            for u in range(t, until):
+                one = moved_on(one, poles[i], second[i], gains[i] * passed[u], fading[u])
+                other = moved_on(other, poles[j], second[j], gains[j] * passed[u], fading[u])
+            t = until
 
 
 @summing_kernel
