@@ -13,8 +13,9 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.bank import Bank
 from agent.analysis.quantify.free_run.bank_score import best_share, room_for
+from agent.analysis.quantify.free_run.coarse_grid import meets
 from agent.jit import kernel
-from agent.physics.valves.damped_stem import damped_stem
+from agent.physics.valves.damped_stem import stem_at, stem_motion, strokes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -49,7 +50,12 @@ def scan_rests(
     scores, places, rests = np.zeros(shape), np.zeros(shape, np.int64), np.zeros(shape)
     n = bank.op.size
     room = room_for(bank, delays)
-    met = np.empty((3, 2 + int(2.0 * s_values.max() / rest_step)))
+    looks = np.array([max(1, n // 16), max(1, n // 8), n // 4 + 1])
+    sights = np.array([n // 4, n // 2, n - 1])
+    motion = stem_motion(stem[0], stem[1], stem[2])
+    position = np.empty(n)
+    met = np.empty((sights.size, 2 + int(2.0 * s_values.max() / rest_step)))
+    stood = np.empty((looks.size, met.shape[1]))
     for i in range(s_values.size):
         for j in range(j_ratios.size):
             f_s = s_values[i] * (1.0 + j_ratios[j]) / 2.0
@@ -58,18 +64,21 @@ def scan_rests(
             n_met = 0
             for r in range(count):
                 x0 = bank.op[0] + f_s * ((2.0 * r + 1.0) / count - 1.0)
-                position = damped_stem(bank.op, f_s, f_d, x0, stem[0], stem[1], stem[2])
-                sight = position[n // 4], position[n // 2], position[n - 1]
+                state = stem_at(x0, bank.op[0])
+                bands = (f_s, f_s, f_d)
+                if meets(bank.op, looks, state, bands, motion, position, stood, n_met, 0.0):
+                    continue
+                strokes(bank.op, looks[-1], n, state, bands, motion, position, n)
                 known = False
                 for other in range(n_met):
                     apart = 0.0
-                    for look in range(3):
-                        apart += abs(met[look, other] - sight[look])
+                    for look in range(sights.size):
+                        apart += abs(met[look, other] - position[sights[look]])
                     known = known or apart <= ALIKE * f_s
                 if known:
                     continue
-                for look in range(3):
-                    met[look, n_met] = sight[look]
+                for look in range(sights.size):
+                    met[look, n_met] = position[sights[look]]
                 n_met += 1
                 best, place = best_share(position, bank, delays, 1, room)
                 if best > scores[i, j]:

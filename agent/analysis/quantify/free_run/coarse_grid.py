@@ -28,7 +28,7 @@ from agent.analysis.quantify.free_run.objective import (
 )
 from agent.analysis.quantify.free_run.problem import Problem, from_blocks, to_blocks
 from agent.jit import kernel
-from agent.physics.valves.damped_stem import damped_stem
+from agent.physics.valves.damped_stem import Motion, stem_at, stem_motion, strokes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -40,6 +40,12 @@ LEVEL_STEP = 0.02
 TAUS = 7
 RATIOS = np.array([0.0, 0.6])
 S_BINS = 16
+LOOKS = 6
+"""How often in the first period and a half stems are asked whether they have met."""
+TOGETHER = 1e-3
+"""Distance over f_S within which they have, at the end of it,"""
+THE_SAME = 1e-6
+"""and before, where both rest: as they go on alike from there, they need not be moved on."""
 LEAST_MOVES = 3
 """Of a valve that is looked at."""
 
@@ -195,14 +201,17 @@ def scan(
     high = early_op.max()
     scores = np.zeros(shape)
     places = np.zeros(shape, np.int64)
-    meeting = min(bank.op.size, int(1.5 * period))
+    looks = np.array([max(1, (look + 1) * early_op.size // LOOKS) for look in range(LOOKS)])
     room = room_for(bank, delays)
-    met = np.empty(int((high - low) / level_step) + 4)
+    met = np.empty((LOOKS, int((high - low) / level_step) + 4))
+    position = np.empty(bank.op.size)
     for k in range(stems.shape[0]):
+        motion = stem_motion(stems[k, 0], stems[k, 1], stems[k, 2])
         for i in range(s_values.size):
             for j in range(j_ratios.size):
                 f_s = s_values[i] * (1.0 + j_ratios[j]) / 2.0
                 f_d = s_values[i] * (1.0 - j_ratios[j]) / 2.0
+                bands = (f_s, f_s, f_d)
                 n_met = 0
                 count = max(1, int((high - low - s_values[i]) / level_step))
                 for r in range(count):
@@ -210,19 +219,51 @@ def scan(
                     if s_values[i] > high - low:
                         up = high - 0.5 * level_step
                     level, direction = first_slip(bank.op, s_values[i], up)
-                    x0 = level - direction * f_s
-                    early = damped_stem(
-                        bank.op[:meeting], f_s, f_d, x0, stems[k, 0], stems[k, 1], stems[k, 2]
-                    )
-                    known = False
-                    for other in range(n_met):
-                        known = known or abs(met[other] - early[-1]) <= 1e-3 * f_s
-                    if known:
+                    state = stem_at(level - direction * f_s, bank.op[0])
+                    if meets(bank.op, looks, state, bands, motion, position, met, n_met, TOGETHER):
                         continue
-                    met[n_met] = early[-1]
                     n_met += 1
-                    position = damped_stem(bank.op, f_s, f_d, x0, stems[k, 0], stems[k, 1], stems[k, 2])
+                    strokes(bank.op, looks[-1], bank.op.size, state, bands, motion, position, bank.op.size)
                     best, place = best_share(position, bank, delays, LEAST_MOVES, room)
                     if best > scores[k, i, j]:
                         scores[k, i, j], places[k, i, j], levels[k, i, j] = best, place, up
     return scores, places, levels
+
+
+@kernel
+def meets(
+    op: FloatArray,
+    looks: NDArray[np.int64],
+    state: FloatArray,
+    bands: tuple[float, float, float],
+    motion: Motion,
+    position: FloatArray,
+    met: FloatArray,
+    n_met: int,
+    together: float,
+) -> bool:
+    """Move a stem on until it stands where one before stood at the same time, and return whether it did.
+
+    Args:
+        op: OP units, (n,).
+        looks: Samples before which it is looked at, (k,).
+        state: Of the stem at the start of the record (``stem_at``), moved on, (5,).
+        bands: As ``strokes`` takes them.
+        motion: Likewise.
+        position: Takes its way, OP units, (n,).
+        met: Where stems before stood at each look, OP units, NaN where they moved, (k, more than ``n_met``);
+            takes that of this one.
+        n_met: Number of stems before.
+        together: Distance over f_S that is enough at the last look, also of stems that move; 0: none is.
+    """
+    t = 0
+    for look in range(looks.size):
+        strokes(op, t, looks[look], state, bands, motion, position, op.size)
+        t = looks[look]
+        last = together > 0.0 and look + 1 == looks.size
+        met[look, n_met] = state[0] if last or state[2] == 0.0 else math.nan
+        apart = (together if last else THE_SAME) * bands[0]
+        for other in range(n_met):
+            if abs(met[look, other] - met[look, n_met]) <= apart:
+                return True
+    return False
