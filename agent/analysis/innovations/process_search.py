@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from agent.analysis.innovations.whitened import fitted, log_likelihood
 from agent.analysis.quantify.free_run.objective import (
     FOPDT,
@@ -12,7 +14,7 @@ from agent.analysis.quantify.free_run.objective import (
     LOG_TAU,
     LOG_TAU2,
     SOPDT,
-    free_run_error,
+    free_run_errors,
 )
 from agent.analysis.quantify.free_run.search import process_grid, structures
 
@@ -53,6 +55,5 @@ def best_process(whitened: Sequence[Problem], hints: LoopHints) -> Fit | None:
 
 def _from_grid(structure: int, second: float, problem: Problem) -> FloatArray:
     """Return the best process of a grid, without a valve, (SIZE,)."""
-    return min(
-        process_grid(problem, second), key=lambda each: float(free_run_error(each, structure, problem))
-    )
+    grid = process_grid(problem, second)
+    return grid[int(np.argmin(free_run_errors(np.array(grid), structure, problem)))]

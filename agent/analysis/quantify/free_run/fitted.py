@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.local_search import random_steps, simplex
+from agent.analysis.quantify.free_run.local_search import refine_each, simplex
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FOPDT,
@@ -18,11 +18,14 @@ from agent.analysis.quantify.free_run.objective import (
     SOPDT,
     S,
     free_run_error,
+    free_run_errors,
     valve_position,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.recording import FloatArray
@@ -59,21 +62,34 @@ def searched(structure: int, problem: Problem) -> list[int]:
     return not_given(SEARCHED[structure], problem)
 
 
+def axes_of(structure: int, problem: Problem) -> NDArray[np.int64]:
+    """Return the same as a kernel takes them, also where there are none."""
+    return np.array(searched(structure, problem), dtype=np.int64)
+
+
 def not_given(axes: Sequence[int], problem: Problem) -> list[int]:
     """Return the coordinates without the delay where the user gave it."""
     return [axis for axis in axes if not (axis == DELAY and problem.fixed_delay > 0)]
 
 
-def restart(fitted: Fitted, structure: int, problem: Problem) -> Fitted:
-    """Evaluate a candidate by its sum of squares, with a structure that may be another."""
+def restart(fitted: Fitted, structure: int) -> Fitted:
+    """Return a candidate that is yet to be fitted, with a structure that may be another."""
     candidate = fitted.candidate.copy()
     candidate[LOG_TAU2] = min(candidate[LOG_TAU2], candidate[LOG_TAU])
-    return start(candidate, structure, problem)
+    return Fitted(math.inf, structure, candidate)
 
 
 def start(candidate: FloatArray, structure: int, problem: Problem) -> Fitted:
     """Evaluate a candidate as it stands."""
     return Fitted(float(free_run_error(candidate, structure, problem)), structure, candidate)
+
+
+def evaluated(candidates: Sequence[FloatArray], structure: int, problem: Problem) -> list[Fitted]:
+    """Evaluate many candidates as they stand."""
+    if not candidates:
+        return []
+    errors = free_run_errors(np.array(candidates), structure, problem)
+    return [Fitted(float(e), structure, c) for e, c in zip(errors, candidates, strict=True)]
 
 
 def smooth(fitted: Fitted, problem: Problem, scale: float, evaluations: int) -> Fitted:
@@ -94,11 +110,24 @@ def smooth(fitted: Fitted, problem: Problem, scale: float, evaluations: int) -> 
 
 
 def refine(
-    fitted: Fitted, problem: Problem, scale: float, evaluations: tuple[int, int], rng: np.random.Generator
-) -> Fitted:
-    """Improve the process, then the valve with the process following; ``evaluations`` for each."""
-    fitted = smooth(fitted, problem, scale, evaluations[0])
-    candidate, error = random_steps(
-        fitted.candidate, fitted.error, scale, fitted.structure, problem, evaluations[1], rng
+    fits: Sequence[Fitted],
+    problem: Problem,
+    scale: float,
+    evaluations: tuple[int, int],
+    rng: np.random.Generator,
+) -> list[Fitted]:
+    """Improve of each the process, then the valve with the process following; ``evaluations`` for each."""
+    if not fits:
+        return []
+    structures = [fitted.structure for fitted in fits]
+    candidates, errors = refine_each(
+        np.array([fitted.candidate for fitted in fits]),
+        np.array(structures),
+        (axes_of(FOPDT, problem), axes_of(SOPDT, problem), axes_of(INTEGRATOR, problem)),
+        STEP * scale,
+        scale,
+        problem,
+        evaluations,
+        rng,
     )
-    return Fitted(float(error), fitted.structure, candidate)
+    return [Fitted(float(e), s, c) for e, s, c in zip(errors, structures, candidates, strict=True)]

@@ -141,3 +141,44 @@ def random_steps(
                 scale *= 0.7
                 failures = 0
     return best, error
+
+
+@kernel
+def refine_each(
+    candidates: FloatArray,
+    structures: NDArray[np.int64],
+    axes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
+    step: FloatArray,
+    scale: float,
+    problem: Problem,
+    evaluations: tuple[int, int],
+    rng: np.random.Generator,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the candidates (k, SIZE) after both local searches, one after the other, and their errors, (k,).
+
+    All in one call, for handing over a problem takes as long as an evaluation.
+
+    Args:
+        candidates: Where to begin.
+        structures: Of their processes, (k,).
+        axes: The coordinates of the process that are searched, by structure.
+        step: First steps in them, (SIZE,).
+        scale: Of the random steps.
+        problem: The record.
+        evaluations: For the process, and for the valve with the process following.
+        rng: Of the random steps.
+    """
+    found = candidates.copy()
+    errors = np.empty(structures.size)
+    for i in range(structures.size):
+        structure = structures[i]
+        candidate = found[i].copy()
+        position = valve_position(candidate, problem)
+        if axes[structure].size > 0:
+            candidate, error = simplex(
+                candidate, step, axes[structure], position, structure, problem, evaluations[0]
+            )
+        else:
+            error = process_error(position, candidate, structure, problem)
+        found[i], errors[i] = random_steps(candidate, error, scale, structure, problem, evaluations[1], rng)
+    return found, errors

@@ -258,6 +258,15 @@ def free_run_error(candidate: FloatArray, structure: int, problem: Problem) -> f
 
 
 @kernel
+def free_run_errors(candidates: FloatArray, structure: int, problem: Problem) -> FloatArray:
+    """Return the errors of many candidates (k, SIZE), (k,); handing over a problem takes as long as one."""
+    errors = np.empty(len(candidates))
+    for i in range(len(candidates)):
+        errors[i] = free_run_error(candidates[i], structure, problem)
+    return errors
+
+
+@kernel
 def process_error(position: FloatArray, candidate: FloatArray, structure: int, problem: Problem) -> float:
     """Return the same of a candidate whose valve is at ``position``, OP units, (n,)."""
     if not in_bounds(candidate, problem):

@@ -16,7 +16,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
-from agent.analysis.quantify.free_run.fitted import Fitted, by_error, refine, restart, smooth, start
+from agent.analysis.quantify.free_run.fitted import (
+    Fitted,
+    by_error,
+    evaluated,
+    refine,
+    restart,
+    smooth,
+    start,
+)
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FIRST,
@@ -125,16 +133,16 @@ def concluded(
     rng: np.random.Generator,
 ) -> Found | None:
     """Return what a search found: the best of ``followed``, or the ``surest`` by shots where that decides."""
-    finalists = by_error([refine(f, problem, 0.1, (80, 250), rng) for f in followed])[:FINALISTS]
+    finalists = by_error(refine(followed, problem, 0.1, (80, 250), rng))[:FINALISTS]
     final = list(finalists)
     for fitted in finalists:
         for structure in structures(hints):
-            again = refine(restart(fitted, structure, problem), problem, 0.2, (80, 200), rng)
-            final.append(refine(again, problem, 0.1, (80, 250), rng))
+            again = refine([restart(fitted, structure)], problem, 0.2, (80, 200), rng)
+            final += refine(again, problem, 0.1, (80, 250), rng)
     allowed = [f for f in by_error(final) if f.structure in structures(hints)]
     if not allowed:
         return None
-    best = refine(simplest(allowed), problem, 0.03, (100, 300), rng)
+    (best,) = refine([simplest(allowed)], problem, 0.03, (100, 300), rng)
     if surest is not None and surest.error < SURER * best.error and surest.structure in structures(hints):
         best = start(surest.candidate, surest.structure, problem)
     others = by_error([*spread, *followed, *final, *around(best, problem, rng)])
@@ -152,15 +160,15 @@ def follow(
     early: list[Fitted] = []
     for horizon in HORIZONS:
         part = first_periods(problem, horizon.periods)
-        begun = [restart(each, each.structure, part) for each in starts]
-        fitted = [refine(each, part, horizon.scale, horizon.evaluations, rng) for each in begun]
+        begun = [restart(each, each.structure) for each in starts]
+        fitted = refine(begun, part, horizon.scale, horizon.evaluations, rng)
         early = early or best_by_bin(fitted, problem)
         if horizon.periods == SPREAD_FROM:
-            spread = [restart(f, f.structure, problem) for f in best_by_bin(fitted, problem)]
+            spread = [restart(f, f.structure) for f in best_by_bin(fitted, problem)]
         starts = best_by_bin(fitted, problem, OF_ONE_BIN)[: horizon.kept]
         if len(part.pv) == len(problem.pv):
             break
-    return list(starts), [refine(f, problem, 0.2, (30, 40), rng) for f in spread], early
+    return list(starts), refine(spread, problem, 0.2, (30, 40), rng), early
 
 
 def around(best: Fitted, problem: Problem, rng: np.random.Generator) -> list[Fitted]:
@@ -180,8 +188,8 @@ def around(best: Fitted, problem: Problem, rng: np.random.Generator) -> list[Fit
             if not 0 < s <= problem.op_span:
                 continue
             candidate[S], candidate[J_RATIO] = s, min(max(j / s, 0.0), 1.0)
-            fits.append(refine(start(candidate, best.structure, problem), problem, 0.05, (30, 40), rng))
-    return fits
+            fits.append(Fitted(math.inf, best.structure, candidate))
+    return refine(fits, problem, 0.05, (30, 40), rng)
 
 
 def best_linear(problem: Problem, hints: LoopHints, also: Fitted | None) -> Fitted | None:
@@ -190,8 +198,7 @@ def best_linear(problem: Problem, hints: LoopHints, also: Fitted | None) -> Fitt
     grid = process_grid(problem, -1.6)
     final = []
     for structure in structures(hints):
-        tried = by_error([start(c, structure, problem) for c in grid])[:2]
-        tried += [start(c, structure, problem) for c in starts]
+        tried = by_error(evaluated(grid, structure, problem))[:2] + evaluated(starts, structure, problem)
         for fitted in tried:
             polished = smooth(fitted, problem, 1.0, 150)
             final.append(smooth(polished, problem, 0.5, 150))

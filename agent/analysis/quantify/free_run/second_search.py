@@ -79,7 +79,7 @@ def converged(found: Found, problem: Problem) -> bool:
     """Return whether the best model explains the record as well as its first periods, and by itself."""
     best, few = found.best, first_periods(problem, FEW_PERIODS)
     rng = np.random.default_rng(0)
-    fitted = refine(restart(best, best.structure, few), few, 0.3, (30, 60), rng)
+    (fitted,) = refine([restart(best, best.structure)], few, 0.3, (30, 60), rng)
     usual = fitted.error / few.weight.sum()
     holds = best.error / problem.weight.sum() < WORSE * usual
     return bool(holds and found.by_shots > NEEDS_SHOTS * best.error)
