@@ -34,8 +34,10 @@ def detrended(signal: FloatArray) -> FloatArray:
         return rest
     rest /= largest
     time = np.linspace(-1.0, 1.0, len(signal))
-    line = np.polynomial.Polynomial.fit(time[finite], rest[finite], 1, domain=[-1, 1])
-    rest -= line(time)
+    time -= np.mean(time[finite])
+    known, at = rest[finite], time[finite]
+    mean = np.mean(known)
+    rest -= mean + time * (at @ (known - mean) / (at @ at))
     rest[np.abs(rest) < ROUND_OFF] = 0.0
     return rest
 
