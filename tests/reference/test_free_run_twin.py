@@ -253,3 +253,35 @@ def test_searches_never_lose_and_repeat_themselves(seed):
         np.testing.assert_array_equal(found, again)
         assert error == pytest.approx(objective.free_run_error(found, structure, problem), rel=1e-9)
         assert error <= objective.free_run_error(start, structure, problem)
+
+
+def test_many_candidates_are_refined_as_one_after_the_other():
+    problem = problem_of(2)
+    starts = np.array([candidate_of(seed, problem) for seed in range(3)])
+    structures = np.array([FOPDT, INTEGRATOR, SOPDT])
+    all_axes = ([LOG_TAU, DELAY], [LOG_TAU, DELAY, LOG_TAU2], [])
+    axes = tuple(np.array(each, dtype=np.int64) for each in all_axes)
+    found, errors = local_search.refine_each(
+        starts, structures, axes, STEP, 0.5, problem, (40, 60), np.random.default_rng(1)
+    )
+    rng = np.random.default_rng(1)
+    for i, structure in enumerate(structures):
+        candidate, error = starts[i], objective.free_run_error(starts[i], structure, problem)
+        if len(axes[structure]):
+            position = objective.valve_position(candidate, problem)
+            candidate, error = local_search.simplex(
+                candidate, STEP, axes[structure], position, structure, problem, 40
+            )
+        candidate, error = local_search.random_steps(candidate, error, 0.5, structure, problem, 60, rng)
+        np.testing.assert_allclose(found[i], candidate, rtol=1e-9)
+        assert errors[i] == pytest.approx(error, rel=1e-9)
+
+
+@pytest.mark.parametrize("structure", [FOPDT, SOPDT, INTEGRATOR])
+def test_many_candidates_have_the_errors_of_each(structure):
+    problem = problem_of(4)
+    grid = np.array([candidate_of(seed, problem) for seed in range(5)])
+    np.testing.assert_array_equal(
+        objective.free_run_errors(grid, structure, problem),
+        [objective.free_run_error(each, structure, problem) for each in grid],
+    )
