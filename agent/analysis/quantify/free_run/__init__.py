@@ -8,7 +8,7 @@ with gain, level, slope and start-up in closed form. Design facts 1, 2, 4; ``met
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -79,6 +79,9 @@ class FreeRun:
             evidence = evidence_of(found, linear)
         if evidence == 1.0:
             found = None
+        elif found is not None and evidence < SLIDES_BELOW:
+            # Shots that set a stem off again and again fit what no valve did; its free run tells of no valve.
+            found = replace(found, best=min((found.best, *found.others[:1]), key=lambda fit: fit.error))
         decision = decide(evidence, found, problem)
         best = found.best if found else linear
         chosen = linear if decision == "no_stiction" else best
