@@ -112,7 +112,7 @@ def own_at_bound(fitted: Fit) -> tuple[str, ...]:
 def verdict_of(found: AllTried, failures: Sequence[Failure], lines: LineSpectrum | None) -> Verdict:
     """Return what a model lacks, as far as its record tells.
 
-    It fails visibly where its residual follows an axis, or holds a wave that comes from outside.
+    It fails visibly where its residual follows an axis, or holds a wave, wherever that comes from.
     """
     decision = found.decision
     if decision.kind != "none":
@@ -120,7 +120,7 @@ def verdict_of(found: AllTried, failures: Sequence[Failure], lines: LineSpectrum
             decision.kind, decision.effect, decision.family, decision.indistinguishable, found.at_bound
         )
     fails = any(each.p < FOLLOWED for each in failures)
-    waves = lines is not None and lines.from_outside
+    waves = lines is not None and lines.certain
     return Verdict("none_of_the_known" if fails or waves else "no_failure_visible")
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from agent.workbench.holm import LEVEL
-from agent.workbench.likeliest import less_likely
+from agent.workbench.likeliest import VERY_STRONG, is_strong, less_likely
 from agent.workbench.state_dependence import resolves, state_dependence
 
 if TYPE_CHECKING:
@@ -59,11 +59,31 @@ class Doubts:
         return doubts
 
     def _stands_for_another(self, name: str) -> bool:
-        """Whether what made the smaller model fail is still there with an effect.
+        """Whether what made the smaller model fail is still there with an effect, and no other explains it.
 
         A wave that goes on all the time is seen by itself, whatever else is missing.
         """
-        evidence, predicts = self.found[name], self.models[name].predicts
-        if predicts is None or not (evidence.answers or evidence.once):
+        evidence = self.found[name]
+        if not (evidence.answers or evidence.once) or self._resolves(name):
             return False
-        return not resolves(self.smaller.estimate.dependence, state_dependence(*predicts))
+        return not any(self._is_beside(other, name) for other in self.models)
+
+    def _is_beside(self, name: str, likelier: str) -> bool:
+        """Whether an effect is another that is missing, too: strong, and what makes the smaller model fail.
+
+        It must be far less likely than the ``likelier`` one: else that may stand for it.
+        """
+        own, other = self.found[name], self.found[likelier]
+        return (
+            own.family != other.family
+            and own.answers
+            and not own.once
+            and own.more
+            and is_strong([own], len(self.models))
+            and other.criterion - own.criterion > VERY_STRONG
+            and self._resolves(name)
+        )
+
+    def _resolves(self, name: str) -> bool:
+        predicts = self.models[name].predicts
+        return predicts is None or resolves(self.smaller.estimate.dependence, state_dependence(*predicts))

@@ -77,10 +77,15 @@ class LineSpectrum:
     lines: tuple[Line, ...]
 
     @property
-    def from_outside(self) -> tuple[Line, ...]:
-        """Lines that come from outside beyond doubt: slower ones are a slow noise's as well."""
+    def certain(self) -> tuple[Line, ...]:
+        """Lines that are there beyond doubt: slower ones are a slow noise's as well."""
         least = CERTAIN_CYCLES / FEWEST_CYCLES * float(self.frequency[0])
-        return tuple(each for each in self.lines if each.kind == "coherent" and each.frequency >= least)
+        return tuple(each for each in self.lines if each.frequency >= least)
+
+    @property
+    def from_outside(self) -> tuple[Line, ...]:
+        """Those of them that come from outside beyond doubt."""
+        return tuple(each for each in self.certain if each.kind == "coherent")
 
 
 def line_spectrum(residual: FloatArray, op: FloatArray, ts: float) -> LineSpectrum | None:

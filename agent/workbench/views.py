@@ -9,7 +9,6 @@ import numpy as np
 from agent.workbench.axes import physical_axes
 from agent.workbench.candidates import verdict_of
 from agent.workbench.comparison import Comparison, not_testable
-from agent.workbench.fit import residual_of
 from agent.workbench.folds import block_losses
 from agent.workbench.line_spectrum import LineSpectrum, line_spectrum
 from agent.workbench.noise_floor import NoiseFloor, noise_floor
@@ -45,9 +44,12 @@ def failures(step: Step, trials: Trials) -> tuple[Failure, ...]:
 
 
 def lines(step: Step, trials: Trials) -> LineSpectrum | None:
-    """Return the spectrum of the residual of a step, with its lines; None where it has none."""
+    """Return the spectrum of the residual of a step, with its lines; None where it has none.
+
+    Of the model where it predicts best: a wave that moves OP too is in free run taken for OP's own doing.
+    """
     record = trials.record
-    return line_spectrum(residual_of(step.fit, record), record.op, record.facts.ts)
+    return line_spectrum(_left(step, record), record.op, record.facts.ts)
 
 
 def floor(step: Step, trials: Trials, rng: np.random.Generator) -> NoiseFloor:

@@ -1,0 +1,59 @@
+"""What speaks against an effect: what it leaves of the failure, unless that is another's."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from agent.workbench import doubts
+from agent.workbench.decision import Decision
+from agent.workbench.doubts import Doubts
+from agent.workbench.evidence import Evidence
+from agent.workbench.state_dependence import Dependence
+
+FAILS = {"op_rate": Dependence(1e-9, 1.0)}
+RESOLVED = {"op_rate": Dependence(0.5, 0.0)}
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """Doubts of a load step that leaves what the rate of OP tells, beside another effect."""
+    monkeypatch.setattr(doubts, "state_dependence", lambda left: left)
+
+    def made(other, *, other_resolves=True, step_leaves=True):
+        left = {
+            "load_step": FAILS if step_leaves else RESOLVED,
+            "other": RESOLVED if other_resolves else FAILS,
+        }
+        found = {"load_step": Evidence(True, 0.0, 690.0, "load", answers=False, once=True), "other": other}
+        models = {name: SimpleNamespace(predicts=(each,), fit=name) for name, each in left.items()}
+        smaller = SimpleNamespace(estimate=SimpleNamespace(dependence=FAILS))
+        decision = Decision("confirmed", "load_step", "load", (), (), ())
+        return Doubts(smaller, models, found, lambda _: 0.01).of(decision, {})
+
+    return made
+
+
+def lag(criterion=80.0, *, more=True, once=False, family="lag"):
+    return Evidence(more, 0.0, criterion, family, answers=True, once=once)
+
+
+def test_what_leaves_the_failure_stands_for_something_else(asked):
+    assert asked(lag(2.0)) == {"load_step": 1.0}
+    assert asked(lag(2.0), step_leaves=False) == {"load_step": 0.01}
+
+
+def test_what_is_left_may_be_another_effect_that_is_missing_too(asked):
+    assert asked(lag()) == {"load_step": 0.01}
+
+
+@pytest.mark.parametrize(
+    "other",
+    [lag(685.0), lag(more=False), lag(once=True), lag(family="load")],
+    ids=["as likely", "tells no more", "happened once", "of its own family"],
+)
+def test_it_must_be_one_that_the_effect_does_not_stand_for(asked, other):
+    assert asked(other) == {"load_step": 1.0}
+
+
+def test_it_must_explain_what_is_left(asked):
+    assert asked(lag(), other_resolves=False) == {"load_step": 1.0}
