@@ -190,14 +190,12 @@ def test_the_scan_keeps_the_best_first_slip_of_each_cell(seed, acting):
     near = banks.bank(problem, np.array([4.0, np.inf]), np.array([0.0, 0.5]), 4.0)
     s_values, j_ratios = np.array([0.1, 0.3, 1.0]) * problem.op_span, np.array([0.0, 0.6])
     delays, step = np.array([1, 3, 6]), 0.06 * problem.op_span
-    scores, places, levels = coarse_grid.scan(
-        near, STEMS[:1], s_values, j_ratios, step, problem.period, delays
-    )
+    scores, places, levels = coarse_grid.scan(near, STEMS[:1], s_values, j_ratios, step, delays)
     pv = problem.pv[: len(near.op) // near.block]
     for i, s in enumerate(s_values):
         for j, ratio in enumerate(j_ratios):
             valve = s * (1 + ratio) / 2, s * (1 - ratio) / 2
-            share, place, level = slow.best_of_cell(near, pv, valve, STEMS[0], step, problem.period, delays)
+            share, place, level = slow.best_of_cell(near, pv, valve, STEMS[0], step, delays)
             assert scores[0, i, j] == pytest.approx(share, abs=1e-6)
             if share > 0:
                 assert (places[0, i, j], levels[0, i, j]) == (place, pytest.approx(level))

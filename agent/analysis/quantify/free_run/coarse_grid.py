@@ -89,7 +89,7 @@ def coarse_candidates(
     delays = bank_delays(problem)
     near = bank(problem, taus, ratios, grid.periods)
     level_step = LEVEL_STEP * problem.op_span
-    scores, places, levels = scan(near, stems, s_values, grid.j_ratios, level_step, problem.period, delays)
+    scores, places, levels = scan(near, stems, s_values, grid.j_ratios, level_step, delays)
     found, shares = [], []
     for k, i, j in best_cells(scores, (s_values / problem.op_span * S_BINS).astype(int), grid):
         tau, delay = divmod(int(places[k, i, j]), len(delays))
@@ -184,18 +184,17 @@ def scan(
     s_values: FloatArray,
     j_ratios: FloatArray,
     level_step: float,
-    period: float,
     delays: NDArray[np.int64],
 ) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
     """Return explained shares, (stem, S, J), with the place in the bank and the upper level of each."""
     shape = (stems.shape[0], s_values.size, j_ratios.size)
     levels = np.zeros(shape)
-    early_op = bank.op[: min(bank.op.size, int(1.5 * period))]
+    meeting = min(bank.op.size, bank.early)
+    early_op = bank.op[:meeting]
     low = early_op.min()
     high = early_op.max()
     scores = np.zeros(shape)
     places = np.zeros(shape, np.int64)
-    meeting = min(bank.op.size, int(1.5 * period))
     room = room_for(bank, delays)
     met = np.empty(int((high - low) / level_step) + 4)
     for k in range(stems.shape[0]):
