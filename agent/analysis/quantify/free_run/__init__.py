@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.bristles import with_bristles
 from agent.analysis.quantify.free_run.fitted import Fitted
 from agent.analysis.quantify.free_run.intervals import (
     process_intervals,
@@ -75,7 +76,7 @@ class FreeRun:
             return unanswered(self.name, "no process within bounds follows OP")
         evidence = evidence_of(found, linear)
         if found is not None and evidence >= STICKS_ABOVE:
-            found = converged_search(found, problem, window.hints)
+            found = with_bristles(converged_search(found, problem, window.hints), problem)
             evidence = evidence_of(found, linear)
         if evidence == 1.0:
             found = None

@@ -15,6 +15,7 @@ import numpy as np
 from agent.analysis.quantify.free_run.bank import Bank, bank
 from agent.analysis.quantify.free_run.bank_score import best_share, room_for
 from agent.analysis.quantify.free_run.objective import (
+    BRISTLES,
     DELAY,
     FIRST,
     J_RATIO,
@@ -115,6 +116,7 @@ def set_valve(
     candidate[S], candidate[J_RATIO] = s, j_ratio
     candidate[LEVEL], candidate[FIRST] = first_slip(op, s, up)
     candidate[LOG_DAMPING : LOG_DAMPING + 3] = np.log(stem)
+    candidate[BRISTLES] = 0.0
 
 
 def best_cells(scores: FloatArray, bins: NDArray[np.int64], grid: Grid) -> list[tuple[int, int, int]]:
