@@ -57,9 +57,10 @@ def candidate_of(seed, problem):
     taus = random.uniform(0.0, 3.0, 2)
     s = random.uniform(0.05, 0.3) * problem.op_span
     stem = np.log(STEMS[random.integers(len(STEMS))])
+    process = taus[0], random.uniform(1, 8), taus[1]
     valve = s, random.random(), problem.op[0], *stem, 1.0
     bristles = random.choice([0.0, 0.2]) if stem[2] > RIGID else 0.0
-    return np.array([taus[0], random.uniform(1, 8), taus[1], *valve, bristles])
+    return np.array([*process, *valve, bristles])
 
 
 @FEW
