@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.objective import (
+    BRISTLES,
     DELAY,
     J_RATIO,
     LEVEL,
@@ -80,7 +81,7 @@ def _start(candidate: FloatArray, first_op: float, ts: float) -> ValveStart:
     return ValveStart(
         bands,
         float(candidate[LEVEL]) - first_op,
-        DampedStem(damping=damping, supply=supply, rest=rest),
+        DampedStem(damping=damping, supply=supply, rest=rest, give=float(candidate[BRISTLES])),
         process,
     )
 

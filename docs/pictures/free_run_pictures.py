@@ -48,9 +48,7 @@ def free_run_search() -> Figure:
     s_values = np.linspace(0.01, 1.0, 160) * problem.op_span
     near = bank(problem, *processes(problem, TAUS, RATIOS, integrates=None), COARSE.periods)
     level_step = LEVEL_STEP * problem.op_span
-    scores, _, _ = scan(
-        near, STEMS[:1], s_values, COARSE.j_ratios, level_step, problem.period, bank_delays(problem)
-    )
+    scores, _, _ = scan(near, STEMS[:1], s_values, COARSE.j_ratios, level_step, bank_delays(problem))
     image = grid.pcolormesh(
         s_values, COARSE.j_ratios, 100 * (1 - scores[0].T), cmap="viridis", shading="nearest", vmax=15
     )

@@ -3,12 +3,12 @@
 import math
 
 
-def damped_stem_in_small_steps(op, f_s, f_d, x0, damping, supply, rest, steps=400):
+def damped_stem_in_small_steps(op, f_s, f_d, x0, damping, supply, rest, give=0.0, steps=400):
     """Return the positions at the end of each sample."""
-    return by_direction_in_small_steps(op, f_s, f_s, f_d, x0, damping, supply, rest, steps)
+    return by_direction_in_small_steps(op, f_s, f_s, f_d, x0, damping, supply, rest, give, steps)
 
 
-def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, rest, steps=400):
+def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, rest, give=0.0, steps=400):
     """Return the positions of a stem with static friction of its own in either direction.
 
     A missing OP stops the stem; the next one finds the actuator settled at it.
@@ -24,11 +24,11 @@ def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, 
         elif math.isnan(force):
             force = u
         for _ in range(0 if math.isnan(u) else steps):
-            force = u + (force - u) * keeps
-            if direction == 0 and force - x > f_s_up:
+            if direction == 0 and force - x > f_s_up - loosened(u - force, f_s_up - f_d, give, rest):
                 direction = 1
-            if direction == 0 and x - force > f_s_down:
+            if direction == 0 and x - force > f_s_down - loosened(force - u, f_s_down - f_d, give, rest):
                 direction = -1
+            force = u + (force - u) * keeps
             way = direction * (force - x) - f_d
             if direction != 0 and way > rest * (f_s[direction] - f_d):
                 x += direction * way * (1 - math.exp(-dt / damping))
@@ -36,3 +36,8 @@ def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, 
                 direction = 0
         position.append(x)
     return position
+
+
+def loosened(step_left, jump, give, rest):
+    """By how much friction that gives falls while the force rises towards what is left of a step of OP."""
+    return min(3 * (jump * (give * max(step_left, 0)) ** 2) ** (1 / 3), (1 - rest) * jump)

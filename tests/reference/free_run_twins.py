@@ -116,13 +116,13 @@ def levels(op, s, step):
     return (edges[1:] + edges[:-1]) / 2
 
 
-def best_of_cell(bank, pv, valve, stem, step, period, delays):
+def best_of_cell(bank, pv, valve, stem, step, delays):
     """Return the best share of one (S, J), the place of its process and the level of its first slip.
 
-    ``valve``: f_S and f_D. A valve that is within a thousandth of f_S of a former one after a period and a
-    half is passed over.
+    ``valve``: f_S and f_D. A valve that is within a thousandth of f_S of a former one in the early part is
+    passed over.
     """
-    early = int(1.5 * period)
+    early = bank.early
     ends = []
     best = (0.0, 0, 0.0)
     for up in levels(bank.op[:early], sum(valve), step):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from agent.analysis.quantify.free_run.objective import (
+    BRISTLES,
     DELAY,
     FIRST,
     J_RATIO,
@@ -26,7 +27,8 @@ class Shooting:
         self.f_s = candidate[S] * (1 + candidate[J_RATIO]) / 2
         self.f_d = candidate[S] * (1 - candidate[J_RATIO]) / 2
         self.stem = stem_motion(
-            *(float(np.exp(candidate[axis])) for axis in (LOG_DAMPING, LOG_SUPPLY, LOG_REST))
+            *(float(np.exp(candidate[axis])) for axis in (LOG_DAMPING, LOG_SUPPLY, LOG_REST)),
+            float(candidate[BRISTLES]),
         )
         self.n = len(problem.pv) * problem.block
         block = problem.block

@@ -11,13 +11,16 @@ from agent.analysis.quantify.free_run import coarse_grid, local_search, objectiv
 from agent.analysis.quantify.free_run.climb import climb
 from agent.analysis.quantify.free_run.fitted import STEP
 from agent.analysis.quantify.free_run.objective import (
+    BRISTLES,
     DELAY,
     FIRST,
     FOPDT,
     INTEGRATOR,
     J_RATIO,
     LEVEL,
+    LOG_DAMPING,
     LOG_REST,
+    LOG_SUPPLY,
     LOG_TAU,
     LOG_TAU2,
     RIGID,
@@ -54,7 +57,10 @@ def candidate_of(seed, problem):
     taus = random.uniform(0.0, 3.0, 2)
     s = random.uniform(0.05, 0.3) * problem.op_span
     stem = np.log(STEMS[random.integers(len(STEMS))])
-    return np.array([taus[0], random.uniform(1, 8), taus[1], s, random.random(), problem.op[0], *stem, 1.0])
+    process = taus[0], random.uniform(1, 8), taus[1]
+    valve = s, random.random(), problem.op[0], *stem, 1.0
+    bristles = random.choice([0.0, 0.2]) if stem[2] > RIGID else 0.0
+    return np.array([*process, *valve, bristles])
 
 
 @FEW
@@ -76,7 +82,7 @@ def test_the_stem_first_slips_where_op_passes_the_level(direction):
     stem = (0.3, 0.15, 0.01)
     candidate = candidate_of(1, problem)
     candidate[[S, J_RATIO, LEVEL, FIRST]] = 3.0, 0.5, problem.op[0] + 2.0 * direction, direction
-    candidate[-4:-1] = np.log(stem)
+    candidate[LOG_DAMPING : LOG_DAMPING + 3], candidate[BRISTLES] = np.log(stem), 0.0
     position = objective.valve_position(candidate, problem)
     x0 = candidate[LEVEL] - direction * 2.25
     by_hand = damped_stem_in_small_steps(problem.op, 2.25, 0.75, x0, *stem, steps=200)
@@ -190,14 +196,12 @@ def test_the_scan_keeps_the_best_first_slip_of_each_cell(seed, acting):
     near = banks.bank(problem, np.array([4.0, np.inf]), np.array([0.0, 0.5]), 4.0)
     s_values, j_ratios = np.array([0.1, 0.3, 1.0]) * problem.op_span, np.array([0.0, 0.6])
     delays, step = np.array([1, 3, 6]), 0.06 * problem.op_span
-    scores, places, levels = coarse_grid.scan(
-        near, STEMS[:1], s_values, j_ratios, step, problem.period, delays
-    )
+    scores, places, levels = coarse_grid.scan(near, STEMS[:1], s_values, j_ratios, step, delays)
     pv = problem.pv[: len(near.op) // near.block]
     for i, s in enumerate(s_values):
         for j, ratio in enumerate(j_ratios):
             valve = s * (1 + ratio) / 2, s * (1 - ratio) / 2
-            share, place, level = slow.best_of_cell(near, pv, valve, STEMS[0], step, problem.period, delays)
+            share, place, level = slow.best_of_cell(near, pv, valve, STEMS[0], step, delays)
             assert scores[0, i, j] == pytest.approx(share, abs=1e-6)
             if share > 0:
                 assert (places[0, i, j], levels[0, i, j]) == (place, pytest.approx(level))
@@ -232,7 +236,8 @@ def test_a_climb_returns_the_process_and_delay_that_its_share_belongs_to(seed):
     explained, _ = slow.bank_share((1 - part) * responses[0] + part * responses[1], pv, near)
     assert share == pytest.approx(explained, abs=1e-6)
     if start[LOG_REST] < RIGID:
-        np.testing.assert_array_equal(found[-4:-1], start[-4:-1])
+        stem = [LOG_DAMPING, LOG_SUPPLY, LOG_REST, BRISTLES]
+        np.testing.assert_array_equal(found[stem], start[stem])
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -8,11 +8,13 @@ from hypothesis import strategies as st
 from agent.analysis.quantify.free_run.fitted import STEP
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
+    FIRST,
     FOPDT,
     J_RATIO,
     LEVEL,
     LOG_DAMPING,
     LOG_TAU,
+    SIZE,
     S,
     free_run_error,
 )
@@ -90,8 +92,8 @@ def loop_whose_stem_rests_elsewhere_once(off=0.2):
     answer = 2 * slow.first_order(position - position[0], 12.0)
     pv = 80 + np.concatenate([np.zeros(3), answer[:-3]]) + 0.02 * random.standard_normal(len(t))
     problem = pose(LoopWindow("FIC1", 0.0, 1.0, op, pv))
-    candidate = np.zeros(10)
-    candidate[[LOG_TAU, DELAY, S, J_RATIO, LEVEL, 9]] = np.log(12.0), 3.0, s, j / s, op[0] + f_s, 1.0
+    candidate = np.zeros(SIZE)
+    candidate[[LOG_TAU, DELAY, S, J_RATIO, LEVEL, FIRST]] = np.log(12.0), 3.0, s, j / s, op[0] + f_s, 1.0
     candidate[LOG_DAMPING : LOG_DAMPING + 3] = np.log(STEM)
     return problem, candidate
 

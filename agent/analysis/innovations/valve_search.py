@@ -18,6 +18,7 @@ from agent.analysis.quantify.free_run.bank import bank
 from agent.analysis.quantify.free_run.coarse_grid import first_slip, processes, set_process
 from agent.analysis.quantify.free_run.local_search import random_steps
 from agent.analysis.quantify.free_run.objective import (
+    BRISTLES,
     DELAY,
     FIRST,
     FOPDT,
@@ -130,6 +131,7 @@ def _set_valve(candidate: FloatArray, op: FloatArray, s: float, j_ratio: float, 
     candidate[S], candidate[J_RATIO] = s, j_ratio
     candidate[LEVEL], candidate[FIRST] = first_slip(op, 2 * f_s, rest + f_s)
     candidate[LOG_DAMPING : LOG_DAMPING + 3] = np.log(RIGID)
+    candidate[BRISTLES] = 0.0
 
 
 def _delays(problem: Problem) -> NDArray[np.int64]:

@@ -5,7 +5,8 @@ rises again at low speed (Stribeck) stops it a little short of its balance. Whet
 moves on decides whether it must break away again: He's model (``he2007``) rests after every slip, Kano's and
 the two-state model (``two_state``) slide on as long as OP goes on, a real stem is between. Derived from
 Karnopp's law with negligible inertia, OP held between samples and passed to the actuator by a first-order
-lag; break-away and rest within a sample are solved for, so that no finer steps are needed.
+lag; where the packing gives like bristles (LuGre), it breaks away early while the force rises. Break-away and
+rest within a sample are solved for, so that no finer steps are needed.
 """
 
 from __future__ import annotations
@@ -29,11 +30,15 @@ SUPPLY = (0.02, 0.5)
 """Range of that of the air to the actuator, samples."""
 REST = (3e-4, 0.3)
 """Range of the force over f_D at which a stem stops, over f_S - f_D."""
+GIVE = (0.01, 0.5)
+"""Range of what bristles give, where they do; from 0.5 on a sudden step may take a stem away at f_D."""
 SQUARINGS = 5
 PART = 2.0**-SQUARINGS
 """Of a sample, to which the moment of rest is found."""
 AT_ONCE = 0.05
 """Damping and supply together, samples, below which a slip begins and ends within the sample."""
+NEWTON = 4
+"""Steps towards the moment of an early break-away; they come from one side."""
 MEMORY = 6
 """Samples after which the supply has forgotten what OP was."""
 
@@ -47,6 +52,8 @@ class Motion(NamedTuple):
     """Time constant of the air to the actuator, samples; never quite that of the stem."""
     rest: float
     """Force over f_D at which the stem stops, over f_S - f_D."""
+    give: float
+    """Of the bristles (``damped_stem``)."""
     damping_keeps: float
     """What is left of a way after a sample."""
     supply_keeps: float
@@ -70,6 +77,7 @@ def damped_stem(
     damping: float,
     supply: float,
     rest: float,
+    give: float = 0.0,
 ) -> NDArray[np.float64]:
     """Return the valve positions at the end of each sample, OP units, shape (n,).
 
@@ -81,11 +89,13 @@ def damped_stem(
         damping: Time constant of the stem, samples, > 0.
         supply: Time constant of the air to the actuator, samples, > 0.
         rest: Force over f_D at which the stem stops, over f_S - f_D, 0 to 1; 0 slides on until OP turns.
+        give: Of the bristles: their deflection when they break over twice the way that a stem at Stribeck's
+            speed goes in ``supply``; 0: they are stiff, and the stem breaks away at f_S.
 
     With ``damping`` and ``supply`` of a hundredth of a sample it is He's model; with ``rest`` 0 and a
     ``damping`` of some hundredths the two-state one. While OP is NaN the position holds.
     """
-    return damped_stem_by_direction(op, f_s, f_s, f_d, x0, damping, supply, rest)
+    return damped_stem_by_direction(op, f_s, f_s, f_d, x0, damping, supply, rest, give)
 
 
 @kernel
@@ -98,6 +108,7 @@ def damped_stem_by_direction(
     damping: float,
     supply: float,
     rest: float,
+    give: float = 0.0,
 ) -> NDArray[np.float64]:
     """Return the positions of a stem that breaks away upward at ``f_s_up`` and downward at ``f_s_down``.
 
@@ -106,13 +117,13 @@ def damped_stem_by_direction(
     """
     position = np.empty(op.size)
     state = stem_at(x0, op[0])
-    stem = stem_motion(damping, supply, rest)
+    stem = stem_motion(damping, supply, rest, give)
     strokes(op, 0, op.size, state, (f_s_up, f_s_down, f_d), stem, position, op.size)
     return position
 
 
 @kernel
-def stem_motion(damping: float, supply: float, rest: float) -> Motion:
+def stem_motion(damping: float, supply: float, rest: float, give: float = 0.0) -> Motion:
     """Return what ``strokes`` takes of a stem; ``damping`` and ``supply`` in samples."""
     if abs(supply - damping) < 1e-6 * damping:
         supply *= 1.0 + 1e-5
@@ -120,6 +131,7 @@ def stem_motion(damping: float, supply: float, rest: float) -> Motion:
         damping=damping,
         supply=supply,
         rest=rest,
+        give=give,
         damping_keeps=math.exp(-1.0 / damping),
         supply_keeps=math.exp(-1.0 / supply),
         feeds=damping / (supply - damping),
@@ -140,6 +152,37 @@ def stem_at(x: float, force: float) -> NDArray[np.float64]:
     state[0] = x
     state[1] = force
     return state
+
+
+@kernel
+def left_at_break_away(step: float, over: float, lead: float, most: float, keeps: float) -> float:
+    """Return what of a step of OP has not reached the stem when it breaks away, OP units; 0: it holds.
+
+    Bristles that are being bent creep, and creep the faster the nearer the force is to f_S. While the force
+    rises at the rate R, no creep below Stribeck's speed v_s balances it once it is within 3 (J/f_S)^(1/3)
+    (R / (2 stiffness v_s))^(2/3) f_S of f_S: there the stem breaks away (derived from LuGre, Canudas de Wit
+    1995, to leading order). R is what is left of the step, y, over ``supply``; so it holds while
+    over - y + min(lead y^(2/3), most) < 0.
+
+    Args:
+        step: Of OP beyond the force at the start of the sample, towards the break-away, OP units, > 0.
+        over: OP beyond the balance with f_S, OP units.
+        lead: 3 (J give^2)^(1/3), OP units to the power of 1/3, > 0.
+        most: By how much friction can be loosened: to where the stem comes to rest, OP units.
+        keeps: Share of the step that is left after the sample.
+    """
+    nearest = min(8.0 / 27.0 * lead**3, (most / lead) ** 1.5)  # where it is most nearly taken away
+    least = min(max(nearest, step * keeps), step)
+    if over - least + min(lead * np.cbrt(least) ** 2, most) < 0.0:
+        return 0.0
+    y = min(step, over + most)
+    for _ in range(NEWTON):
+        root = np.cbrt(y)
+        excess = y - over - lead * root * root
+        if excess <= 0.0:
+            break
+        y -= excess / (1.0 - 2.0 / 3.0 * lead / root)
+    return float(max(y, least))
 
 
 @kernel
@@ -170,12 +213,16 @@ def strokes(
     damping, supply, rest, feeds = stem.damping, stem.supply, stem.rest, stem.feeds
     damping_keeps, supply_keeps, at_once = stem.damping_keeps, stem.supply_keeps, stem.at_once
     x, force, direction, jump, stop = state[0], state[1], state[2], state[3], state[4]
+    # What bristles loosen goes as y^(2/3) and is ``early`` at most; where f_S differs, by the larger jump.
+    gives = stem.give > 0.0
+    lead = 3.0 * np.cbrt((max(f_s_up, f_s_down) - f_d) * stem.give**2) if gives else 0.0
+    early = 4.0 / 27.0 * lead**3
     t = begin
     while t < end:
         comes_to_rest = False
         if direction == 0.0:
             # The force lies between what it was and OP: while OP is within f_S nothing can happen.
-            while t < end and -f_s_down <= op[t] - x <= f_s_up:
+            while t < end and early - f_s_down <= op[t] - x <= f_s_up - early:
                 position[t] = x
                 t += 1
             if t == end:
@@ -194,20 +241,27 @@ def strokes(
         free, fed = damping_keeps, supply_keeps
         part_slows, part_fills = stem.part_slows, stem.part_fills
         if direction == 0.0:
-            if force - x > f_s_up or x - force > f_s_down:
-                direction = 1.0 if force > x else -1.0
-                f_s = f_s_up if force > x else f_s_down
+            toward = 1.0 if force > x else -1.0
+            f_s = f_s_up if force > x else f_s_down
+            step = toward * (op[t] - before)
+            over = toward * (op[t] - x) - f_s
+            left_then = over
+            breaks = toward * (force - x) > f_s
+            if gives and step > 0.0 and f_s > f_d:
+                most = (1.0 - rest) * (f_s - f_d)
+                left_then = left_at_break_away(step, over, lead, most, supply_keeps)
+                breaks = left_then > 0.0
+            if breaks:
+                direction = toward
                 jump = f_s - f_d
                 stop = rest * jump
-                step = direction * (op[t] - before)
-                over = direction * (op[t] - x) - f_s
-                if at_once or step <= over:
+                if at_once or step <= left_then:
                     way = direction * (before - x) - f_d
                 else:
-                    # It breaks away when the force, exponentially on its way to OP, passes x + f_S.
-                    begins, way = x + direction * f_s, jump
-                    fed = supply_keeps * step / over
-                    moves = 1.0 - supply * math.log(step / over)
+                    # It breaks away when the force, exponentially on its way to OP, has so much of it left.
+                    begins, way = op[t] - direction * left_then, jump + (over - left_then)
+                    fed = supply_keeps * step / left_then
+                    moves = 1.0 - supply * math.log(step / left_then)
                     part_slows = math.exp(-moves / damping * PART)
                     part_fills = math.exp(-moves / supply * PART)
                     free = part_slows
@@ -300,7 +354,9 @@ class DampedStem:
     """Time constant of the air to the actuator, samples."""
     rest: float = 0.01
     """Force over f_D at which the stem stops, over f_S - f_D."""
+    give: float = 0.0
+    """Of the bristles; 0: stiff."""
 
     def position(self, op: NDArray[np.float64], bands: FrictionBands, x0: float) -> NDArray[np.float64]:
         """Return the valve positions, OP units, shape (n,)."""
-        return damped_stem(op, bands.f_s, bands.f_d, x0, self.damping, self.supply, self.rest)
+        return damped_stem(op, bands.f_s, bands.f_d, x0, self.damping, self.supply, self.rest, self.give)

@@ -14,11 +14,13 @@ from agent.analysis.quantify.free_run.problem import (
     first_periods,
     high_pass,
     pose,
+    quiet_start,
 )
 from agent.analysis.recording import LoopHints, LoopWindow
 from agent.physics.processes.decimation import block_means
 from agent.physics.valves.damped_stem import damped_stem
 from simulators.plant import simulate
+from simulators.random_plants import random_plant
 from simulators.scenario import load_scenario
 from tests.conftest import ROOT
 from tests.reference.free_run_twins import first_order
@@ -287,3 +289,45 @@ def test_short_horizons_keep_eighty_blocks_and_long_ones_the_record():
     assert len(first_periods(problem, 1.0).pv) == 80
     assert len(first_periods(problem, 1e6).pv) == len(problem.pv)
     assert first_periods(problem, np.inf) is problem
+
+
+def swinging(quiet, seed=1):
+    """A loop at rest for ``quiet`` samples, then swinging with a period of 40: OP and PV."""
+    random = np.random.default_rng(seed)
+    t = np.arange(800)
+    op = 50 + 4 * np.sin(2 * np.pi * t / 40) * (t >= quiet) + 0.05 * random.standard_normal(t.size)
+    position = damped_stem(op, 2.0, 1.0, op[0], 0.3, 0.1, 0.01)
+    pv = 80 + first_order(position - position[0], 8.0) + 0.02 * random.standard_normal(t.size)
+    return op, pv
+
+
+@pytest.mark.parametrize("quiet", [0, 90, 300])
+def test_a_loop_begins_to_swing_where_its_op_does(quiet):
+    begins = quiet_start(swinging(quiet)[0], 40.0)
+    assert quiet - 60 <= begins <= quiet  # a window of one and a half periods that sees it
+
+
+def test_neither_one_large_move_nor_a_loop_that_comes_to_rest_is_a_quiet_start():
+    op = swinging(0)[0]
+    op[300:340] += 60.0
+    assert quiet_start(op, 40.0) == 0
+    op[300:] = op[0]
+    assert quiet_start(op, 40.0) == 0
+
+
+def test_the_first_periods_of_a_record_that_begins_at_rest_hold_as_many_swings():
+    op, pv = swinging(300)
+    problem = pose(LoopWindow("FIC1", 0.0, 1.0, op, pv))
+    part = first_periods(problem, 4.0)
+    assert problem.block == 1
+    assert len(part.op) == problem.quiet + np.ceil(4 * problem.period)
+
+
+def test_a_loop_that_rests_for_six_periods_before_it_swings_is_fitted():
+    scenario = random_plant(2073, "stiction")
+    record = simulate(scenario)
+    window = LoopWindow(scenario.loop, 0.0, scenario.ts, record.op, record.pv)
+    assert pose(window).quiet > 5 * pose(window).period
+    found = FREE_RUN.quantify(window)
+    assert found.free_run_percent > 90  # 73 where the search looks at periods in which nothing moves
+    assert abs(found.stiction.j.value - record.truth.f_s + record.truth.f_d) < 0.05 * window.op_span

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.bristles import with_bristles
 from agent.analysis.quantify.free_run.fitted import Fitted
 from agent.analysis.quantify.free_run.intervals import (
     process_intervals,
@@ -77,6 +78,10 @@ class FreeRun:
         if found is not None and evidence >= STICKS_ABOVE:
             found = converged_search(found, problem, window.hints)
             evidence = evidence_of(found, linear)
+            if decide(evidence, found, problem) == "stiction":
+                # One more freedom tells how much a valve sticks, never that it does.
+                found = with_bristles(found, problem)
+                evidence = evidence_of(found, linear)
         if evidence == 1.0:
             found = None
         elif found is not None and evidence < SLIDES_BELOW:

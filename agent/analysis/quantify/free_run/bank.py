@@ -7,12 +7,11 @@ costs little more than the valve itself.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.problem import Problem
+from agent.analysis.quantify.free_run.problem import STROKE_TIME, Problem, first_blocks
 from agent.jit import kernel
 
 if TYPE_CHECKING:
@@ -41,6 +40,8 @@ class Bank(NamedTuple):
     """Inverse Gram matrix of level and end of the filter's memory, (2, 2)."""
     squares: float
     """Sum of squares of PV, PV units squared."""
+    early: int
+    """Samples in which a valve that slips first slips: until the loop has swung once and a half."""
     gain_sign: int
 
 
@@ -51,7 +52,7 @@ def bank(problem: Problem, taus: FloatArray, ratios: FloatArray, periods: float)
     an integrator to a quarter period; both (k,).
     """
     block = problem.block
-    m = min(len(problem.pv), max(200, math.ceil(periods * problem.period / block)))
+    m = first_blocks(problem, periods, 200)
     counted = np.flatnonzero(problem.weight[:m] > 0)
     burn = int(counted[0]) if len(counted) else 0
     at = np.arange(m)
@@ -78,6 +79,7 @@ def bank(problem: Problem, taus: FloatArray, ratios: FloatArray, periods: float)
         burn=burn,
         gram=gram,
         squares=float(pv @ pv),
+        early=problem.quiet + int(STROKE_TIME * problem.period),
         gain_sign=problem.gain_sign,
     )
 

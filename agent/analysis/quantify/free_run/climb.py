@@ -13,6 +13,7 @@ import numpy as np
 from agent.analysis.quantify.free_run.bank import Bank
 from agent.analysis.quantify.free_run.bank_score import best_between, covariances, moves_of, response_sums
 from agent.analysis.quantify.free_run.objective import (
+    BRISTLES,
     DELAY,
     FIRST,
     J_RATIO,
@@ -28,6 +29,7 @@ from agent.analysis.quantify.free_run.objective import (
 )
 from agent.analysis.quantify.free_run.problem import from_blocks, to_blocks
 from agent.jit import kernel
+from agent.physics.valves.damped_stem import GIVE
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
@@ -130,3 +132,6 @@ def disturb(
             if kind in (4, 5 + axis % 2):
                 moved = trial[LOG_DAMPING + axis] + 0.7 * scale * rng.standard_normal()
                 trial[LOG_DAMPING + axis] = min(max(moved, STEM_LOW[axis]), STEM_HIGH[axis])
+        if kind != 5 and best[BRISTLES] > 0.0:
+            moved = best[BRISTLES] * np.exp(0.7 * scale * rng.standard_normal())
+            trial[BRISTLES] = min(max(moved, GIVE[0]), GIVE[1])

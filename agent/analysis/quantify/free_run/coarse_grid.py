@@ -15,6 +15,7 @@ import numpy as np
 from agent.analysis.quantify.free_run.bank import Bank, bank
 from agent.analysis.quantify.free_run.bank_score import best_share, room_for
 from agent.analysis.quantify.free_run.objective import (
+    BRISTLES,
     DELAY,
     FIRST,
     J_RATIO,
@@ -95,7 +96,7 @@ def coarse_candidates(
     delays = bank_delays(problem)
     near = bank(problem, taus, ratios, grid.periods)
     level_step = LEVEL_STEP * problem.op_span
-    scores, places, levels = scan(near, stems, s_values, grid.j_ratios, level_step, problem.period, delays)
+    scores, places, levels = scan(near, stems, s_values, grid.j_ratios, level_step, delays)
     found, shares = [], []
     for k, i, j in best_cells(scores, (s_values / problem.op_span * S_BINS).astype(int), grid):
         tau, delay = divmod(int(places[k, i, j]), len(delays))
@@ -121,6 +122,7 @@ def set_valve(
     candidate[S], candidate[J_RATIO] = s, j_ratio
     candidate[LEVEL], candidate[FIRST] = first_slip(op, s, up)
     candidate[LOG_DAMPING : LOG_DAMPING + 3] = np.log(stem)
+    candidate[BRISTLES] = 0.0
 
 
 def best_cells(scores: FloatArray, bins: NDArray[np.int64], grid: Grid) -> list[tuple[int, int, int]]:
@@ -190,13 +192,13 @@ def scan(
     s_values: FloatArray,
     j_ratios: FloatArray,
     level_step: float,
-    period: float,
     delays: NDArray[np.int64],
 ) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
     """Return explained shares, (stem, S, J), with the place in the bank and the upper level of each."""
     shape = (stems.shape[0], s_values.size, j_ratios.size)
     levels = np.zeros(shape)
-    early_op = bank.op[: min(bank.op.size, int(1.5 * period))]
+    meeting = min(bank.op.size, bank.early)
+    early_op = bank.op[:meeting]
     low = early_op.min()
     high = early_op.max()
     scores = np.zeros(shape)

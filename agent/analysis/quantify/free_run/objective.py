@@ -13,20 +13,20 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.problem import Problem, to_blocks
 from agent.jit import fused_kernel, inlined_kernel, kernel, summing_kernel
-from agent.physics.valves.damped_stem import DAMPING, REST, SUPPLY, damped_stem
+from agent.physics.valves.damped_stem import DAMPING, GIVE, REST, SUPPLY, damped_stem
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
 
 # Structures of the process.
 FOPDT, SOPDT, INTEGRATOR = 0, 1, 2
-# Coordinates of a candidate, shape (10,).
-LOG_TAU, DELAY, LOG_TAU2, S, J_RATIO, LEVEL, LOG_DAMPING, LOG_SUPPLY, LOG_REST, FIRST = range(10)
+# Coordinates of a candidate, shape (11,).
+LOG_TAU, DELAY, LOG_TAU2, S, J_RATIO, LEVEL, LOG_DAMPING, LOG_SUPPLY, LOG_REST, FIRST, BRISTLES = range(11)
 # log(tau) and log(tau2) in samples; delay in samples, >= 1; S in OP units, 0: no stiction; J/S; level: OP
 # at the first slip, OP units, and first: its direction, 1 or -1, so that the stem before it rests at level
 # - first f_S and S or J may change without moving that slip; logs of damping (samples), supply (samples)
-# and rest of the stem.
-SIZE = 10
+# and rest of the stem; what its bristles give, 0: they are stiff.
+SIZE = 11
 
 IMPOSSIBLE = np.inf
 LEAST_LOG_TAU = math.log(0.2)
@@ -48,6 +48,7 @@ class Valve(NamedTuple):
     damping: float
     supply: float
     rest: float
+    give: float
 
 
 @kernel
@@ -61,13 +62,16 @@ def valve_of(candidate: FloatArray) -> Valve:
         math.exp(candidate[LOG_DAMPING]),
         math.exp(candidate[LOG_SUPPLY]),
         math.exp(candidate[LOG_REST]),
+        candidate[BRISTLES],
     )
 
 
 @kernel
 def stem_of(valve: Valve, op: FloatArray) -> FloatArray:
     """Return the stem position that ``op`` (n,) causes, OP units, (n,)."""
-    return damped_stem(op, valve.f_s, valve.f_d, valve.x0, valve.damping, valve.supply, valve.rest)
+    return damped_stem(
+        op, valve.f_s, valve.f_d, valve.x0, valve.damping, valve.supply, valve.rest, valve.give
+    )
 
 
 @kernel
@@ -232,6 +236,15 @@ def fit_gain(
 
 
 @kernel
+def stem_in_bounds(candidate: FloatArray) -> bool:
+    """Whether damping, supply, rest and bristles are those of a stem that takes its time."""
+    for axis in range(3):
+        if not STEM_LOW[axis] <= candidate[LOG_DAMPING + axis] <= STEM_HIGH[axis]:
+            return False
+    return bool(candidate[BRISTLES] == 0.0 or GIVE[0] <= candidate[BRISTLES] <= GIVE[1])
+
+
+@kernel
 def in_bounds(candidate: FloatArray, problem: Problem) -> bool:
     """Whether every coordinate is one that a valve and a process may have."""
     if not 1.0 <= candidate[DELAY] <= problem.max_delay + 1.0:
@@ -242,11 +255,7 @@ def in_bounds(candidate: FloatArray, problem: Problem) -> bool:
         return False
     if not (0.0 <= candidate[J_RATIO] <= 1.0):
         return False
-    if candidate[S] > 0.0 and candidate[LOG_REST] > RIGID:
-        for axis in range(3):
-            if not STEM_LOW[axis] <= candidate[LOG_DAMPING + axis] <= STEM_HIGH[axis]:
-                return False
-    return True
+    return bool(candidate[S] == 0.0 or candidate[LOG_REST] <= RIGID or stem_in_bounds(candidate))
 
 
 @kernel

@@ -29,6 +29,12 @@ PASS_TIME = 0.5
 BURN = 0.5
 """Start of the record that does not count, periods, at most a twelfth of it: what was before is not known."""
 LEAST_SAMPLES = 50
+STROKE_TIME = 1.5
+"""Periods in which a loop that swings shows the whole range of its OP."""
+FIRST_LOOK = 5
+"""The first that a search looks at (``search.HORIZONS``)."""
+QUIET = 0.5
+"""Range of OP in that time, over the usual one, below which the loop does not swing yet."""
 SHORT_GAP = 1 / 12
 """Length of a gap in OP, in periods, up to which a straight line stands for what is missing."""
 
@@ -65,6 +71,8 @@ class Problem(NamedTuple):
     """Dominant period of OP, samples."""
     op_speed: float
     """Mean speed of OP without its noise, OP units per sample."""
+    quiet: int
+    """Samples before the loop begins to swing: what counts periods counts them from there."""
 
 
 def pose(window: LoopWindow) -> Problem | str:
@@ -107,6 +115,7 @@ def pose(window: LoopWindow) -> Problem | str:
         op_span=float(np.ptp(op)),
         period=period,
         op_speed=smooth_speed(op, period),
+        quiet=quiet_start(op, period),
     )
 
 
@@ -114,7 +123,7 @@ def first_periods(problem: Problem, periods: float) -> Problem:
     """Return the problem of the first ``periods`` periods, at least 80 blocks; infinite: all of it."""
     if math.isinf(periods):
         return problem
-    m = min(len(problem.pv), max(80, math.ceil(periods * problem.period / problem.block)))
+    m = first_blocks(problem, periods, 80)
     weight = problem.weight[:m]
     basis = nuisance_basis(weight, problem.keep)
     pv = problem.pv[:m]
@@ -124,6 +133,16 @@ def first_periods(problem: Problem, periods: float) -> Problem:
         weight=weight,
         basis=basis,
     )
+
+
+def first_blocks(problem: Problem, periods: float, least: int) -> int:
+    """Return how many blocks the first ``periods`` periods of the swinging loop end with, at least some.
+
+    A valve that rests tells nothing, so that the first periods of a record that begins at rest would let the
+    search choose among valves none of which has moved.
+    """
+    end = math.ceil((problem.quiet + periods * problem.period) / problem.block)
+    return min(len(problem.pv), max(least, end))
 
 
 def bridge(signal: FloatArray) -> FloatArray:
@@ -173,6 +192,19 @@ def dominant_period(op: FloatArray) -> float:
     spectrum = np.abs(np.fft.rfft((op - op.mean()) * np.hanning(n)))
     spectrum[:3] = 0.0
     return n / max(int(np.argmax(spectrum)), 3)
+
+
+def quiet_start(op: FloatArray, period: float) -> int:
+    """Return how many samples of ``op`` (n,) pass before it swings about as far as it usually does.
+
+    None in a record of few periods: all of it is looked at from the first, and OP may not swing at all.
+    """
+    if len(op) < FIRST_LOOK * period:
+        return 0
+    step, width = max(1, int(period / 4)), int(STROKE_TIME * period)
+    begins = np.arange(0, max(1, len(op) - width + 1), step)
+    ranges = np.array([np.ptp(op[begin : begin + width]) for begin in begins])
+    return int(begins[np.argmax(ranges >= QUIET * np.median(ranges))])
 
 
 def smooth_speed(op: FloatArray, period: float) -> float:

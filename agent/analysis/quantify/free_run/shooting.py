@@ -131,7 +131,7 @@ def shoot(
     process = process_of(candidate, structure, block, problem.keep, m)
     track.response[: process.whole] = 0.0
     state = stem_at(valve.x0, problem.op[0])
-    motion = stem_motion(valve.damping, valve.supply, valve.rest)
+    motion = stem_motion(valve.damping, valve.supply, valve.rest, valve.give)
     t = move(valve, motion, problem, 0, n, state, track.position, block)
     memory = at_rest(track.position, block)
     begin = blocks_before(t, n, block)
