@@ -4,7 +4,7 @@ Bristles loosen a stem while the force rises, so that it breaks away below f_S. 
 force for its f_S, and S and J come out too small by what is loosened: at most 4 J give^2, nothing for a valve
 that slides. In the search itself one more number costs more valves than it finds, so it is tried at the end,
 from the valve that was found; S, J and level start where the stem breaks away at the force it did
-(docs/decisions/0036-bristles.md).
+(docs/decisions/0035-bristles.md).
 """
 
 from __future__ import annotations
