@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effect import Facts, Parameter, Stage
-from agent.physics.effects.hysteresis import J_BY_LAW, motion_of, motion_values, moving, rest_before, start_of
+from agent.physics.effects.hysteresis import (
+    J_BY_LAW,
+    STIFF,
+    motion_of,
+    motion_values,
+    moving,
+    rest_before,
+    start_of,
+)
 from agent.physics.valves.damped_stem import damped_stem_by_direction
 
 if TYPE_CHECKING:
@@ -41,7 +49,7 @@ class AsymmetricStiction:
             Parameter("j_up", "OP", 0.0, facts.op_span, null=0.0, by_law=J_BY_LAW),
             Parameter("j_down", "OP", 0.0, facts.op_span, null=0.0, by_law=J_BY_LAW),
             start_of(facts),
-            *motion_of(facts),
+            *motion_of(facts, STIFF),
         )
 
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:
@@ -58,4 +66,4 @@ class AsymmetricStiction:
 
     def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:
         """Return the values of a valve with these bands in both directions."""
-        return np.array([bands.dead_band, bands.j, bands.j, start, *motion_values(stem, ts)])
+        return np.array([bands.dead_band, bands.j, bands.j, start, *motion_values(stem, ts)[: len(STIFF)]])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import numpy as np
 
 from agent.physics.effect import Facts, Parameter, ValveEffect
-from agent.physics.valves.damped_stem import DAMPING, REST, SUPPLY, DampedStem
+from agent.physics.valves.damped_stem import DAMPING, GIVE, REST, SUPPLY, DampedStem
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,8 +23,10 @@ S_BY_LAW, J_BY_LAW = 0.10, 0.33
 """``Parameter.by_law`` of S, and of what tells static from kinetic friction. A Stribeck curve and a stem of
 bristles move alike with bands that differ so much: nine in ten of 13 loops of ``simulators.hidden_effects``,
 seeds 7100 to 7113, are within both (12 and 12 of 13)."""
-MOTION = ("damping", "supply", "rest")
+MOTION = ("damping", "supply", "rest", "give")
 """Parameters of ``motion_of``."""
+STIFF = MOTION[:3]
+"""Those of a stem whose bristles do not give."""
 
 
 @runtime_checkable
@@ -62,12 +64,18 @@ def rest_before(op: float, f_s_up: float, f_s_down: float, start: float) -> floa
 
 
 def motion_of(facts: Facts, names: Sequence[str] = MOTION) -> tuple[Parameter, ...]:
-    """How a stem moves once it slips: its damping, its supply of air, and where it comes to rest.
+    """How a stem moves once it slips: its damping, its supply of air, where it comes to rest, its bristles.
 
     Nobody knows them beforehand, and S and J that are searched with those of another stem are others.
     ``names``: which of them.
     """
-    ranges = zip(MOTION, ("s", "s", "1"), (DAMPING, SUPPLY, REST), (facts.ts, facts.ts, 1.0), strict=True)
+    ranges = zip(
+        MOTION,
+        ("s", "s", "1", "1"),
+        (DAMPING, SUPPLY, REST, GIVE),
+        (facts.ts, facts.ts, 1.0, 1.0),
+        strict=True,
+    )
     return tuple(
         Parameter(name, unit, low * scale, high * scale, log=True, natural=True)
         for name, unit, (low, high), scale in ranges
@@ -76,11 +84,12 @@ def motion_of(facts: Facts, names: Sequence[str] = MOTION) -> tuple[Parameter, .
 
 
 def moving(values: FloatArray, ts: float) -> DampedStem:
-    """Return the stem of the values of ``motion_of``, (3,)."""
-    damping, supply, rest = (float(value) for value in values)
-    return DampedStem(damping=damping / ts, supply=supply / ts, rest=rest)
+    """Return the stem of the values of ``motion_of``, (4,), or of a stiff one, (3,)."""
+    damping, supply, rest = (float(value) for value in values[:3])
+    give = float(values[3]) if len(values) == len(MOTION) and values[3] > GIVE[0] else 0.0
+    return DampedStem(damping=damping / ts, supply=supply / ts, rest=rest, give=give)
 
 
 def motion_values(stem: DampedStem, ts: float) -> FloatArray:
-    """Return the values (3,) of ``motion_of`` for a stem."""
-    return np.array([stem.damping * ts, stem.supply * ts, stem.rest])
+    """Return the values (4,) of ``motion_of`` for a stem."""
+    return np.array([stem.damping * ts, stem.supply * ts, stem.rest, max(stem.give, GIVE[0])])
