@@ -86,7 +86,7 @@ class FreeRun:
             found = None
         elif found is not None and evidence < SLIDES_BELOW:
             # Shots that set a stem off again and again fit what no valve did; its free run tells of no valve.
-            found = replace(found, best=min((found.best, *found.others[:1]), key=lambda fit: fit.error))
+            found = replace(found, best=found.least)
         decision = decide(evidence, found, problem)
         best = found.best if found else linear
         chosen = linear if decision == "no_stiction" else best
@@ -119,13 +119,16 @@ def unanswered(name: str, failure: str) -> Quantification:
 
 
 def decide(evidence: float, found: Found | None, problem: Problem) -> MethodVerdict:
-    """Return the verdict that the errors support, the valve's turns allow and the fit deserves."""
+    """Return the verdict that the errors support, the valve's turns allow and the fit deserves.
+
+    Of the free run that fits best, as the evidence is: that of the shots may go wrong at a stroke.
+    """
     if found is None or evidence < SLIDES_BELOW:
         return "no_stiction"
     if found.best.candidate[S] < LEAST_S * problem.op_span:
         return "no_stiction"
-    sees_it = turns(valve_position(found.best.candidate, problem)) > 0
-    explains = fit_percent(found.best, problem) >= LEAST_FIT
+    sees_it = turns(valve_position(found.least.candidate, problem)) > 0
+    explains = fit_percent(found.least, problem) >= LEAST_FIT
     return "stiction" if evidence >= STICKS_ABOVE and sees_it and explains else "undecided"
 
 

@@ -98,9 +98,14 @@ class Found:
     """Error of the best by shots, with what the set-off stems cost, PV units squared."""
 
     @property
+    def least(self) -> Fitted:
+        """The free run that fits best, which the shots may have decided against."""
+        return min((self.best, *self.others[:1]), key=lambda fitted: fitted.error)
+
+    @property
     def least_error(self) -> float:
-        """Sum of squares of the free run that fits best, which the shots may have decided against."""
-        return min(f.error for f in (self.best, *self.others[:1]))
+        """Its sum of squares, PV units squared."""
+        return self.least.error
 
 
 def structures(hints: LoopHints) -> tuple[int, ...]:
