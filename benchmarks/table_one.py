@@ -1,19 +1,29 @@
-"""CPU time of the quantifiers on the loops of the paper's Table I that are public with OP and PV."""
+"""The loops of the paper's Table I that are public with OP and PV: CPU time, and what `free_run` tells."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from agent.analysis.quantify import quantifier
 from agent.analysis.recording import LoopHints, LoopWindow
 from agent.cli.recordings import loop_window
+from agent.units import FrictionBands
 from benchmarks.cpu_time import quantifier_seconds
 from benchmarks.markdown import table
 from benchmarks.options import Options
+from benchmarks.printed_valve import times_the_least
 from benchmarks.recordings_folder import recordings_folder
 from connectors.recording import read_recording
 
 PRINTED = {"CHEM10": (12.9, 15.4), "CHEM11": (14.0, 19.5), "CHEM12": (23.4, 54.3)}
 """CPU time in Table I of Lee, Ren and Huang (2008), first and second order, s, Pentium 3.2 GHz."""
+VALVES = {
+    "CHEM10": FrictionBands(1.70, 0.0),
+    "CHEM11": FrictionBands(0.10, 0.04),
+    "CHEM12": FrictionBands(0.78, 0.64),
+}
+"""f_S and f_D printed there, OP units."""
 MEANS = (19.8, 33.0)
 """Their mean over all six loops, s."""
 METHODS = ("free_run", "lee2008")
@@ -45,6 +55,25 @@ def run(_options: Options) -> None:
     )
     print(table("### CPU seconds for one loop of Table I", columns, rows))
     print(f"Mean of the six loops of the paper: {MEANS[0]:g} s and {MEANS[1]:g} s.\n")
+    print(amounts(windows))
+
+
+def amounts(windows: Sequence[LoopWindow]) -> str:
+    """Return what the paper prints beside the intervals of `free_run`, and how much worse it fits."""
+    rows = []
+    for window in windows:
+        printed, found = VALVES[window.loop], quantifier("free_run").quantify(window).stiction
+        if found is None:
+            continue
+        told = (printed.f_s, printed.f_d, printed.s, printed.j)
+        cells = []
+        for paper, each in zip(told, (found.f_s, found.f_d, found.s, found.j), strict=True):
+            cells += [f"{paper:.2f}", f"{each.value:.2f} ({each.low:.2f} to {each.high:.2f})"]
+        rows.append((window.loop, *cells, f"{times_the_least(window, printed):.2f}"))
+    columns = ["loop"]
+    for amount in ("f_S", "f_D", "S", "J"):
+        columns += [f"{amount}: paper", "`free_run`"]
+    return table("### What the valves of Table I are", (*columns, "error of the paper's, least = 1"), rows)
 
 
 def window_of(path: Path) -> LoopWindow:
