@@ -15,8 +15,8 @@ from simulators.plant import simulate
 from simulators.random_plants import random_plant
 
 EFFECT_VALUES: dict[str, tuple[float, ...]] = {
-    "deadband": (0.5, 0.3),
-    "stiction": (0.5, 0.5, 0.3, 0.3, 0.1, 0.01),
+    "deadband": (0.5, 0.3, 0.1),
+    "stiction": (0.5, 0.5, 0.3, 0.3, 0.1, 0.01, 0.01),
     "asymmetric_stiction": (0.25, 0.1, 0.4, 0.3, 0.3, 0.1, 0.01),
     "saturation": (0.2, 0.75),
     "characteristic": (3.0,),
@@ -27,7 +27,7 @@ EFFECT_VALUES: dict[str, tuple[float, ...]] = {
     "integrating": (0.05,),
     "inverse_response": (15.0,),
     "sinusoid": (0.031,),
-    "load_step": (60.0, 140.0, 15.0),
+    "load_step": (40.0, 100.0, 150.0, 15.0),
     "gain_change": (100.0, 0.0, 8.0),
 }
 """Values in s, and in OP spans above the least OP where the unit has OP in it."""
