@@ -129,6 +129,7 @@ def diagnose(
     if one_valve and (each or (method is not None and not _shares_evidence(method))):
         other = "--each says the contrary" if each else f"--quantifier {quantifier} has no evidence to share"
         raise typer.BadParameter(f"{other}: take one of them", param_hint="'--one-valve'")
+    recordings = option.in_folders(recordings)
     valve = valves(recordings, each=each, one_valve=one_valve)
     pictures = picture_files(recordings, plot)
     tasks = [

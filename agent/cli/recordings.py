@@ -8,12 +8,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from agent.analysis.recording import LoopHints, LoopWindow
     from connectors.recording import RecordedLoop
 
 PANEL = "Columns of the recordings"
 
-Recordings = Annotated[list[Path], typer.Argument(metavar="RECORDING...", help="CSV or Parquet files.")]
+SUFFIXES = {".csv", ".parquet"}
+"""Of the files of a folder that are recordings."""
+
+Recordings = Annotated[
+    list[Path], typer.Argument(metavar="RECORDING...", help="CSV or Parquet files, or folders of them.")
+]
 Time = Annotated[str, typer.Option("--time", metavar="NAME", help="Time column.", rich_help_panel=PANEL)]
 Op = Annotated[str, typer.Option("--op", metavar="NAME", help="Controller output.", rich_help_panel=PANEL)]
 Pv = Annotated[str, typer.Option("--pv", metavar="NAME", help="Process variable.", rich_help_panel=PANEL)]
@@ -28,6 +35,23 @@ Ts = Annotated[
         "--ts", metavar="SECONDS", help="Sampling time where there is no time column.", rich_help_panel=PANEL
     ),
 ]
+
+
+def in_folders(paths: Iterable[Path]) -> list[Path]:
+    """Return the files, those of a folder in its place, by name.
+
+    Raises:
+        BadParameter: A folder holds no recording.
+    """
+    files: list[Path] = []
+    for path in paths:
+        found = [path]
+        if path.is_dir():
+            found = sorted(each for each in path.iterdir() if each.suffix.lower() in SUFFIXES)
+        if not found:
+            raise typer.BadParameter(f"{path}: a folder without CSV or Parquet files", param_hint="RECORDING")
+        files += found
+    return files
 
 
 def positive(ts: float | None) -> float | None:

@@ -79,7 +79,7 @@ def replay(
     if speed is not None and not 0 < speed < float("inf"):
         raise typer.BadParameter(f"{speed:g} is not a positive factor", param_hint="'--speed'")
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
-    if asyncio.run(_replay_all(recordings, columns, bus, speed, as_json=as_json)):
+    if asyncio.run(_replay_all(option.in_folders(recordings), columns, bus, speed, as_json=as_json)):
         raise typer.Exit(BAD_INPUT)
 
 

@@ -113,9 +113,22 @@ def nested_scan(
 def fit_from(model: LoopModel, record: Record, points: FloatArray, rounds: Sequence[Round] = ROUNDS) -> Fit:
     """Fit a model to the whole record from points (m, k) of the unit cube; all values move together."""
     objective = objective_of(model, record, target_of(record, record.weight, linear=model.base.linear))
-    return fit_at(
-        model, record, objective.target, objective.space.values(searched(objective, points, rounds))
-    )
+    found = searched(objective, points, rounds)
+    if isinstance(model.base, StartingBase):
+        # What a smaller model needed in place of the effect may be far from what this one needs.
+        own = model.base.starts(record.op, record.pv, record.facts)
+        found = min(
+            found, searched(objective, spread_from(own, objective.space), rounds), key=objective.error
+        )
+    return fit_at(model, record, objective.target, objective.space.values(found))
+
+
+def spread_from(own: FloatArray, space: Space) -> FloatArray:
+    """Return points of the unit cube, (m, k): the base as in ``own`` (b, j), own units, all else spread."""
+    points = hypercube(SCAN, len(space))
+    values = space.values(points)
+    values[:, : own.shape[1]] = own[np.arange(SCAN) % len(own)]
+    return space.at(values)
 
 
 def nested_starts(smaller: Fit, space: Space) -> FloatArray:

@@ -7,10 +7,11 @@ from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.load_step import LoadStep
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import contributions, fit, fit_at, nested_fit, refit
+from agent.workbench.fit import contributions, fit, fit_at, nested_fit, refit, spread_from
 from agent.workbench.folds import FEWEST_BLOCKS, FOLDS, block_losses, folds_of, held_out
 from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record
+from agent.workbench.space import space_of
 
 FOPDT = LoopModel(Fopdt())
 
@@ -107,3 +108,12 @@ def test_too_few_stretches_are_told():
     record = bare_record(type(window)("short", 0.0, 1.0, window.op, pv))
     base = fit(FOPDT, record, record.weight)
     assert f"{FEWEST_BLOCKS} are needed" in folds_of(record, base)
+
+
+def test_what_a_base_begins_from_stands_where_its_own_parameters_do_and_all_else_is_spread():
+    record = bare_record(slack())
+    space = space_of(LoopModel(Fopdt(), (Deadband(),)), record.facts)
+    own = np.array([[2.0, 5.0], [4.0, 20.0]])
+    values = space.values(spread_from(own, space))
+    np.testing.assert_allclose(values[:3, :2], own[[0, 1, 0]], rtol=1e-9)
+    assert np.ptp(values[:, 2]) > 0.9 * record.facts.op_span
