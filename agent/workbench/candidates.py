@@ -13,7 +13,6 @@ from agent.workbench.evidence import evidence_of
 from agent.workbench.holm import LEVEL
 from agent.workbench.likeliest import is_strong, outdone, plain
 from agent.workbench.state_dependence import LEVEL as FOLLOWED
-from agent.workbench.state_dependence import fails, state_dependence
 from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
@@ -60,10 +59,11 @@ def judged(
     enough = (1 - LEAST_PERCENT / 100) * smaller.fit.error
     lowers = {name: found[name] for name, each in models.items() if each.fit.error <= enough}
     null_p = {name: 1.0 for name in models if name not in lowers or not found[name].more}
+    doubts = Doubts(smaller, models, found, null_p_of)
     clear: set[str] = set()
     if smaller.predicts is not None:
         null_p.update(dict.fromkeys(outdone(found), 1.0))
-        clear = {name for name in plain(found) - null_p.keys() if _is_complete(models[name])}
+        clear = {name for name in plain(found) - null_p.keys() if doubts.is_complete(name)}
     judge_by = partial(
         judge,
         smaller.held_out.losses,
@@ -75,7 +75,7 @@ def judged(
         likelier={name: each.criterion for name, each in lowers.items()},
         clear=clear,
     )
-    decision = _undoubted(judge_by, Doubts(smaller, models, found, null_p_of), null_p)
+    decision = _undoubted(judge_by, doubts, null_p)
     if decision.effect is not None and smaller.predicts is not None:
         alike = [found[each] for each in (decision.effect, *decision.indistinguishable)]
         if not is_strong(alike, len(models)):
@@ -96,11 +96,6 @@ def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts, null_p: dict[s
             doubted = null_p.get(effect, 0.0) >= LEVEL
             return replace(decision, kind="none", effect=None, family=None) if doubted else decision
         null_p.update(new)
-
-
-def _is_complete(larger: Tried) -> bool:
-    """Whether no axis tells any more that a model fails."""
-    return larger.predicts is not None and not fails(state_dependence(*larger.predicts))
 
 
 def own_at_bound(fitted: Fit) -> tuple[str, ...]:

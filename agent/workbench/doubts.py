@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 from agent.workbench.holm import LEVEL
 from agent.workbench.likeliest import VERY_STRONG, is_strong, less_likely
-from agent.workbench.state_dependence import resolves, state_dependence
+from agent.workbench.state_dependence import fails, resolves, state_dependence
 
 if TYPE_CHECKING:
     from agent.workbench.decision import Decision
     from agent.workbench.evidence import Evidence
     from agent.workbench.fit import Fit
+    from agent.workbench.state_dependence import Dependence
     from agent.workbench.step import Step
     from agent.workbench.trial import Tried
 
@@ -29,6 +30,7 @@ class Doubts:
     null_p_of: Callable[[Fit], float]
     """How likely the effect of a fit seems to explain as much where it is not there."""
     _asked: set[str] = field(default_factory=set)
+    _told: dict[str, Mapping[str, Dependence]] = field(default_factory=dict)
 
     def of(self, decision: Decision, null_p: Mapping[str, float]) -> dict[str, float]:
         """Return p that a decision's effect or a rival is not there; 1 where something speaks against it.
@@ -58,6 +60,10 @@ class Doubts:
             doubts[effect] = self.null_p_of(self.models[effect].fit)
         return doubts
 
+    def is_complete(self, name: str) -> bool:
+        """Return whether no axis tells any more that the model fails, with an effect."""
+        return self.models[name].predicts is not None and not fails(self._dependence(name))
+
     def _stands_for_another(self, name: str) -> bool:
         """Whether what made the smaller model fail is still there with an effect, and no other explains it.
 
@@ -85,5 +91,11 @@ class Doubts:
         )
 
     def _resolves(self, name: str) -> bool:
-        predicts = self.models[name].predicts
-        return predicts is None or resolves(self.smaller.estimate.dependence, state_dependence(*predicts))
+        return resolves(self.smaller.estimate.dependence, self._dependence(name))
+
+    def _dependence(self, name: str) -> Mapping[str, Dependence]:
+        """Return what each axis tells of the model with an effect, once; empty where that cannot be asked."""
+        if name not in self._told:
+            predicts = self.models[name].predicts
+            self._told[name] = {} if predicts is None else state_dependence(*predicts)
+        return self._told[name]

@@ -32,7 +32,7 @@ LEAST_SAMPLES = 50
 STROKE_TIME = 1.5
 """Periods in which a loop that swings shows the whole range of its OP."""
 FIRST_LOOK = 5
-"""Periods that a search looks at first (``search.HORIZONS``)."""
+"""Periods that a search looks at first."""
 QUIET = 0.5
 """Range of OP in that time, over the usual one, below which the loop does not swing yet."""
 SHORT_GAP = 1 / 12

@@ -38,7 +38,7 @@ from agent.analysis.quantify.free_run.objective import (
     SOPDT,
     S,
 )
-from agent.analysis.quantify.free_run.problem import first_periods
+from agent.analysis.quantify.free_run.problem import FIRST_LOOK, first_periods
 from agent.analysis.quantify.free_run.shooting_search import STAGES, shot
 from agent.analysis.quantify.free_run.starts import best_by_bin, climbed
 
@@ -66,7 +66,7 @@ class Horizon(NamedTuple):
 
 
 HORIZONS = (
-    Horizon(5, 0.5, (20, 50), 160),
+    Horizon(FIRST_LOOK, 0.5, (20, 50), 160),
     Horizon(8, 0.4, (30, 60), 50),
     Horizon(12, 0.3, (30, 60), 20),
     Horizon(20, 0.2, (30, 80), 12),
