@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from agent.workbench.decision import LEAST_PERCENT, Decision, judge
 from agent.workbench.doubts import Doubts
-from agent.workbench.evidence import evidence_of
+from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.holm import LEVEL
 from agent.workbench.likeliest import is_strong, outdone, plain
 from agent.workbench.state_dependence import LEVEL as FOLLOWED
@@ -41,7 +41,11 @@ class AllTried:
 
 
 def judged(
-    smaller: Step, models: Mapping[str, Tried], record: Record, null_p_of: Callable[[Fit], float]
+    smaller: Step,
+    models: Mapping[str, Tried],
+    record: Record,
+    null_p_of: Callable[[Fit], float],
+    both: Callable[[str, str], Tried],
 ) -> AllTried:
     """Judge effects by their held-out errors, and the winner by a simulated null as well.
 
@@ -54,12 +58,18 @@ def judged(
         models: With each, the simplest of a family first.
         record: What they were fitted to.
         null_p_of: How likely the effect of a fit seems to explain as much where it is not there.
+        both: Tries two of the effects at once.
     """
+
+    def both_needed(*names: str) -> bool:
+        larger = both(*names)
+        return all(far_likelier(models[name], larger, record) for name in names)
+
     found = {name: evidence_of(smaller, each, record, len(models)) for name, each in models.items()}
     enough = (1 - LEAST_PERCENT / 100) * smaller.fit.error
     lowers = {name: found[name] for name, each in models.items() if each.fit.error <= enough}
     null_p = {name: 1.0 for name in models if name not in lowers or not found[name].more}
-    doubts = Doubts(smaller, models, found, null_p_of)
+    doubts = Doubts(smaller, models, found, null_p_of, both_needed)
     clear: set[str] = set()
     if smaller.predicts is not None:
         null_p.update(dict.fromkeys(outdone(found), 1.0))

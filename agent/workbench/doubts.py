@@ -6,8 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from agent.workbench.coincidence import LEVEL as COINCIDENT
+from agent.workbench.coincidence import coincidence_p
 from agent.workbench.holm import LEVEL
 from agent.workbench.likeliest import VERY_STRONG, is_strong, less_likely
+from agent.workbench.other_level import beside_other_level
 from agent.workbench.state_dependence import fails, resolves, state_dependence
 
 if TYPE_CHECKING:
@@ -29,6 +32,8 @@ class Doubts:
     found: Mapping[str, Evidence]
     null_p_of: Callable[[Fit], float]
     """How likely the effect of a fit seems to explain as much where it is not there."""
+    both_needed: Callable[[str, str], bool]
+    """Whether the record is far likelier with two of the effects than with either."""
     _asked: set[str] = field(default_factory=set)
     _told: dict[str, Mapping[str, Dependence]] = field(default_factory=dict)
 
@@ -46,7 +51,7 @@ class Doubts:
         rivals = (effect, *decision.rivals)
         new = [each for each in rivals if each not in self._asked | null_p.keys()]
         self._asked.update(new)
-        doubts = {each: 1.0 for each in new if self._stands_for_another(each)}
+        doubts = {each: 1.0 for each in new if self._stands_for_another(each) or self._is_another_event(each)}
         # Asked before rivals are compared: under a load that wanders the record may be likelier with what did
         # not happen than with what did.
         once = [each for each in new if self.found[each].once and each not in doubts]
@@ -67,27 +72,43 @@ class Doubts:
     def _stands_for_another(self, name: str) -> bool:
         """Whether what made the smaller model fail is still there with an effect, and no other explains it.
 
-        A wave that goes on all the time is seen by itself, whatever else is missing.
+        A wave that goes on all the time is seen by itself, whatever else is missing. What happened once and
+        knows nothing of OP must leave nothing that hangs on OP.
         """
         evidence = self.found[name]
-        if not (evidence.answers or evidence.once) or self._resolves(name):
-            return False
-        return not any(self._is_beside(other, name) for other in self.models)
+        if evidence.answers:
+            explains = self._resolves(name)
+        else:
+            explains = not evidence.once or not fails(self._dependence(name))
+        return not explains and not any(self._is_missing_too(other, name) for other in self.models)
 
-    def _is_beside(self, name: str, likelier: str) -> bool:
-        """Whether an effect is another that is missing, too: strong, and what makes the smaller model fail.
+    def _is_another_event(self, name: str) -> bool:
+        """Whether what seems to have happened once was of another kind.
 
-        It must be far less likely than the ``likelier`` one: else that may stand for it.
+        What knows nothing of OP did not happen just when moves of OP arrived; another answer to OP does more
+        than another level.
         """
-        own, other = self.found[name], self.found[likelier]
+        evidence, predicts = self.found[name], self.models[name].predicts
+        if not evidence.once or predicts is None:
+            return False
+        if evidence.answers:
+            return beside_other_level(*predicts) <= VERY_STRONG
+        return coincidence_p(*predicts) < COINCIDENT
+
+    def _is_missing_too(self, name: str, beside: str) -> bool:
+        """Whether an effect is another that is missing: strong, and what makes the smaller model fail.
+
+        And needed as much with the one ``beside`` it, which else may stand for it.
+        """
+        own = self.found[name]
         return (
-            own.family != other.family
+            own.family != self.found[beside].family
             and own.answers
             and not own.once
             and own.more
             and is_strong([own], len(self.models))
-            and other.criterion - own.criterion > VERY_STRONG
             and self._resolves(name)
+            and self.both_needed(name, beside)
         )
 
     def _resolves(self, name: str) -> bool:

@@ -24,14 +24,14 @@ def largest_first(predicts: Predictor, best: FloatArray) -> FloatArray:
     moved = np.abs(fitted.coefficients) * np.ptp(objective.columns(best), axis=0)
     point = best.copy()
     for effect in fitted.model.effects:
-        at = _instants(predicts, effect.name)
+        at = instants_of(predicts, effect.name)
         own = moved[owners == effect.name]
         if len(at) == len(own):
             point[at] = best[at[np.argsort(-own, kind="stable")]]
     return point
 
 
-def _instants(predicts: Predictor, effect: str) -> NDArray[np.intp]:
+def instants_of(predicts: Predictor, effect: str) -> NDArray[np.intp]:
     """Return which coordinates are instants of an effect."""
     space = predicts.space
     pairs = zip(space.names, space.parameters, strict=True)

@@ -16,6 +16,7 @@ import numpy as np
 
 from agent.workbench.fit import SCAN, Fit
 from agent.workbench.innovations import Innovations, innovations
+from agent.workbench.instant_order import instants_of
 from agent.workbench.library import happens_once
 from agent.workbench.projection import VANISHES, nuisance_part, target_of
 from agent.workbench.search import (
@@ -134,7 +135,10 @@ class Predictor:
 
 
 def predictor(
-    fitted: Fit, record: Record, smaller: tuple[Predictor, FloatArray] | None = None
+    fitted: Fit,
+    record: Record,
+    smaller: tuple[Predictor, FloatArray] | None = None,
+    instants: FloatArray | None = None,
 ) -> tuple[Predictor, FloatArray] | None:
     """Return the predictions of a model with a linear base, and the point where they are best.
 
@@ -142,6 +146,8 @@ def predictor(
         fitted: In free run; the search begins there.
         record: What it was fitted to.
         smaller: The same of the model without the last effect; None where there is none.
+        instants: Values of a last effect that happened once, own units, (m, k), where the innovations of the
+            smaller model show it.
 
     Returns:
         None where the residual has too few samples in a row.
@@ -152,9 +158,12 @@ def predictor(
     if first is None:
         return None
     found = _settled(first, start)
-    if any(happens_once(each, record.facts) for each in fitted.model.effects[-1:]):
-        return found  # each turn has looked for its instants all over the record
     if found is None or not len(start):
+        return found
+    if any(happens_once(each, record.facts) for each in fitted.model.effects[-1:]):
+        # Each turn has looked for its instants all over the record, but for those that go with its lag.
+        if smaller is not None and instants is not None:
+            found = min((found, *_begun(found[0], smaller[1], instants)), key=_variance)
         return found
     # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
     for looks, at in ((first, start), found):
@@ -172,6 +181,18 @@ def predictor(
 
 def _variance(found: tuple[Predictor, FloatArray]) -> float:
     return found[0].variance(found[1])
+
+
+def _begun(predicts: Predictor, at: FloatArray, instants: FloatArray) -> list[tuple[Predictor, FloatArray]]:
+    """Return where the predictions are best from ``at`` (k,) of the smaller model, with each of ``instants``.
+
+    In free run a load whose lag is long bends with the load that wanders, and its instants are elsewhere.
+    """
+    space = predicts.space
+    begun = space.values(np.concatenate((at, np.zeros(len(space) - len(at)))))
+    points = [space.at(np.concatenate((begun[: len(at)], each))) for each in instants]
+    found = [_sought(predicts, each) for each in points]
+    return [each for each in found if each is not None]
 
 
 def _elsewhere(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
@@ -219,13 +240,13 @@ def _spread(objective: Objective, at: FloatArray) -> FloatArray:
 
 
 def _placed(predicts: Predictor, at: FloatArray) -> FloatArray:
-    """Return the point with each instant where the predictions are best, all else kept.
+    """Return the point with each instant of the last effect where the predictions are best, all else kept.
 
     The free run puts it where the load is low, and the innovations have a needle that a simplex passes by.
     """
     placed = at.copy()
-    for i, parameter in enumerate(predicts.space.parameters):
-        if parameter.instant:
+    for effect in predicts.objective.model.effects[-1:]:
+        for i in instants_of(predicts, effect.name):
             tried = np.tile(placed, (PLACES + 1, 1))
             tried[1:, i] = np.linspace(0.0, 1.0, PLACES)
             placed = tried[int(np.argmin([predicts.error(each) for each in tried]))]

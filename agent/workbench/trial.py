@@ -74,17 +74,21 @@ def tried(trial: Trial) -> Tried:
     """Fit the model with the effect, and predict each fold."""
     screen = trial.screen or screened(trial)
     fitted = fit_from(_larger(trial), trial.record, screen.points)
-    return predicted(fitted, trial.record, trial.folds, trial.predicts)
+    return predicted(fitted, trial.record, trial.folds, trial.predicts, trial.instants)
 
 
 def predicted(
-    fitted: Fit, record: Record, folds: Folds, smaller: tuple[Predictor, FloatArray] | None = None
+    fitted: Fit,
+    record: Record,
+    folds: Folds,
+    smaller: tuple[Predictor, FloatArray] | None = None,
+    instants: FloatArray | None = None,
 ) -> Tried:
     """Return a fit with its held-out error.
 
-    ``smaller``: where the model without the last effect predicts best, if there is one.
+    ``smaller`` and ``instants``: as ``predictor`` takes them.
     """
-    found = predictor(fitted, record, smaller) if fitted.model.base.linear else None
+    found = predictor(fitted, record, smaller, instants) if fitted.model.base.linear else None
     if found is None:
         return Tried(fitted, held_out(fitted, record, folds), None)
     predicts, best = found[0], largest_first(*found)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -66,7 +67,11 @@ class Trials:
     def judged_on(self, step: Step, effects: Sequence[Effect]) -> AllTried:
         """Try these effects on top of a model."""
         models = self._tried(step, effects)
-        return judged(step, models, self.record, lambda larger: self.null_p(step, larger))
+
+        def both(name: str, other: str) -> Tried:
+            return self._both(models[name], models[other].fit.model.effects[-1])
+
+        return judged(step, models, self.record, partial(self.null_p, step), both)
 
     def null_p(self, smaller: Step | Tried, larger: Fit) -> float:
         """Return how likely the last effect of ``larger`` seems to explain as much where it is not there.
@@ -86,9 +91,8 @@ class Trials:
         Each must lower the held-out error beside the other as an effect must lower that of a model, and more
         than by chance; else either explains what the other does, and None is returned.
         """
-        self.tell(f"{name} and {rival.name}", 0, 1)
         alone = found.models[name], found.models[rival.name]
-        larger = tried(self._trial(alone[0], rival))
+        larger = self._both(alone[0], rival)
         for each in alone:
             decision = judge(each.held_out.losses, {"both": larger.held_out.losses}, {"both": "both"})
             if decision.kind != "confirmed":
@@ -115,6 +119,11 @@ class Trials:
     def predicted(self, fitted: Fit) -> Tried:
         """Return a fit with its held-out error."""
         return predicted(fitted, self.record, self.folds)
+
+    def _both(self, one: Tried, other: Effect) -> Tried:
+        """Try an effect on top of a model that is not the smaller one."""
+        self.tell(f"{one.fit.model.effects[-1].name} and {other.name}", 0, 1)
+        return tried(self._trial(one, other))
 
     def _trial(self, smaller: Step | Tried, effect: Effect) -> Trial:
         return Trial(smaller.fit, effect, self.record, self.folds, smaller.predicts, self._valves or ())

@@ -54,7 +54,7 @@ class LoadStep:
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return the steps, of height one, (n, 3)."""
         *instants, tau = values.tolist()
-        return np.stack([_step(time, instant, tau) for instant in instants], axis=1)
+        return np.stack([stepped(time, instant, tau) for instant in instants], axis=1)
 
     def spotted(self, residual: FloatArray, facts: Facts) -> FloatArray:
         """Return for each of some lags the steps that leave the least, one after the other, (m, 4)."""
@@ -64,7 +64,7 @@ class LoadStep:
         instants = np.linspace(first, last, INSTANTS)
         found = []
         for tau in (lag * facts.period for lag in LAGS):
-            steps = np.stack([_step(time, each, tau) for each in instants], axis=1)[known]
+            steps = np.stack([stepped(time, each, tau) for each in instants], axis=1)[known]
             drift = np.stack((np.ones(len(steps)), time[known]), axis=1)
             places: list[int] = []
             for _ in range(STEPS):
@@ -74,7 +74,8 @@ class LoadStep:
         return np.array(found)
 
 
-def _step(time: FloatArray, instant: float, tau: float) -> FloatArray:
+def stepped(time: FloatArray, instant: float, tau: float) -> FloatArray:
+    """Return a step of height one at an instant, s, behind a lag ``tau``, s; (n,)."""
     since = np.maximum(time - instant, 0.0)
     step = -np.expm1(-since / tau) if tau > 0.0 else np.where(since > 0.0, 1.0, 0.0)
     return np.asarray(step, dtype=np.float64)

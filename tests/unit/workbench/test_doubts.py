@@ -19,7 +19,8 @@ def asked(monkeypatch):
     """Doubts of a load step that leaves what the rate of OP tells, beside another effect."""
     monkeypatch.setattr(doubts, "state_dependence", lambda left: left)
 
-    def made(other, *, other_resolves=True, step_leaves=True):
+    def made(other, *, other_resolves=True, step_leaves=True, both=True, arrives_by_chance=0.5):
+        monkeypatch.setattr(doubts, "coincidence_p", lambda _: arrives_by_chance)
         left = {
             "load_step": FAILS if step_leaves else RESOLVED,
             "other": RESOLVED if other_resolves else FAILS,
@@ -28,7 +29,7 @@ def asked(monkeypatch):
         models = {name: SimpleNamespace(predicts=(each,), fit=name) for name, each in left.items()}
         smaller = SimpleNamespace(estimate=SimpleNamespace(dependence=FAILS))
         decision = Decision("confirmed", "load_step", "load", (), (), ())
-        return Doubts(smaller, models, found, lambda _: 0.01).of(decision, {})
+        return Doubts(smaller, models, found, lambda _: 0.01, lambda *_: both).of(decision, {})
 
     return made
 
@@ -48,8 +49,8 @@ def test_what_is_left_may_be_another_effect_that_is_missing_too(asked):
 
 @pytest.mark.parametrize(
     "other",
-    [lag(685.0), lag(more=False), lag(once=True), lag(family="load")],
-    ids=["as likely", "tells no more", "happened once", "of its own family"],
+    [lag(11.0), lag(more=False), lag(once=True), lag(family="load")],
+    ids=["weak", "tells no more", "happened once", "of its own family"],
 )
 def test_it_must_be_one_that_the_effect_does_not_stand_for(asked, other):
     assert asked(other) == {"load_step": 1.0}
@@ -57,3 +58,13 @@ def test_it_must_be_one_that_the_effect_does_not_stand_for(asked, other):
 
 def test_it_must_explain_what_is_left(asked):
     assert asked(lag(), other_resolves=False) == {"load_step": 1.0}
+
+
+def test_both_must_be_needed(asked):
+    assert asked(lag(685.0)) == {"load_step": 0.01}
+    assert asked(lag(685.0), both=False) == {"load_step": 1.0}
+
+
+def test_a_load_that_steps_when_moves_of_op_arrive_is_something_else(asked):
+    assert asked(lag(2.0), step_leaves=False, arrives_by_chance=0.02) == {"load_step": 0.01}
+    assert asked(lag(2.0), step_leaves=False, arrives_by_chance=0.005) == {"load_step": 1.0}

@@ -11,9 +11,11 @@ from agent.physics.effects import deadband
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.hysteresis import J_BY_LAW, S_BY_LAW
 from agent.physics.effects.inverse_response import InverseResponse
+from agent.physics.effects.load_step import LoadStep
 from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
+from agent.workbench.event_scan import instants_seen
 from agent.workbench.fit import fit, fit_at, nested_fit
 from agent.workbench.folds import HeldOut, folds_of, held_out
 from agent.workbench.intervals import estimated
@@ -85,6 +87,21 @@ def test_a_wrong_valley_is_left():
     delay, _, lead = predicts.space.values(best)
     assert lead == pytest.approx(process.lead, rel=0.1)
     assert delay < process.delay + 0.5 * process.lead
+
+
+def test_a_load_that_steps_is_sought_where_the_innovations_show_it():
+    """The free run's own steps are slow, and bend with the load that wanders."""
+    plant = hidden_effect_plant(5332, "load_step")
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, plant.op, plant.pv))
+    process, effect = plant.scenario.process, LoadStep()
+    slow = np.array([process.delay, process.tau, 1132.0, 1987.0, 1434.0, 113.0])
+    target = target_of(record, record.weight, linear=True)
+    wrong = fit_at(LoopModel(Fopdt(), (effect,)), record, target, slow)
+    smaller = predictor(fit(LoopModel(Fopdt()), record, record.weight), record)
+    for instants, finds in ((None, False), (instants_seen(*smaller, effect), True)):
+        predicts, best = predictor(wrong, record, smaller, instants)
+        found = np.sort(predicts.space.values(best)[2:5])
+        assert np.allclose(found, plant.parameters["load_step.time"], atol=2.0) == finds
 
 
 def test_a_load_of_long_memory_biases_no_rate():
