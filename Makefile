@@ -29,6 +29,7 @@ $(VENV)/bin/python:
 	@bash .ci/make_venv $(PYTHON) $(VENV)
 
 $(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
+	@test ! -L $(VENV) || { echo "$(VENV) is a link: the package of its owner would then come from here"; exit 1; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
 	$(BIN)/slipjump warm
 	@touch $@
