@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import by_chance, innovations, likelihood_ratio, tells_more
 from agent.workbench.library import acts_on_op, happens_once
 from agent.workbench.likeliest import VERY_STRONG
+from agent.workbench.valve_scan import VALVES
 
 if TYPE_CHECKING:
     from agent.workbench.innovations import Innovations
@@ -65,8 +67,8 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
         # What goes on all the time, as a wave does, is in every block: there their signs tell.
         # Each instant is searched over the whole record.
         instants = sum(each.instant for each in effect.parameters(record.facts))
-        tries = candidates * SCAN ** max(1, instants)
-        chance = by_chance(before, after, added, tries)
+        scanned = VALVES if isinstance(effect, HysteresisEffect) else SCAN ** max(1, instants)
+        chance = by_chance(before, after, added, candidates * scanned)
     more = tells_more(before, after, searched if answers else 0)
     criterion = _criterion(before, after, added)
     return Evidence(more, chance, criterion, effect.family, answers, once)

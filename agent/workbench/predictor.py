@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.fit import SCAN, Fit
 from agent.workbench.innovations import Innovations, innovations
 from agent.workbench.instant_order import instants_of
@@ -23,10 +24,12 @@ from agent.workbench.search import (
     Objective,
     lowered_by_simplex,
     objective_of,
+    of_last_effect,
     searched,
     spread_about,
     whitened,
 )
+from agent.workbench.valve_scan import valves
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -165,18 +168,32 @@ def predictor(
         if smaller is not None and instants is not None:
             found = min((found, *_begun(found[0], smaller[1], instants)), key=_variance)
         return found
-    # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
-    for looks, at in ((first, start), found):
-        other = _elsewhere(looks, at)
-        if other is not None and _variance(other) < _variance(found):
-            found = other
+    found = min((found, *_in_other_valleys(first, start, found, smaller)), key=_variance)
     if smaller is not None and _variance(smaller) < _variance(found):
         # More cannot predict worse but where the search has missed it.
         begin = np.concatenate((smaller[1], found[1][len(smaller[1]) :]))
         other = _sought(found[0], _scanned(found[0], begin))
-        if other is not None and _variance(other) < _variance(found):
-            found = other
+        if other is not None:
+            found = min(found, other, key=_variance)
     return found
+
+
+def _in_other_valleys(
+    first: Predictor,
+    start: FloatArray,
+    found: tuple[Predictor, FloatArray],
+    smaller: tuple[Predictor, FloatArray] | None,
+) -> list[tuple[Predictor, FloatArray]]:
+    """Return where else the predictions are best, as far as other valleys are deeper."""
+    objective = first.objective
+    if smaller is not None and isinstance(objective.model.effects[-1], HysteresisEffect):
+        # What the smaller model leaves knows nothing of the valley of a wrong valve.
+        at = np.concatenate((smaller[1], start[len(smaller[1]) :]))
+        others = [_sought(found[0], each) for each in valves(whitened(objective, smaller[0].noise), at)]
+    else:
+        # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
+        others = [_elsewhere(first, start), _elsewhere(*found)]
+    return [each for each in others if each is not None]
 
 
 def _variance(found: tuple[Predictor, FloatArray]) -> float:
@@ -203,8 +220,14 @@ def _elsewhere(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArr
 
 
 def _scanned(predicts: Predictor, at: FloatArray) -> FloatArray:
+    """Return the best point with the last effect anywhere, all else near ``at``.
+
+    In closed loop a free run may have its least error in another valley, turned round by the controller: an
+    inverse response that is not there, with a shorter delay.
+    """
     objective = predicts.objective
-    return searched(whitened(objective, predicts.noise), _spread(objective, at), ROUNDS)
+    points = spread_about(at, of_last_effect(objective), (-MOVED, MOVED), SCAN)
+    return searched(whitened(objective, predicts.noise), np.vstack((at, points)), ROUNDS)
 
 
 def _sought(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
@@ -225,18 +248,6 @@ def _settled(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray
             at = _placed(predicts, at)
             at = lowered_by_simplex(predicts.error, at, STEP, EVALUATIONS, near=1e-5, flat=flat)
     return predicts, at
-
-
-def _spread(objective: Objective, at: FloatArray) -> FloatArray:
-    """Return ``at`` and points of the unit cube, (m, k), the last effect anywhere, all else near ``at``.
-
-    In closed loop a free run may have its least error in another valley, turned round by the controller: an
-    inverse response that is not there, with a shorter delay.
-    """
-    names = objective.space.names
-    last = names[-1].partition(".")[0] if objective.model.effects else None
-    own = np.array([last is None or name.partition(".")[0] == last for name in names])
-    return np.vstack((at, spread_about(at, own, (-MOVED, MOVED), SCAN)))
 
 
 def _placed(predicts: Predictor, at: FloatArray) -> FloatArray:

@@ -142,6 +142,13 @@ def whitened(objective: Objective, noise: Innovations) -> Whitened:
     return Whitened(objective.model, record, objective.layout, target, objective.space, noise)
 
 
+def of_last_effect(objective: Objective) -> NDArray[np.bool_]:
+    """Return which coordinates are the last effect's, (k,); all where the model has none."""
+    effects, names = objective.model.effects, objective.space.names
+    last = effects[-1].name if effects else None
+    return np.array([last is None or name.partition(".")[0] == last for name in names])
+
+
 def hypercube(points: int, size: int) -> FloatArray:
     """Return ``points`` points spread over the unit cube, (points, size); always the same."""
     if size == 0:
