@@ -10,6 +10,7 @@ from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, J_RATI
 from agent.analysis.quantify.free_run.residuals import lasting
 from agent.analysis.quantify.free_run.search import Found
 from agent.analysis.quantify.free_run.second_search import (
+    AROUND,
     GRIDS,
     OF_ALL,
     SURE_OF_A_FAMILY,
@@ -31,6 +32,7 @@ def test_the_true_valve_has_converged_and_is_not_sought_again(monkeypatch):
     found = found_of(problem, candidate)
     assert converged(found, problem)
     monkeypatch.setattr(second_search, "searched_again", None)
+    monkeypatch.setattr(second_search, "searched_around", None)
     assert converged_search(found, problem, LoopHints()) is found
 
 
@@ -51,10 +53,21 @@ def test_residuals_that_last_ask_for_one_search_more(monkeypatch):
     found = found_of(problem, candidate)
     assert lasting(found.best, problem) >= second_search.LASTS
     monkeypatch.setattr(second_search, "converged", lambda *_: True)
-    grids = []
-    monkeypatch.setattr(second_search, "searched_again", lambda found, grid, *_: grids.append(grid) or found)
+    course = []
+    monkeypatch.setattr(second_search, "searched_again", lambda found, grid, *_: course.append(grid) or found)
+    monkeypatch.setattr(second_search, "searched_around", lambda found, *_: course.append("around") or found)
     converged_search(found, problem, LoopHints())
-    assert grids == [GRIDS[0]]
+    assert course == [GRIDS[0], *["around"] * AROUND]
+
+
+def test_no_search_around_what_has_converged(monkeypatch):
+    problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
+    wrong = candidate.copy()
+    wrong[S] *= 0.8
+    right = found_of(problem, candidate)
+    monkeypatch.setattr(second_search, "searched_again", lambda *_: right)
+    monkeypatch.setattr(second_search, "searched_around", None)
+    assert converged_search(found_of(problem, wrong), problem, LoopHints()) is right
 
 
 def test_what_needs_more_by_shots_changes_nothing():

@@ -17,11 +17,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.coarse_grid import Family, Grid
-from agent.analysis.quantify.free_run.fitted import by_error, refine, restart, start
+from agent.analysis.quantify.free_run.fitted import by_error, refine, restart
 from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, SOPDT
 from agent.analysis.quantify.free_run.problem import first_periods
 from agent.analysis.quantify.free_run.residuals import lasting
-from agent.analysis.quantify.free_run.search import concluded, structures
+from agent.analysis.quantify.free_run.scatter import searched_around
+from agent.analysis.quantify.free_run.search import structures, surer
 from agent.analysis.quantify.free_run.shooting import Shots
 from agent.analysis.quantify.free_run.shooting_search import Stage, compared, shot
 from agent.analysis.quantify.free_run.starts import climbed
@@ -52,6 +53,8 @@ STAGES = (
     Stage(math.inf, Shots(0.5, 4.0), 0.4, 80, 3),
     Stage(math.inf, Shots(0.5, 10.0), 0.3, 200, 3),
 )
+AROUND = 2
+"""Searches around what each of these found."""
 FEW_PERIODS = 8
 WORSE = 1.25
 """Mean square over the whole record, over that of the same model fitted to a few periods, of what has not
@@ -63,16 +66,25 @@ LASTS = 0.15
 
 
 def converged_search(found: Found, problem: Problem, hints: LoopHints) -> Found:
-    """Return what was found, or what further searches found until one converged.
-
-    Residuals that last ask for one search more, no further: correlated noise and bristles last as well.
-    """
+    """Return what was found, or what further searches found until one converged."""
     for number, grid in enumerate(GRIDS):
-        leaves_noise = number > 0 or lasting(found.best, problem) < LASTS
-        if leaves_noise and converged(found, problem):
+        rng = np.random.default_rng(1 + number)
+        if done(found, number, problem):
             break
-        found = searched_again(found, grid, problem, hints, np.random.default_rng(1 + number))
+        found = searched_again(found, grid, problem, hints, rng)
+        for _ in range(AROUND):
+            if not done(found, number, problem):
+                found = searched_around(found, problem, hints, rng)
     return found
+
+
+def done(found: Found, number: int, problem: Problem) -> bool:
+    """Return whether nothing is left to seek.
+
+    Residuals that last ask for one further search, no more: correlated noise and bristles last as well.
+    """
+    leaves_noise = number > 0 or lasting(found.best, problem) < LASTS
+    return leaves_noise and converged(found, problem)
 
 
 def converged(found: Found, problem: Problem) -> bool:
@@ -94,10 +106,7 @@ def searched_again(
         for structure in structures(hints)
     ]
     surest, free = shot(going_on(starts), found.best, STAGES, problem, rng)
-    if surest is None or surest.error >= found.by_shots:
-        return found
-    followed = [found.best, *(start(each.candidate, each.structure, problem) for each in free)]
-    return concluded(followed, surest, found.others, problem, hints, rng) or found
+    return surer(found, surest, free, problem, hints, rng)
 
 
 def going_on(families: Sequence[Sequence[Fitted]]) -> list[Fitted]:
