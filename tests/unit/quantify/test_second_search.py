@@ -12,6 +12,7 @@ from agent.analysis.quantify.free_run.search import Found
 from agent.analysis.quantify.free_run.second_search import (
     AROUND,
     GRIDS,
+    IN_VAIN,
     OF_ALL,
     SURE_OF_A_FAMILY,
     converged,
@@ -57,7 +58,21 @@ def test_residuals_that_last_ask_for_one_search_more(monkeypatch):
     monkeypatch.setattr(second_search, "searched_again", lambda found, grid, *_: course.append(grid) or found)
     monkeypatch.setattr(second_search, "searched_around", lambda found, *_: course.append("around") or found)
     converged_search(found, problem, LoopHints())
-    assert course == [GRIDS[0], *["around"] * AROUND]
+    assert course == [GRIDS[0], *["around"] * IN_VAIN]
+
+
+def test_searches_around_go_on_while_they_gain(monkeypatch):
+    problem, candidate = loop_whose_stem_rests_elsewhere_once()
+    monkeypatch.setattr(second_search, "searched_again", lambda found, *_: found)
+    errors = []
+
+    def halved(found, *_):
+        errors.append(found.by_shots)
+        return Found(found.best, found.others, 0.5 * found.by_shots)
+
+    monkeypatch.setattr(second_search, "searched_around", halved)
+    converged_search(found_of(problem, candidate, 1.0), problem, LoopHints())
+    assert len(errors) == len(GRIDS) * AROUND
 
 
 def test_no_search_around_what_has_converged(monkeypatch):

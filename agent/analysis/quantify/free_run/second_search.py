@@ -53,8 +53,12 @@ STAGES = (
     Stage(math.inf, Shots(0.5, 4.0), 0.4, 80, 3),
     Stage(math.inf, Shots(0.5, 10.0), 0.3, 200, 3),
 )
-AROUND = 2
-"""Searches around what each of these found."""
+AROUND = 5
+"""Searches around what each of these found, at most."""
+IN_VAIN = 2
+"""Of them in a row after which no more follow."""
+GAINS = 0.9
+"""Error of shots over that before, below which a search was not in vain."""
 FEW_PERIODS = 8
 WORSE = 1.25
 """Mean square over the whole record, over that of the same model fitted to a few periods, of what has not
@@ -72,9 +76,12 @@ def converged_search(found: Found, problem: Problem, hints: LoopHints) -> Found:
         if done(found, number, problem):
             break
         found = searched_again(found, grid, problem, hints, rng)
+        in_vain = 0
         for _ in range(AROUND):
-            if not done(found, number, problem):
-                found = searched_around(found, problem, hints, rng)
+            if in_vain == IN_VAIN or done(found, number, problem):
+                break
+            before, found = found.by_shots, searched_around(found, problem, hints, rng)
+            in_vain = 0 if found.by_shots < GAINS * before else in_vain + 1
     return found
 
 
