@@ -21,6 +21,7 @@ from agent.analysis.quantify.free_run.intervals import (
     same_structure,
     stiction_estimate,
 )
+from agent.analysis.quantify.free_run.neighbours import moved_on
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FOPDT,
@@ -85,7 +86,7 @@ class FreeRun:
             evidence = evidence_of(found, linear)
             if decide(evidence, found, problem) == "stiction":
                 # One more freedom tells how much a valve sticks, never that it does.
-                found = with_bristles(found, problem)
+                found = moved_on(with_bristles(found, problem), problem)
                 evidence = evidence_of(found, linear)
         if evidence == 1.0:
             found = None

@@ -3,7 +3,7 @@
 A search often ends beside the right valve, with S and J off by some per cent because the stem is wrong: its
 random steps begin where the whole record has its needle, and none leads out. Over few periods the basin is
 wide enough to be hit by chance, and by shots it can be followed from there
-(docs/decisions/0036-around-the-best.md).
+(docs/decisions/0037-around-the-best.md).
 """
 
 from __future__ import annotations
