@@ -10,9 +10,12 @@ from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, J_RATI
 from agent.analysis.quantify.free_run.residuals import lasting
 from agent.analysis.quantify.free_run.search import Found
 from agent.analysis.quantify.free_run.second_search import (
-    GRIDS,
+    AROUND,
+    IN_VAIN,
     OF_ALL,
+    STARTS,
     SURE_OF_A_FAMILY,
+    clearly_less,
     converged,
     converged_search,
     going_on,
@@ -31,6 +34,7 @@ def test_the_true_valve_has_converged_and_is_not_sought_again(monkeypatch):
     found = found_of(problem, candidate)
     assert converged(found, problem)
     monkeypatch.setattr(second_search, "searched_again", None)
+    monkeypatch.setattr(second_search, "searched_around", None)
     assert converged_search(found, problem, LoopHints()) is found
 
 
@@ -51,16 +55,63 @@ def test_residuals_that_last_ask_for_one_search_more(monkeypatch):
     found = found_of(problem, candidate)
     assert lasting(found.best, problem) >= second_search.LASTS
     monkeypatch.setattr(second_search, "converged", lambda *_: True)
-    grids = []
-    monkeypatch.setattr(second_search, "searched_again", lambda found, grid, *_: grids.append(grid) or found)
+    course = []
+    monkeypatch.setattr(
+        second_search, "searched_again", lambda found, begin, *_: course.append(begin) or found
+    )
+    monkeypatch.setattr(second_search, "searched_around", lambda found, *_: course.append("around") or found)
     converged_search(found, problem, LoopHints())
-    assert grids == [GRIDS[0]]
+    assert course == [STARTS[0], *["around"] * IN_VAIN]
+
+
+def test_searches_around_go_on_while_they_gain(monkeypatch):
+    problem, candidate = loop_whose_stem_rests_elsewhere_once()
+    monkeypatch.setattr(second_search, "searched_again", lambda found, *_: found)
+    errors = []
+
+    def halved(found, *_):
+        errors.append(found.by_shots)
+        return Found(found.best, found.others, 0.5 * found.by_shots)
+
+    monkeypatch.setattr(second_search, "searched_around", halved)
+    converged_search(found_of(problem, candidate, 1.0), problem, LoopHints())
+    assert len(errors) == len(STARTS) * AROUND
+
+
+def test_no_search_around_what_has_converged(monkeypatch):
+    problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
+    wrong = candidate.copy()
+    wrong[S] *= 0.8
+    right = found_of(problem, candidate)
+    monkeypatch.setattr(second_search, "searched_again", lambda *_: right)
+    monkeypatch.setattr(second_search, "searched_around", None)
+    assert converged_search(found_of(problem, wrong), problem, LoopHints()) is right
+
+
+@pytest.mark.parametrize(
+    ("by_shots", "error", "clearly"),
+    [(1.0, 1.0, False), (0.85, 0.85, False), (0.75, 1.0, True), (1.0, 0.75, True)],
+)
+def test_a_further_search_is_believed_where_it_needs_clearly_less(by_shots, error, clearly):
+    first, found = (
+        Found(Fitted(e, FOPDT, np.zeros(SIZE)), (), s) for e, s in ((2.0, 2.0), (2 * error, 2 * by_shots))
+    )
+    assert clearly_less(found, first) == clearly
+
+
+def test_what_needs_a_little_less_changes_nothing(monkeypatch):
+    problem, candidate = loop_whose_stem_rests_elsewhere_once()
+    first = found_of(problem, candidate, 1.0)
+    little = Found(first.best, first.others, 0.9)
+    monkeypatch.setattr(second_search, "searched_again", lambda *_: little)
+    monkeypatch.setattr(second_search, "searched_around", lambda found, *_: found)
+    assert converged_search(first, problem, LoopHints()) is first
 
 
 def test_what_needs_more_by_shots_changes_nothing():
     problem, candidate = loop_whose_stem_rests_elsewhere_once()
     found = found_of(problem, candidate, by_shots=0.0)
-    again = searched_again(found, GRIDS[1], problem, LoopHints(False, 1), np.random.default_rng(0))
+    again = searched_again(found, STARTS[1], problem, LoopHints(False, 1), np.random.default_rng(0))
     assert again is found
 
 
@@ -71,7 +122,7 @@ def test_it_finds_the_valve_that_the_first_search_missed(off):
     wrong[S] *= 1 + off
     wrong[J_RATIO] = 0.4
     hints = LoopHints(False, 1)
-    again = searched_again(found_of(problem, wrong), GRIDS[0], problem, hints, np.random.default_rng(0))
+    again = searched_again(found_of(problem, wrong), STARTS[0], problem, hints, np.random.default_rng(0))
     assert again.best.candidate[S] == pytest.approx(candidate[S], rel=0.02)
     assert again.best.error < start(wrong, FOPDT, problem).error
 
@@ -92,7 +143,7 @@ def test_each_family_has_its_processes_alone():
     assert set(second_search.FAMILIES) == {FOPDT, SOPDT, INTEGRATOR}
 
 
-@pytest.mark.parametrize("grid", [COARSE, *GRIDS])
+@pytest.mark.parametrize("grid", [COARSE, *(begin.grid for begin in STARTS)])
 def test_the_groups_of_a_grid_hold_each_j_once(grid):
     places = np.concatenate(grid.group_places())
     np.testing.assert_array_equal(places, np.arange(len(grid.j_ratios)))

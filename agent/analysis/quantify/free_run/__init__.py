@@ -21,6 +21,7 @@ from agent.analysis.quantify.free_run.intervals import (
     same_structure,
     stiction_estimate,
 )
+from agent.analysis.quantify.free_run.neighbours import moved_on
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FOPDT,
@@ -50,6 +51,9 @@ SLIDES_BELOW = 1.25
 
 Both are read off simulated loops (seeds 2000 to 2079): see docs/methods/free_run.md.
 """
+SURELY_STICKS = 2 * STICKS_ABOVE
+"""Evidence of a further search that is believed where the first search was undecided: a sound loop gains a
+little by searching on, a right valve that was missed explains many times as much."""
 LEAST_S = 0.01
 """S below this share of the OP span is no stiction that a record can show."""
 LEAST_FIT = 50.0
@@ -75,12 +79,14 @@ class FreeRun:
         if linear is None:
             return unanswered(self.name, "no process within bounds follows OP")
         evidence = evidence_of(found, linear)
-        if found is not None and evidence >= STICKS_ABOVE:
-            found = converged_search(found, problem, window.hints)
+        if found is not None and evidence >= SLIDES_BELOW:
+            sought = converged_search(found, problem, window.hints)
+            if evidence >= STICKS_ABOVE or evidence_of(sought, linear) >= SURELY_STICKS:
+                found = sought
             evidence = evidence_of(found, linear)
             if decide(evidence, found, problem) == "stiction":
                 # One more freedom tells how much a valve sticks, never that it does.
-                found = with_bristles(found, problem)
+                found = moved_on(with_bristles(found, problem), problem)
                 evidence = evidence_of(found, linear)
         if evidence == 1.0:
             found = None

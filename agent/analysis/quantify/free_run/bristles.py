@@ -36,15 +36,13 @@ JUMPS = 0.3
 """J/S from which bristles move S by more than noise does."""
 GIVES = (0.03, 0.06, 0.1, 0.17, 0.28)
 """What bristles give at the start."""
-STEPS = (1.0, 2.5)
+STEPS = (1.0, 1.7, 2.5)
 """Steps of OP at break-away that their loosening is reckoned for, over its mean step."""
 HORIZONS = (
-    Horizon(8, 0.25, (30, 110), 6),
-    Horizon(20, 0.2, (30, 140), 4),
-    Horizon(math.inf, 0.15, (30, 250), 2),
+    Horizon(8, 0.25, (30, 110), 3),
+    Horizon(20, 0.2, (30, 140), 2),
+    Horizon(math.inf, 0.15, (30, 250), 1),
 )
-BETTER = 0.97
-"""Error over that of the least stiff one below which the bristles are believed."""
 
 
 def with_bristles(found: Found, problem: Problem) -> Found:
@@ -55,18 +53,27 @@ def with_bristles(found: Found, problem: Problem) -> Found:
     if found.best.candidate[J_RATIO] < JUMPS or found.by_shots < SURER * found.best.error:
         return found
     rng = np.random.default_rng(0)
-    fits = [bristly(found.best, give, steps, problem) for give in GIVES for steps in STEPS]
+    fits = [fit for give in GIVES for fit in fitted_from(found.best, give, problem, rng)]
+    if not fits or by_error(fits)[0].error >= found.least_error:
+        return found
+    best = by_error(fits)[0]
+    others = by_error([best, *found.others, *around(best, problem, rng)])
+    return Found(best, tuple(others), found.by_shots)
+
+
+def fitted_from(stiff: Fitted, give: float, problem: Problem, rng: np.random.Generator) -> list[Fitted]:
+    """Return the best stem that starts with these bristles, or none.
+
+    By itself: over few periods those that give little would crowd out the others.
+    """
+    fits = [bristly(stiff, give, steps, problem) for steps in STEPS]
     for horizon in HORIZONS:
         part = first_periods(problem, horizon.periods)
         begun = [restart(each, each.structure) for each in fits]
         fits = by_error(refine(begun, part, horizon.scale, horizon.evaluations, rng))[: horizon.kept]
     for scale in (0.1, 0.03):
         fits = refine(fits, problem, scale, (60, 400), rng)
-    if not fits or by_error(fits)[0].error >= BETTER * found.least_error:
-        return found
-    best = by_error(fits)[0]
-    others = by_error([best, *found.others, *around(best, problem, rng)])
-    return Found(best, tuple(others), found.by_shots)
+    return fits
 
 
 def bristly(stiff: Fitted, give: float, steps: float, problem: Problem) -> Fitted:

@@ -154,6 +154,24 @@ def concluded(
     return Found(best, tuple(others), surest.error if surest else math.inf)
 
 
+def surer(
+    found: Found,
+    surest: Fitted | None,
+    free: Sequence[Fitted],
+    problem: Problem,
+    hints: LoopHints,
+    rng: np.random.Generator,
+) -> Found:
+    """Return what a further search found, or what was found before where that needs no more by shots.
+
+    ``surest`` is the best by shots, ``free`` those that may fit the free run.
+    """
+    if surest is None or surest.error >= found.by_shots:
+        return found
+    followed = [found.best, *(start(each.candidate, each.structure, problem) for each in free)]
+    return concluded(followed, surest, found.others, problem, hints, rng) or found
+
+
 def follow(
     starts: Sequence[Fitted], problem: Problem, rng: np.random.Generator
 ) -> tuple[list[Fitted], list[Fitted], list[Fitted]]:

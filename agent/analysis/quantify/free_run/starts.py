@@ -39,10 +39,13 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.quantify.free_run.problem import Problem
+    from agent.analysis.recording import FloatArray
 
 STEMS = np.array([(0.01, 0.01, 1e-8), (0.15, 0.1, 0.003), (0.3, 0.15, 0.01)])
 """Damping, supply and rest that a search starts from: He's valve, which stays as it is, and two that take
 their time."""
+OTHER_STEMS = np.array([(0.07, 0.2, 0.003), (0.6, 0.2, 0.01), (0.3, 0.3, 0.003)])
+"""Lightly and heavily damped, and one that is late, for where those have not led to the valve."""
 TAUS = 12
 RATIOS = np.array([0.0, 0.15, 0.3, 0.5, 0.75, 1.0])
 """Second time constants of the bank, over the first."""
@@ -55,7 +58,9 @@ SLIPS_DIFFER = 0.45
 """J/S below which a valve mostly slides, above which it mostly jumps."""
 
 
-def climbed(problem: Problem, family: Family, grid: Grid, rng: np.random.Generator) -> list[Fitted]:
+def climbed(
+    problem: Problem, family: Family, grid: Grid, rng: np.random.Generator, stems: FloatArray = STEMS
+) -> list[Fitted]:
     """Return the candidates of a grid after a short climb in the bank, with processes.
 
     Their errors are less the shares of PV that they explain there.
@@ -63,7 +68,7 @@ def climbed(problem: Problem, family: Family, grid: Grid, rng: np.random.Generat
     Where the family leaves it open a second pole is in the search: without one where it is needed no
     candidate reaches the basin.
     """
-    candidates, shares = coarse_candidates(problem, STEMS, family, grid)
+    candidates, shares = coarse_candidates(problem, stems, family, grid)
     allowed = family.of(RATIOS)
     taus, ratios = processes(problem, TAUS, allowed, integrates=family.integrates)
     near = bank(problem, taus, ratios, PERIODS)
