@@ -26,8 +26,8 @@ ALIKE_IN_J = 1.2
 """Likewise for the interval of J, which fewer misplaced slips disturb."""
 ALIKE_IN_PROCESS = 1.5
 """Likewise for the process, whose intervals have no margin."""
-MARGIN_S = 0.03
-"""Added on each side of S, over the OP span: friction that the stem of the model does not have."""
+MARGIN_S = 0.015
+"""Added on each side of S, over the OP span: friction that the stem of the model does not have (likewise)."""
 MARGIN_J = 0.02
 NARROW_S = 0.10
 """Width of the interval of S, over the OP span, up to which the record determines S."""
