@@ -18,6 +18,7 @@ from agent.workbench.step import Step, Verdict
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from agent.physics.effect import Effect
     from agent.workbench.fit import Fit
     from agent.workbench.line_spectrum import LineSpectrum
     from agent.workbench.record import Record
@@ -45,7 +46,7 @@ def judged(
     models: Mapping[str, Tried],
     record: Record,
     null_p_of: Callable[[Fit], float],
-    both: Callable[[str, str], Tried],
+    together: Callable[[Tried, Effect], Tried],
 ) -> AllTried:
     """Judge effects by their held-out errors, and the winner by a simulated null as well.
 
@@ -58,12 +59,12 @@ def judged(
         models: With each, the simplest of a family first.
         record: What they were fitted to.
         null_p_of: How likely the effect of a fit seems to explain as much where it is not there.
-        both: Tries two of the effects at once.
+        together: Tries an effect on top of one of the models.
     """
 
-    def both_needed(*names: str) -> bool:
-        larger = both(*names)
-        return all(far_likelier(models[name], larger, record) for name in names)
+    def both_needed(name: str, other: str) -> bool:
+        larger = together(models[name], models[other].fit.model.effects[-1])
+        return all(far_likelier(models[each], larger, record) for each in (name, other))
 
     found = {name: evidence_of(smaller, each, record, len(models)) for name, each in models.items()}
     enough = (1 - LEAST_PERCENT / 100) * smaller.fit.error

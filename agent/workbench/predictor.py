@@ -29,7 +29,7 @@ from agent.workbench.search import (
     spread_about,
     whitened,
 )
-from agent.workbench.valve_scan import valves
+from agent.workbench.valve_scan import MOVED, valves
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,8 +47,6 @@ EVALUATIONS = 40
 """For each parameter, each turn."""
 CLEARLY = 1e-3
 """Part of the squares that a better valley is lower by."""
-MOVED = 0.2
-"""How far half of them move the values of all but the last effect, parts of a parameter's range."""
 ROUNDS: tuple[Round, ...] = ((4, 0.05, 20), (2, 0.02, 40))
 PLACES = 400
 """Of an instant that are looked at."""
@@ -166,7 +164,7 @@ def predictor(
     if any(happens_once(each, record.facts) for each in fitted.model.effects[-1:]):
         # Each turn has looked for its instants all over the record, but for those that go with its lag.
         if smaller is not None and instants is not None:
-            found = min((found, *_begun(found[0], smaller[1], instants)), key=_variance)
+            found = min((found, *_begun(found[0], smaller, instants)), key=_variance)
         return found
     found = min((found, *_in_other_valleys(first, start, found, smaller)), key=_variance)
     if smaller is not None and _variance(smaller) < _variance(found):
@@ -200,14 +198,15 @@ def _variance(found: tuple[Predictor, FloatArray]) -> float:
     return found[0].variance(found[1])
 
 
-def _begun(predicts: Predictor, at: FloatArray, instants: FloatArray) -> list[tuple[Predictor, FloatArray]]:
-    """Return where the predictions are best from ``at`` (k,) of the smaller model, with each of ``instants``.
+def _begun(
+    predicts: Predictor, smaller: tuple[Predictor, FloatArray], instants: FloatArray
+) -> list[tuple[Predictor, FloatArray]]:
+    """Return where the predictions are best from those of the smaller model, with each of ``instants``.
 
     In free run a load whose lag is long bends with the load that wanders, and its instants are elsewhere.
     """
-    space = predicts.space
-    begun = space.values(np.concatenate((at, np.zeros(len(space) - len(at)))))
-    points = [space.at(np.concatenate((begun[: len(at)], each))) for each in instants]
+    others = smaller[0].space.values(smaller[1])
+    points = [predicts.space.at(np.concatenate((others, own))) for own in instants]
     found = [_sought(predicts, each) for each in points]
     return [each for each in found if each is not None]
 
@@ -226,7 +225,7 @@ def _scanned(predicts: Predictor, at: FloatArray) -> FloatArray:
     inverse response that is not there, with a shorter delay.
     """
     objective = predicts.objective
-    points = spread_about(at, of_last_effect(objective), (-MOVED, MOVED), SCAN)
+    points = spread_about(at, of_last_effect(objective), MOVED, SCAN)
     return searched(whitened(objective, predicts.noise), np.vstack((at, points)), ROUNDS)
 
 

@@ -67,11 +67,7 @@ class Trials:
     def judged_on(self, step: Step, effects: Sequence[Effect]) -> AllTried:
         """Try these effects on top of a model."""
         models = self._tried(step, effects)
-
-        def both(name: str, other: str) -> Tried:
-            return self._both(models[name], models[other].fit.model.effects[-1])
-
-        return judged(step, models, self.record, partial(self.null_p, step), both)
+        return judged(step, models, self.record, partial(self.null_p, step), self._both)
 
     def null_p(self, smaller: Step | Tried, larger: Fit) -> float:
         """Return how likely the last effect of ``larger`` seems to explain as much where it is not there.

@@ -26,7 +26,7 @@ LEAST_LEFT = 0.01
 PLACES = 40
 """Of each value by itself."""
 MOVED = (-0.2, 0.2)
-"""How far half of them move the values of all but the valve, parts of a parameter's range."""
+"""How far half of them move the values of all but the last effect, parts of a parameter's range."""
 ROUNDS: tuple[Round, ...] = ((16, 0.05, 12), (6, 0.03, 20), (2, 0.02, 20))
 """As many again go on with one of their values elsewhere."""
 

@@ -1,4 +1,4 @@
-"""A stem of bristles in place of the stiff one that was found, where it explains the record clearly better.
+"""A stem of bristles in place of the stiff one that was found, where it explains the record better.
 
 Bristles loosen a stem while the force rises, so that it breaks away below f_S. A stiff stem takes the lower
 force for its f_S, and S and J come out too small by what is loosened: at most 4 J give^2, nothing for a valve
@@ -26,7 +26,7 @@ from agent.analysis.quantify.free_run.objective import (
     S,
 )
 from agent.analysis.quantify.free_run.problem import first_periods
-from agent.analysis.quantify.free_run.search import SURER, Found, Horizon, around
+from agent.analysis.quantify.free_run.search import Found, Horizon, led_by
 from agent.analysis.quantify.free_run.starts import STEMS
 
 if TYPE_CHECKING:
@@ -46,19 +46,17 @@ HORIZONS = (
 
 
 def with_bristles(found: Found, problem: Problem) -> Found:
-    """Return what was found, or with the best stem of bristles where that explains PV clearly better.
+    """Return what was found, or with the best stem of bristles where that explains PV better.
 
     Not where the shots decide: a free run that goes wrong at a stroke is mended by any new freedom.
     """
-    if found.best.candidate[J_RATIO] < JUMPS or found.by_shots < SURER * found.best.error:
+    if found.best.candidate[J_RATIO] < JUMPS or found.by_shots_alone:
         return found
     rng = np.random.default_rng(0)
     fits = [fit for give in GIVES for fit in fitted_from(found.best, give, problem, rng)]
     if not fits or by_error(fits)[0].error >= found.least_error:
         return found
-    best = by_error(fits)[0]
-    others = by_error([best, *found.others, *around(best, problem, rng)])
-    return Found(best, tuple(others), found.by_shots)
+    return led_by(by_error(fits)[0], found, problem, rng)
 
 
 def fitted_from(stiff: Fitted, give: float, problem: Problem, rng: np.random.Generator) -> list[Fitted]:

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.fitted import by_error, refine
-from agent.analysis.quantify.free_run.search import SURER, Found, around
+from agent.analysis.quantify.free_run.fitted import refine
+from agent.analysis.quantify.free_run.search import led_by
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.quantify.free_run.problem import Problem
+    from agent.analysis.quantify.free_run.search import Found
 
 BETTER = 0.98
 """Error over that of the best model, from which a model beside it is better."""
@@ -35,14 +36,13 @@ def moved_on(found: Found, problem: Problem) -> Found:
         if beside is None:
             break
         (best,) = refine(refine([beside], problem, 0.1, (60, 250), rng), problem, 0.03, (60, 400), rng)
-        others = by_error([best, *found.others, *around(best, problem, rng)])
-        found = Found(best, tuple(others), found.by_shots)
+        found = led_by(best, found, problem, rng)
     return found
 
 
 def better_beside(found: Found) -> Fitted | None:
     """Return the best of the models with the same process that explain the record clearly better, or None."""
-    if found.by_shots < SURER * found.best.error:
+    if found.by_shots_alone:
         return None
     better = [f for f in found.others if f.structure == found.best.structure]
     better = [f for f in better if f.error < BETTER * found.best.error]

@@ -107,6 +107,11 @@ class Found:
         """Its sum of squares, PV units squared."""
         return self.least.error
 
+    @property
+    def by_shots_alone(self) -> bool:
+        """Whether the shots decide: the free run of the best goes wrong at a stroke or two."""
+        return self.by_shots < SURER * self.best.error
+
 
 def structures(hints: LoopHints) -> tuple[int, ...]:
     """Return the processes that the engineer's knowledge leaves possible."""
@@ -170,6 +175,12 @@ def surer(
         return found
     followed = [found.best, *(start(each.candidate, each.structure, problem) for each in free)]
     return concluded(followed, surest, found.others, problem, hints, rng) or found
+
+
+def led_by(best: Fitted, found: Found, problem: Problem, rng: np.random.Generator) -> Found:
+    """Return what was found with another best model, and what is around that."""
+    others = by_error([best, *found.others, *around(best, problem, rng)])
+    return Found(best, tuple(others), found.by_shots)
 
 
 def follow(
