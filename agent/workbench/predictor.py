@@ -176,6 +176,23 @@ def predictor(
     return found
 
 
+def with_valve_anew(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
+    """Return where the predictions are better with another valve, all else from near ``at``; None: nowhere.
+
+    A valve that was found while another effect was missing may be the one that answers for both.
+    """
+    objective = predicts.objective
+    sought = [
+        _sought(predicts, each)
+        for effect in objective.model.effects
+        if isinstance(effect, HysteresisEffect)
+        for each in valves(whitened(objective, predicts.noise), at, effect.name)
+    ]
+    found = [each for each in sought if each is not None]
+    best = min(found, key=_variance, default=(predicts, at))
+    return best if _variance(best) < (1 - CLEARLY) * predicts.variance(at) else None
+
+
 def _in_other_valleys(
     first: Predictor,
     start: FloatArray,
@@ -184,10 +201,12 @@ def _in_other_valleys(
 ) -> list[tuple[Predictor, FloatArray]]:
     """Return where else the predictions are best, as far as other valleys are deeper."""
     objective = first.objective
-    if smaller is not None and isinstance(objective.model.effects[-1], HysteresisEffect):
+    effects = objective.model.effects
+    if smaller is not None and isinstance(effects[-1], HysteresisEffect):
         # What the smaller model leaves knows nothing of the valley of a wrong valve.
         at = np.concatenate((smaller[1], start[len(smaller[1]) :]))
-        others = [_sought(found[0], each) for each in valves(whitened(objective, smaller[0].noise), at)]
+        points = valves(whitened(objective, smaller[0].noise), at, effects[-1].name)
+        others = [_sought(found[0], each) for each in points]
     else:
         # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
         others = [_elsewhere(first, start), _elsewhere(*found)]

@@ -144,9 +144,15 @@ def whitened(objective: Objective, noise: Innovations) -> Whitened:
 
 def of_last_effect(objective: Objective) -> NDArray[np.bool_]:
     """Return which coordinates are the last effect's, (k,); all where the model has none."""
-    effects, names = objective.model.effects, objective.space.names
-    last = effects[-1].name if effects else None
-    return np.array([last is None or name.partition(".")[0] == last for name in names])
+    effects = objective.model.effects
+    return (
+        of_effect(objective, effects[-1].name) if effects else np.ones(len(objective.space), dtype=np.bool_)
+    )
+
+
+def of_effect(objective: Objective, name: str) -> NDArray[np.bool_]:
+    """Return which coordinates are those of the effect of that name, (k,)."""
+    return np.array([each.partition(".")[0] == name for each in objective.space.names], dtype=np.bool_)
 
 
 def hypercube(points: int, size: int) -> FloatArray:

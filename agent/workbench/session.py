@@ -155,7 +155,8 @@ class Workbench:
             family = [each for each in missing(model, self.library) if each.family == effect.family]
             found = self.trials.judged_on(self.step, family if effect in family else [*family, effect])
         verdict = verdict_of(found, self.where_it_fails(), self.lines())
-        return self.take(found.models[name], naming(verdict, name), added=name)
+        larger = self.trials.with_valve_anew(found.models[name])
+        return self.take(larger, naming(verdict, name), added=name)
 
     def addable(self, name: str) -> Effect:
         """Return the effect of that name if the newest model may have it.

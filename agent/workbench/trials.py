@@ -17,6 +17,7 @@ from agent.workbench.fit import fit
 from agent.workbench.holm import LEVEL
 from agent.workbench.library import happens_once, missing
 from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
+from agent.workbench.predictor import with_valve_anew
 from agent.workbench.simulated_null import simulated_null_p
 from agent.workbench.trial import Trial, Tried, predicted, screened, tried
 from agent.workbench.valve_starts import ValveStart, valve_starts
@@ -97,6 +98,15 @@ class Trials:
         turned = tried(self._trial(alone[1], alone[0].fit.model.effects[-1]))
         pairs = ((alone[0], larger.fit), (alone[1], turned.fit))
         return larger if all(self.null_p(*pair) < LEVEL for pair in pairs) else None
+
+    def with_valve_anew(self, found: Tried) -> Tried:
+        """Return a model with its valve sought again beside what was added since, if that predicts better."""
+        before = any(isinstance(each, HysteresisEffect) for each in found.fit.model.effects[:-1])
+        if not before or found.predicts is None:
+            return found
+        self.tell("another valve", 0, 1)
+        other = with_valve_anew(*found.predicts)
+        return found if other is None else self.predicted(other[0].fit(other[1]))
 
     def without(self, fitted: Fit, name: str) -> Tried:
         """Return the model without one of its effects, refitted from the values that it has."""

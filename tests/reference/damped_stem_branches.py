@@ -13,7 +13,8 @@ def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, 
 
     A missing OP stops the stem; the next one finds the actuator settled at it.
     """
-    f_s = {1: f_s_up, -1: f_s_down}
+    jump = {1: f_s_up - f_d, -1: f_s_down - f_d}
+    stop = {each: min(rest * max(jump.values()), jump[each]) for each in jump}
     dt = 1 / steps
     keeps = math.exp(-dt / supply)
     position = []
@@ -24,13 +25,13 @@ def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, 
         elif math.isnan(force):
             force = u
         for _ in range(0 if math.isnan(u) else steps):
-            if direction == 0 and force - x > f_s_up - loosened(u - force, f_s_up - f_d, give, rest):
+            if direction == 0 and force - x > f_s_up - loosened(u - force, jump[1], give, stop[1]):
                 direction = 1
-            if direction == 0 and x - force > f_s_down - loosened(force - u, f_s_down - f_d, give, rest):
+            if direction == 0 and x - force > f_s_down - loosened(force - u, jump[-1], give, stop[-1]):
                 direction = -1
             force = u + (force - u) * keeps
             way = direction * (force - x) - f_d
-            if direction != 0 and way > rest * (f_s[direction] - f_d):
+            if direction != 0 and way > stop[direction]:
                 x += direction * way * (1 - math.exp(-dt / damping))
             else:
                 direction = 0
@@ -38,6 +39,6 @@ def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, 
     return position
 
 
-def loosened(step_left, jump, give, rest):
+def loosened(step_left, jump, give, stop):
     """By how much friction that gives falls while the force rises towards what is left of a step of OP."""
-    return min(3 * (jump * (give * max(step_left, 0)) ** 2) ** (1 / 3), (1 - rest) * jump)
+    return min(3 * (jump * (give * max(step_left, 0)) ** 2) ** (1 / 3), jump - stop)

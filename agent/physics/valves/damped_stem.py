@@ -88,7 +88,8 @@ def damped_stem(
         x0: Position of the resting stem before the first sample, OP units.
         damping: Time constant of the stem, samples, > 0.
         supply: Time constant of the air to the actuator, samples, > 0.
-        rest: Force over f_D at which the stem stops, over f_S - f_D, 0 to 1; 0 slides on until OP turns.
+        rest: Force over f_D at which the stem stops, over f_S - f_D (the larger one, where it differs by
+            direction), 0 to 1; 0 slides on until OP turns.
         give: Of the bristles: their deflection when they break over twice the way that a stem at Stribeck's
             speed goes in ``supply``; 0: they are stiff, and the stem breaks away at f_S.
 
@@ -213,9 +214,11 @@ def strokes(
     damping, supply, rest, feeds = stem.damping, stem.supply, stem.rest, stem.feeds
     damping_keeps, supply_keeps, at_once = stem.damping_keeps, stem.supply_keeps, stem.at_once
     x, force, direction, jump, stop = state[0], state[1], state[2], state[3], state[4]
-    # What bristles loosen goes as y^(2/3) and is ``early`` at most; where f_S differs, by the larger jump.
+    # Where f_S differs by direction, what bristles loosen (as y^(2/3), ``early`` at most) goes by the larger
+    # jump; so does the force at rest, damping at Stribeck's speed, that hardly depends on how far f_S is.
+    larger = max(f_s_up, f_s_down) - f_d
     gives = stem.give > 0.0
-    lead = 3.0 * np.cbrt((max(f_s_up, f_s_down) - f_d) * stem.give**2) if gives else 0.0
+    lead = 3.0 * np.cbrt(larger * stem.give**2) if gives else 0.0
     early = 4.0 / 27.0 * lead**3
     t = begin
     while t < end:
@@ -248,13 +251,13 @@ def strokes(
             left_then = over
             breaks = toward * (force - x) > f_s
             if gives and step > 0.0 and f_s > f_d:
-                most = (1.0 - rest) * (f_s - f_d)
+                most = f_s - f_d - min(rest * larger, f_s - f_d)
                 left_then = left_at_break_away(step, over, lead, most, supply_keeps)
                 breaks = left_then > 0.0
             if breaks:
                 direction = toward
                 jump = f_s - f_d
-                stop = rest * jump
+                stop = min(rest * larger, jump)
                 if at_once or step <= left_then:
                     way = direction * (before - x) - f_d
                 else:

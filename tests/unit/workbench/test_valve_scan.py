@@ -30,7 +30,7 @@ def scanned(request):
     objective = whitened(objective_of(model, record, target), predicts.noise)
     at = np.concatenate((best, np.full(len(objective.space) - len(best), 0.5)))
     few = searched(objective, spread_about(at, of_last_effect(objective), MOVED, SCAN), ROUNDS)
-    many = min(valves(objective, at), key=objective.error)
+    many = min(valves(objective, at, request.param.name), key=objective.error)
     return plant, objective, few, many
 
 
