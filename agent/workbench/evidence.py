@@ -16,6 +16,7 @@ from agent.workbench.likeliest import VERY_STRONG
 from agent.workbench.valve_scan import VALVES
 
 if TYPE_CHECKING:
+    from agent.physics.effect import Effect
     from agent.workbench.innovations import Innovations
     from agent.workbench.record import Record
     from agent.workbench.step import Step
@@ -63,15 +64,23 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
     searched = len(larger.fit.values) - len(smaller.fit.values)
     added = _numbers(larger) - _numbers(smaller)
     chance = 1.0
-    if larger.fit.model.base.linear and (answers or once):
-        # What goes on all the time, as a wave does, is in every block: there their signs tell.
-        # Each instant is searched over the whole record.
-        instants = sum(each.instant for each in effect.parameters(record.facts))
-        scanned = VALVES if isinstance(effect, HysteresisEffect) else SCAN ** max(1, instants)
-        chance = by_chance(before, after, added, candidates * scanned)
+    if larger.fit.model.base.linear:
+        chance = by_chance(before, after, added, candidates * _scanned(effect, record))
     more = tells_more(before, after, searched if answers else 0)
     criterion = _criterion(before, after, added)
     return Evidence(more, chance, criterion, effect.family, answers, once)
+
+
+def _scanned(effect: Effect, record: Record) -> int:
+    """Return how many values of an effect were looked at.
+
+    Each instant is searched over the whole record; what goes on all the time has a spectrum, a try a line.
+    """
+    if isinstance(effect, HysteresisEffect):
+        return VALVES
+    instants = sum(each.instant for each in effect.parameters(record.facts))
+    goes_on = not instants and not acts_on_op(effect, record.facts)
+    return len(record) if goes_on else SCAN ** max(1, instants)
 
 
 def far_likelier(smaller: Model, larger: Model, record: Record) -> bool:

@@ -49,15 +49,15 @@ def outdone(found: Mapping[str, Evidence]) -> set[str]:
 def plain(found: Mapping[str, Evidence]) -> set[str]:
     """Return the effects that the innovations tell beyond chance, and from all others.
 
-    One that acts in a few strokes only leaves the interval of its reduction wide, however plain it is there.
+    One that acts in a few strokes only leaves the interval of its reduction wide, however plain it is there;
+    so does a wave that a load hides in free run.
     """
     return {
         name
         for name, each in found.items()
-        if each.answers
-        and not each.once
+        if not each.once
         and each.by_chance < LEVEL
-        and is_strong([each], len(found))
+        and _is_far_likelier(each, len(found))
         and not any(
             each.criterion - other.criterion <= VERY_STRONG
             for other in found.values()
@@ -71,4 +71,8 @@ def is_strong(alike: Collection[Evidence], candidates: int) -> bool:
 
     What knows nothing of OP need not be: its error in free run tells.
     """
-    return any(not each.answers or each.criterion - 2 * math.log(candidates) > VERY_STRONG for each in alike)
+    return any(not each.answers or _is_far_likelier(each, candidates) for each in alike)
+
+
+def _is_far_likelier(found: Evidence, candidates: int) -> bool:
+    return found.criterion - 2 * math.log(candidates) > VERY_STRONG
