@@ -12,7 +12,7 @@ from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import by_chance, innovations, likelihood_ratio, tells_more
 from agent.workbench.library import acts_on_op, happens_once
-from agent.workbench.likeliest import VERY_STRONG
+from agent.workbench.likeliest import VERY_STRONG, very_strong
 from agent.workbench.valve_scan import VALVES
 
 if TYPE_CHECKING:
@@ -63,11 +63,12 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
         return Evidence(True, 1.0, 0.0, effect.family, answers, once)
     searched = len(larger.fit.values) - len(smaller.fit.values)
     added = _numbers(larger) - _numbers(smaller)
+    criterion = _criterion(before, after, added)
     chance = 1.0
-    if larger.fit.model.base.linear:
+    # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
+    if larger.fit.model.base.linear and (answers or once or very_strong(criterion, candidates)):
         chance = by_chance(before, after, added, candidates * _scanned(effect, record))
     more = tells_more(before, after, searched if answers else 0)
-    criterion = _criterion(before, after, added)
     return Evidence(more, chance, criterion, effect.family, answers, once)
 
 

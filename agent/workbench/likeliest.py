@@ -57,7 +57,7 @@ def plain(found: Mapping[str, Evidence]) -> set[str]:
         for name, each in found.items()
         if not each.once
         and each.by_chance < LEVEL
-        and _is_far_likelier(each, len(found))
+        and very_strong(each.criterion, len(found))
         and not any(
             each.criterion - other.criterion <= VERY_STRONG
             for other in found.values()
@@ -71,8 +71,9 @@ def is_strong(alike: Collection[Evidence], candidates: int) -> bool:
 
     What knows nothing of OP need not be: its error in free run tells.
     """
-    return any(not each.answers or _is_far_likelier(each, candidates) for each in alike)
+    return any(not each.answers or very_strong(each.criterion, candidates) for each in alike)
 
 
-def _is_far_likelier(found: Evidence, candidates: int) -> bool:
-    return found.criterion - 2 * math.log(candidates) > VERY_STRONG
+def very_strong(criterion: float, candidates: int) -> bool:
+    """Return whether ``Evidence.criterion`` of one of some candidates is, each as likely before."""
+    return criterion - 2 * math.log(candidates) > VERY_STRONG

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from agent.physics.valves.damped_stem import damped_stem
+from agent.physics.valves.damped_stem import damped_stem, damped_stem_by_direction
 
 F_S, F_D = 5.0, 2.0
 DAMPING, SUPPLY, REST = 0.6, 0.001, 0.1
@@ -93,3 +93,21 @@ def test_no_friction_and_hardly_a_lag_follow_a_rising_command():
     op = np.cumsum(np.random.default_rng(1).random(50))
     position = damped_stem(op, 0.0, 0.0, op[0], 0.01, 0.01, 0.0)
     np.testing.assert_allclose(position, op, rtol=0, atol=1e-9)
+
+
+def test_the_same_force_is_left_at_rest_in_both_directions():
+    """Damping at low speed makes it, so that the smaller jump has as much of it."""
+    f_s_up, f_s_down = 3.0, 9.0
+    op = np.repeat([0.0, f_s_up + 0.1, -f_s_down], 30)
+    position = damped_stem_by_direction(op, f_s_up, f_s_down, F_D, 0.0, DAMPING, SUPPLY, REST)
+    up, down = op[59] - position[59], position[-1] - op[-1]
+    assert position[59] > 0
+    assert position[-1] < position[59]
+    assert up == pytest.approx(F_D + REST * (f_s_down - F_D), abs=ROUGHLY)
+    assert down == pytest.approx(up, abs=2 * ROUGHLY)
+
+
+def test_a_jump_smaller_than_what_is_left_at_rest_is_none():
+    op = np.repeat([0.0, F_D + 0.3], 30)
+    position = damped_stem_by_direction(op, F_D + 0.2, 60.0, F_D, 0.0, DAMPING, SUPPLY, REST)
+    assert position[-1] == pytest.approx(0.1, abs=ROUGHLY)

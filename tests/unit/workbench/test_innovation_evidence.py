@@ -9,6 +9,7 @@ from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.load_step import LoadStep
+from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.loop_model import LoopModel
 from agent.workbench.evidence import evidence_of
 from agent.workbench.fit import fit, nested_fit
@@ -59,3 +60,14 @@ def test_a_step_of_a_loop_without_one_is_chance():
     op, pv = loop(2, slack=0.0)
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
     assert evidence(LoadStep(), model_on(record), record).by_chance > 0.05
+
+
+@pytest.mark.parametrize(("height", "seen"), [(0.0, False), (1.0, True)])
+def test_a_wave_under_a_wandering_load_is_told_by_its_likelihood(height, seen):
+    op, pv = loop(3, slack=0.0)
+    load = np.std(pv - answered_more(op, np.ones(N, dtype=bool)))
+    wave = height * load * np.sin(2 * np.pi * np.arange(N) / 37.0)
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv + wave))
+    found = evidence(Sinusoid(), model_on(record), record)
+    assert (found.by_chance < 1e-6) is seen
+    assert (found.by_chance == 1.0) is not seen

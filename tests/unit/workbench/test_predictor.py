@@ -13,13 +13,14 @@ from agent.physics.effects.hysteresis import J_BY_LAW, S_BY_LAW
 from agent.physics.effects.inverse_response import InverseResponse
 from agent.physics.effects.load_step import LoadStep
 from agent.physics.effects.rate_limit import RateLimit
+from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.fit import fit, fit_at, nested_fit
 from agent.workbench.folds import HeldOut, folds_of, held_out
 from agent.workbench.intervals import estimated
-from agent.workbench.predictor import predictor
+from agent.workbench.predictor import predictor, with_valve_anew
 from agent.workbench.projection import nuisance_part, target_of
 from agent.workbench.record import bare_record
 from agent.workbench.trial import Tried, predicted
@@ -148,3 +149,20 @@ def test_of_ten_intervals_eight_hold_the_truth(monkeypatch):
         assert band.high - band.low < 0.2
         held += band.low <= S <= band.high
     assert held >= 8
+
+
+def test_a_valve_that_was_found_without_a_wave_is_left_for_a_better_one():
+    """S too small, and half of it a jump, is what the record told while the wave was missing."""
+    plant = hidden_effect_plant(5337, "stiction_sinusoid")
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, plant.op, plant.pv))
+    model = LoopModel(Fopdt(), (Stiction(), Sinusoid()))
+    valve = (3.447, 0.516, -0.013, 0.45, 0.128, 0.086, 0.023)
+    wrong = np.array([4.534, 4.945, *valve, *plant.parameters["sinusoid.frequency"]])
+    predicts, at = predictor(
+        fit_at(model, record, target_of(record, record.weight, linear=True), wrong), record
+    )
+    other, best = with_valve_anew(predicts, at)
+    assert other.variance(best) < 0.9 * predicts.variance(at)
+    found = dict(zip(other.space.names, other.space.values(best), strict=True))
+    assert found["stiction.s"] == pytest.approx(plant.parameters["stiction.s"][0], rel=0.1)
+    assert with_valve_anew(other, best) is None
