@@ -188,8 +188,8 @@ def mutated(
     problem: Problem,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Return a child: some coordinates moved, S at times with J, the delay and the first slip as they were."""
-    child = parents[parent].copy()
+    """Return a child: some coordinates moved; J, delay and first slip go along with S at times."""
+    child: FloatArray = parents[parent].copy()
     axes = np.concatenate((ways.of_process[structure], ways.of_valve))
     if rng.random() < crossed:
         one, other = rng.integers(0, len(parents)), rng.integers(0, len(parents))
