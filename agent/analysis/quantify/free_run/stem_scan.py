@@ -1,0 +1,66 @@
+"""Many stems for a valve whose S and J may be right: the best of them in free run over few periods.
+
+A valve that slides in small jumps fits at its own stem only, and that of the grid it comes from may be a
+hundred times too quick to rest. Steps of a search by shots set such a stem off instead. A free run over a few
+periods costs a hundredth of that, so that each valve is tried with stems from all over their range
+(docs/decisions/0039-finer-blocks-and-stems.md).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.quantify.free_run.fitted import evaluated
+from agent.analysis.quantify.free_run.objective import (
+    DELAY,
+    J_RATIO,
+    LOG_DAMPING,
+    LOG_REST,
+    STEM_HIGH,
+    STEM_LOW,
+)
+from agent.analysis.quantify.free_run.starts import SLIPS_DIFFER
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from agent.analysis.quantify.free_run.fitted import Fitted
+    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.analysis.recording import FloatArray
+
+TRIED = 100
+"""Stems for each valve."""
+
+
+def with_best_stems(fits: Sequence[Fitted], problem: Problem, rng: np.random.Generator) -> list[Fitted]:
+    """Return each valve with the best of many stems on this record, or as it is where none is better.
+
+    With its error by free run, PV units squared.
+    """
+    return [_with_best_stem(each, problem, rng) for each in fits]
+
+
+def sliding_with_best_stems(
+    fits: Sequence[Fitted], problem: Problem, rng: np.random.Generator
+) -> list[Fitted]:
+    """Return the same, those that mostly jump as they are: they stop far from a slip, whatever the stem."""
+    sliding = [each for each in fits if each.candidate[J_RATIO] <= SLIPS_DIFFER]
+    jumping = [each for each in fits if each.candidate[J_RATIO] > SLIPS_DIFFER]
+    return [*with_best_stems(sliding, problem, rng), *jumping]
+
+
+def _with_best_stem(fitted: Fitted, problem: Problem, rng: np.random.Generator) -> Fitted:
+    begun = fitted.candidate
+    tried = np.tile(begun, (TRIED + 1, 1))
+    tried[1:, LOG_DAMPING : LOG_REST + 1] = rng.uniform(STEM_LOW, STEM_HIGH, (TRIED, 3))
+    if problem.fixed_delay == 0:
+        # What a stem takes longer is not for the process.
+        tried[:, DELAY] = np.maximum(1.0, begun[DELAY] + _lag(begun) - _lag(tried))
+    return min(evaluated(list(tried), fitted.structure, problem), key=lambda each: each.error)
+
+
+def _lag(candidates: FloatArray) -> FloatArray:
+    """Return the time constants of stem and supply together, samples, (...,)."""
+    return np.asarray(np.exp(candidates[..., LOG_DAMPING : LOG_DAMPING + 2]).sum(-1))
