@@ -9,6 +9,7 @@ from agent.analysis.quantify.free_run import few_periods
 from agent.analysis.quantify.free_run.few_periods import (
     CLEARLY_LESS,
     FEW,
+    FINE,
     best_by_samples,
     searched_by_samples,
 )
@@ -43,7 +44,7 @@ def slow_loop(periods=8):
     candidate = np.zeros(SIZE)
     candidate[[LOG_TAU, DELAY, S, J_RATIO, LEVEL, FIRST]] = math.log(8.0), 9.0, 5.0, 0.6, 52.0, 1.0
     candidate[LOG_DAMPING : LOG_DAMPING + 3] = np.log((0.3, 0.15, 0.01))
-    problem = pose(LoopWindow("FIC1", 0.0, 1.0, op, op + rng.standard_normal(t.size)), math.inf)
+    problem = pose(LoopWindow("FIC1", 0.0, 1.0, op, op + rng.standard_normal(t.size)), FINE)
     no_filter = 1.0
     pv = process_response(valve_position(candidate, problem), candidate, FOPDT, 1, no_filter)
     window = LoopWindow("FIC1", 0.0, 1.0, op, pv + 0.05 * rng.standard_normal(t.size), hints=HINTS)
@@ -52,9 +53,9 @@ def slow_loop(periods=8):
     return window, candidate, wrong
 
 
-def test_each_sample_may_be_a_block():
+def test_a_block_may_be_a_sample():
     window, _, _ = slow_loop()
-    coarse, fine = pose(window), pose(window, math.inf)
+    coarse, fine = pose(window), pose(window, FINE)
     assert (coarse.block, fine.block) == (5, 1)
     assert len(fine.pv) == len(window)
 
@@ -63,7 +64,7 @@ def test_each_sample_may_be_a_block():
 def asked(monkeypatch):
     """Who is asked for the best by samples: a list that grows, with what is answered."""
     window, right, wrong = slow_loop()
-    problem, fine = pose(window), pose(window, math.inf)
+    problem, fine = pose(window), pose(window, FINE)
     calls = []
 
     def best(*_):
@@ -107,14 +108,14 @@ def test_nothing_in_a_record_of_many_periods_or_of_blocks_of_a_sample(asked):
     found = Found(start(wrong, FOPDT, problem), ())
     many = problem._replace(period=len(problem.op) / (FEW + 1))
     assert searched_by_samples(found, window, many) is found
-    assert searched_by_samples(found, window, problem._replace(block=1)) is found
+    assert searched_by_samples(found, window, pose(window, FINE)) is found
     assert not calls
 
 
 def test_a_little_less_changes_nothing(asked, monkeypatch):
     window, problem, _, wrong, _ = asked
     found = Found(start(wrong, FOPDT, problem), ())
-    fine = pose(window, math.inf)
+    fine = pose(window, FINE)
     told = []
     monkeypatch.setattr(few_periods, "autocorrelation", lambda each, *_: told.append(each) or 1.0)
     little = CLEARLY_LESS + 0.01
@@ -128,7 +129,7 @@ def test_a_little_less_changes_nothing(asked, monkeypatch):
 
 def test_it_finds_the_valve():
     window, right, _ = slow_loop()
-    problem, fine = pose(window), pose(window, math.inf)
+    problem, fine = pose(window), pose(window, FINE)
     found = best_by_samples(fine, problem, HINTS, np.random.default_rng(0))
     assert len(found) == 2
     best = min(found, key=lambda each: each.error)

@@ -2,7 +2,7 @@
 
 Of a neighbouring valley often one value is wrong, and by far: J, or how soon the stem rests. Random steps
 around a model do not reach there; forty places of each value take as long as one refinement
-(docs/decisions/0039-finer-blocks-and-stems.md).
+(docs/decisions/0039-few-periods-sample-by-sample.md).
 """
 
 from __future__ import annotations

@@ -4,12 +4,12 @@ Few slips tell little of a valve: some five models explain twelve periods about 
 too large and the delay too short. The blocks of a long period blur what tells them apart, when PV turns after
 a slip; of its samples the right one explains clearly more. So it is sought once more with a sample a block,
 from the stems of the grid and from many others, and believed where it needs clearly less. Where what the
-model leaves of the samples is white, nothing is left to seek (docs/decisions/0039-finer-blocks-and-stems.md).
+model leaves of the samples is white, nothing is left to seek
+(docs/decisions/0039-few-periods-sample-by-sample.md).
 """
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 FEW = 13
 """Periods below which a record has few (simulated loops, seeds 2000 to 2199)."""
+FINE = 200.0
+"""Least number of blocks in a period, so that long records take no more than twice the time of theirs."""
 WHITE = 0.1
 """Autocorrelation of what is left of the samples, below which it is white (likewise: right ones have at most
 0.05 where the noise is white, wrong ones at least 0.12)."""
@@ -43,10 +45,10 @@ def searched_by_samples(found: Found, window: LoopWindow, problem: Problem) -> F
     Not where the shots decide: there the free run of the best goes wrong at a stroke, and others look better.
     """
     periods = (len(problem.op) - problem.quiet) / problem.period
-    if periods >= FEW or problem.block == 1 or found.by_shots_alone:
+    if periods >= FEW or found.by_shots_alone:
         return found
-    fine = pose(window, math.inf)
-    if isinstance(fine, str):
+    fine = pose(window, FINE)
+    if isinstance(fine, str) or fine.block == problem.block:
         return found
     rng = np.random.default_rng(0)
     begun = restart(found.best, found.best.structure)

@@ -78,7 +78,7 @@ class Problem(NamedTuple):
 def pose(window: LoopWindow, blocks_per_period: float = BLOCKS_PER_PERIOD) -> Problem | str:
     """Return the problem, or in plain words why the window poses none.
 
-    ``blocks_per_period`` is the least number; infinite: each sample is a block.
+    ``blocks_per_period`` is the least number, as far as there are samples.
     """
     known = window.valid
     n = len(window)

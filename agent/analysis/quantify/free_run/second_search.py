@@ -28,7 +28,6 @@ from agent.analysis.quantify.free_run.search import structures, surer
 from agent.analysis.quantify.free_run.shooting import Shots
 from agent.analysis.quantify.free_run.shooting_search import Stage, compared, shot
 from agent.analysis.quantify.free_run.starts import OTHER_STEMS, STEMS, climbed
-from agent.analysis.quantify.free_run.stem_scan import sliding_with_best_stems
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -133,11 +132,12 @@ def searched_again(
     found: Found, begin: Start, problem: Problem, hints: LoopHints, rng: np.random.Generator
 ) -> Found:
     """Return what a search that starts there finds, where it needs less by shots than what was found."""
-    few = first_periods(problem, OF_A_FAMILY.periods)
-    starts = []
-    for structure in structures(hints):
-        climbs = climbed(problem, FAMILIES[structure], begin.grid, rng, begin.stems)
-        starts.append(compared(sliding_with_best_stems(climbs, few, rng), OF_A_FAMILY, problem, rng))
+    starts = [
+        compared(
+            climbed(problem, FAMILIES[structure], begin.grid, rng, begin.stems), OF_A_FAMILY, problem, rng
+        )
+        for structure in structures(hints)
+    ]
     surest, free = shot(going_on(starts), found.best, STAGES, problem, rng)
     return surer(found, surest, free, problem, hints, rng)
 

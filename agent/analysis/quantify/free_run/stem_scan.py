@@ -1,9 +1,8 @@
 """Many stems for a valve whose S and J may be right: the best of them in free run over few periods.
 
-A valve that slides in small jumps fits at its own stem only, and that of the grid it comes from may be a
-hundred times too quick to rest. Steps of a search by shots set such a stem off instead. A free run over a few
-periods costs a hundredth of that, so that each valve is tried with stems from all over their range
-(docs/decisions/0039-finer-blocks-and-stems.md).
+How soon a stem stops decides where each stroke begins, and that of the grid it comes from may be a hundred
+times too quick to rest. A free run over a few periods costs little, so that each valve is tried with stems
+from all over their range (docs/decisions/0039-few-periods-sample-by-sample.md).
 """
 
 from __future__ import annotations
@@ -15,13 +14,11 @@ import numpy as np
 from agent.analysis.quantify.free_run.fitted import evaluated
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
-    J_RATIO,
     LOG_DAMPING,
     LOG_REST,
     STEM_HIGH,
     STEM_LOW,
 )
-from agent.analysis.quantify.free_run.starts import SLIPS_DIFFER
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,15 +37,6 @@ def with_best_stems(fits: Sequence[Fitted], problem: Problem, rng: np.random.Gen
     With its error by free run, PV units squared.
     """
     return [_with_best_stem(each, problem, rng) for each in fits]
-
-
-def sliding_with_best_stems(
-    fits: Sequence[Fitted], problem: Problem, rng: np.random.Generator
-) -> list[Fitted]:
-    """Return the same, those that mostly jump as they are: they stop far from a slip, whatever the stem."""
-    sliding = [each for each in fits if each.candidate[J_RATIO] <= SLIPS_DIFFER]
-    jumping = [each for each in fits if each.candidate[J_RATIO] > SLIPS_DIFFER]
-    return [*with_best_stems(sliding, problem, rng), *jumping]
 
 
 def _with_best_stem(fitted: Fitted, problem: Problem, rng: np.random.Generator) -> Fitted:
