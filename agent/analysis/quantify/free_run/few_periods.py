@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from agent.analysis.recording import LoopHints, LoopWindow
 
 FEW = 13
-"""Periods below which a record has few (simulated loops, seeds 2000 to 2199)."""
+"""Periods below which a record has few (simulated loops, seeds 2000 to 2309)."""
 FINE = 200.0
 """Least number of blocks in a period, so that long records take no more than twice the time of theirs."""
 WHITE = 0.1
-"""Autocorrelation of what is left of the samples, below which it is white (likewise: right ones have at most
-0.05 where the noise is white, wrong ones at least 0.12)."""
+"""Autocorrelation of what is left of the samples, below which it is white (likewise): wrong ones have at
+least 0.12; right ones at most 0.05, but for two, and for those whose noise is not white."""
 CLEARLY_LESS = 0.95
 """Error over that of the model before, sample by sample, below which another is believed (likewise)."""
 
