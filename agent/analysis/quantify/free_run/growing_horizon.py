@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.recording import FloatArray, LoopHints
 
+POPULATIONS = 3
+"""Times that they are sent out where a valve is to be found: one time in three they come to it."""
 VALVES = 8000
 """That a population begins with."""
 PARTS = (

@@ -20,7 +20,7 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.coarse_grid import Family, Grid
 from agent.analysis.quantify.free_run.fitted import by_error, refine, restart
-from agent.analysis.quantify.free_run.growing_horizon import best_of_populations
+from agent.analysis.quantify.free_run.growing_horizon import POPULATIONS, best_of_populations
 from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, J_RATIO, SOPDT
 from agent.analysis.quantify.free_run.problem import first_periods
 from agent.analysis.quantify.free_run.residuals import lasting
@@ -85,8 +85,6 @@ LASTS = 0.15
 CLEARLY_LESS = 0.8
 """Error over that of the first search below which a further one is believed: a tenth less is gained on
 wrong hills too. From 0.75 to 0.85 as good (simulated loops, seeds 2000 to 2199)."""
-POPULATIONS = 3
-"""Times that populations are sent out: one time in three they come to the valve."""
 
 
 def converged_search(found: Found, problem: Problem, hints: LoopHints) -> Found:
