@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.bristles import with_bristles
+from agent.analysis.quantify.free_run.few_periods import searched_by_samples
 from agent.analysis.quantify.free_run.fitted import Fitted
 from agent.analysis.quantify.free_run.intervals import (
     process_intervals,
@@ -87,6 +88,7 @@ class FreeRun:
             if decide(evidence, found, problem) == "stiction":
                 # One more freedom tells how much a valve sticks, never that it does.
                 found = moved_on(with_bristles(found, problem), problem)
+                found = searched_by_samples(found, window, problem)
                 evidence = evidence_of(found, linear)
         if evidence == 1.0:
             found = None

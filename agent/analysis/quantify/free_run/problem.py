@@ -75,8 +75,11 @@ class Problem(NamedTuple):
     """Samples before the loop begins to swing: what counts periods counts them from there."""
 
 
-def pose(window: LoopWindow) -> Problem | str:
-    """Return the problem, or in plain words why the window poses none."""
+def pose(window: LoopWindow, blocks_per_period: float = BLOCKS_PER_PERIOD) -> Problem | str:
+    """Return the problem, or in plain words why the window poses none.
+
+    ``blocks_per_period`` is the least number, as far as there are samples.
+    """
     known = window.valid
     n = len(window)
     if known.sum() < LEAST_SAMPLES:
@@ -88,7 +91,7 @@ def pose(window: LoopWindow) -> Problem | str:
     op = bridge(window.op)
     period = dominant_period(op)
     known &= ~after_gaps(window.op, period) & ~after_gaps(window.pv, period)
-    block = max(1, int(period / BLOCKS_PER_PERIOD))
+    block = max(1, int(period / blocks_per_period))
     counts = block_means(known.astype(np.float64), block) == 1.0
     counts[: int(min(BURN * period, n / 12) / block)] = False
     pv = block_means(bridge(window.pv), block)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 PART = 1 / 8
 """Of a period, after which what is left of noise is small and an error of the valve still lasts."""
 LEAST_LAG = 2
-"""Blocks; neighbours are alike by the fraction of a delay alone."""
+"""Blocks; neighbours are alike by the fraction of a delay alone, and those after them not by white noise."""
 
 
 def residuals(candidate: FloatArray, structure: int, problem: Problem) -> FloatArray:
@@ -43,11 +43,12 @@ def residuals(candidate: FloatArray, structure: int, problem: Problem) -> FloatA
 
 
 def lasting(fitted: Fitted, problem: Problem) -> float:
-    """Return the autocorrelation of the residuals an eighth of a period on, -1 to 1.
+    """Return the autocorrelation of the residuals an eighth of a period on, -1 to 1."""
+    return autocorrelation(fitted, problem, max(LEAST_LAG, round(PART * problem.period / problem.block)))
 
-    Both of a pair must count.
-    """
+
+def autocorrelation(fitted: Fitted, problem: Problem, lag: int) -> float:
+    """Return that of the residuals ``lag`` blocks on, -1 to 1; both of a pair must count."""
     left = residuals(fitted.candidate, fitted.structure, problem)
-    lag = max(LEAST_LAG, round(PART * problem.period / problem.block))
     total = float(left @ left)
     return float(left[lag:] @ left[:-lag]) / total if total > 0 else 0.0
