@@ -152,7 +152,7 @@ def stands_apart(
         far = far or people.candidates[i, FIRST] != people.candidates[other, FIRST]
         for axis in range(ranges.size):
             off = abs(people.candidates[i, axis] - people.candidates[other, axis])
-            far = far or off > distance * ranges[axis] > 0.0
+            far = far or (ranges[axis] > 0.0 and off > distance * ranges[axis])
         if not far:
             return False
     return True
