@@ -9,11 +9,13 @@ every step of the error on the way. Sources: H.-P. Schwefel, Evolution and Optim
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.evolution import APART, MUTATED, SAME, SMALLEST
+from agent.analysis.quantify.free_run.growing_horizon import KEPT, LAST_CROSSED, PARTS, WHOLE
 from agent.workbench.projection import target_of
 from agent.workbench.search import Objective, objective_of, whitened
 
@@ -22,48 +24,14 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from agent.analysis.quantify.free_run.evolution import Generation
     from agent.analysis.recording import FloatArray
     from agent.workbench.search import Whitened
 
 
-@dataclass(frozen=True, slots=True)
-class Generation:
-    """One step of the strategy."""
-
-    step: float
-    """Largest standard deviation of a mutation, part of a parameter's range."""
-    parents: int
-    children: int
-    """Of each."""
-
-
-PARTS: tuple[tuple[float, tuple[Generation, ...]], ...] = (
-    (1 / 8, (Generation(0.1, 150, 20),)),
-    (1 / 4, (Generation(0.08, 80, 20), Generation(0.05, 80, 20))),
-    (1 / 2, (Generation(0.05, 50, 20), Generation(0.03, 50, 20))),
-)
-"""Of the samples that count, and what happens there."""
-WHOLE = (
-    *(Generation(0.04, 40, 15),) * 2,
-    *(Generation(0.03, 30, 20),) * 2,
-    *(Generation(0.02, 20, 20),) * 2,
-    Generation(0.015, 12, 30),
-    Generation(0.01, 8, 40),
-)
 CROSSED = (0.0, 0.5, 0.0, 0.5)
 """Share of children that take a difference of two others, in each population. It leads along valleys, and a
 population that has it crowds into one of them sooner."""
-LAST_CROSSED = 0.3
-KEPT = 60
-"""Of a population from one part to the next."""
-SMALLEST = 1.5
-"""Decades from the largest standard deviation to the smallest."""
-MUTATED = 3
-"""Coordinates, at most."""
-APART = 0.15
-"""Least distance of two parents in any coordinate, over the generation's step."""
-SAME = 1e-5
-"""Points whose errors differ by less than this part are one: of values that mean nothing there are many."""
 
 
 def followed(objective: Whitened, points: FloatArray, at: FloatArray) -> FloatArray:

@@ -25,12 +25,17 @@ def rest_of(valve, span):
     return over.min() / jump
 
 
+def at_rest(record):
+    """Return a sample from which the stem of a record rests."""
+    return np.flatnonzero(np.diff(record.mv[6:]) == 0)[0] + 6
+
+
 @pytest.mark.parametrize("seed", [3, 10, 27, 34, 36])
 def test_only_the_damped_stem_moves_as_karnopps(seed):
     loop = random_plant(seed, "stiction")
     assert loop.valve.law == "karnopp"
     record = simulate(loop)
-    start = np.flatnonzero(np.diff(record.mv[6:]) == 0)[0] + 6  # the stem rests there
+    start = at_rest(record)
     op = record.op[start:-1]
     moved = record.mv[start + 1 :]  # at the end of the sample in which OP is held
     bands = loop.valve.f_s, loop.valve.f_d
@@ -52,7 +57,7 @@ def test_one_force_at_rest_serves_jumps_that_differ():
         scenario = hidden_effect_plant(seed, "asymmetric_stiction").scenario
         valve, record = scenario.valve, simulate(scenario)
         assert valve.law == "karnopp"
-        start = np.flatnonzero(np.diff(record.mv[6:]) == 0)[0] + 6
+        start = at_rest(record)
         f_d, shift = valve.f_d * (1 + valve.closing) / 2, valve.f_d * (valve.closing - 1) / 2
         jump = valve.f_s - valve.f_d
         larger = valve.model_copy(update={"f_s": valve.f_d + jump * max(1.0, valve.closing)})

@@ -5,13 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from agent.analysis.quantify.free_run.evolution import SAME, Generation
+from agent.analysis.quantify.free_run.growing_horizon import KEPT
 from agent.analysis.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench import growing_horizon
 from agent.workbench.fit import fit
-from agent.workbench.growing_horizon import KEPT, SAME, Generation, followed, over_first
+from agent.workbench.growing_horizon import followed, over_first
 from agent.workbench.predictor import predictor
 from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record

@@ -52,6 +52,16 @@ LEAST_S = 0.002
 """OP spans, as in every random step."""
 
 
+class Generation(NamedTuple):
+    """One step of the strategy."""
+
+    step: float
+    """Largest standard deviation of a mutation, part of a coordinate's range."""
+    parents: int
+    children: int
+    """Of each."""
+
+
 class Ways(NamedTuple):
     """Along which coordinates a population may go, and how far."""
 
@@ -89,7 +99,7 @@ def evolved(
 
     Args:
         begun: Their errors are computed here.
-        generations: Step, parents and children of each of them, for each generation, (g, 3).
+        generations: A ``Generation`` a row, (g, 3).
         crossed: Share of children that take a difference of two parents. It leads along valleys, and a
             population that has it crowds into one of them sooner.
         kept: At most so many are returned.

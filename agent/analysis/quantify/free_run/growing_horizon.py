@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.evolution import Population, Ways, evolved
+from agent.analysis.quantify.free_run.evolution import Generation, Population, Ways, evolved
 from agent.analysis.quantify.free_run.fitted import STEP, Fitted, axes_of, by_error, refine
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
@@ -45,18 +45,18 @@ POPULATIONS = 3
 """Times that they are sent out where a valve is to be found: one time in three they come to it."""
 VALVES = 8000
 """That a population begins with."""
-PARTS = (
-    (1 / 8, ((0.1, 150, 20),)),
-    (1 / 4, ((0.08, 80, 20), (0.05, 80, 20))),
-    (1 / 2, ((0.05, 50, 20), (0.03, 50, 20))),
+PARTS: tuple[tuple[float, tuple[Generation, ...]], ...] = (
+    (1 / 8, (Generation(0.1, 150, 20),)),
+    (1 / 4, (Generation(0.08, 80, 20), Generation(0.05, 80, 20))),
+    (1 / 2, (Generation(0.05, 50, 20), Generation(0.03, 50, 20))),
 )
-"""Of the periods; step, parents and children of each in the generations there."""
+"""Of the record, and the generations there; the workbench's search goes by the same plan."""
 WHOLE = (
-    *((0.04, 40, 15),) * 2,
-    *((0.03, 30, 20),) * 2,
-    *((0.02, 20, 20),) * 2,
-    (0.015, 12, 30),
-    (0.01, 8, 40),
+    *(Generation(0.04, 40, 15),) * 2,
+    *(Generation(0.03, 30, 20),) * 2,
+    *(Generation(0.02, 20, 20),) * 2,
+    Generation(0.015, 12, 30),
+    Generation(0.01, 8, 40),
 )
 CROSSED = (0.0, 0.5)
 """Share of children that are crossed, in each population of a structure."""
