@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Sequence
 from importlib.metadata import version
@@ -108,6 +109,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Args:
         arguments: Words after the command's name; None takes those of the process.
     """
+    # Our matrices are small: several threads wait for each other. numpy reads it when a command imports it.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         code = app(arguments, prog_name="slipjump", standalone_mode=False) or 0
     except ConfigError as error:

@@ -184,7 +184,6 @@ def _write(path: Path, text: str) -> bool:
 @contextmanager
 def _pool() -> Iterator[Map]:
     """Yield a map that works on all cores."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # of the workers: one a core is enough
     workers = len(os.sched_getaffinity(0))
     if workers == 1:
         announce_compilation(threading.Event())

@@ -24,24 +24,27 @@ def warm() -> None:
     op = 50 + 5 * np.sin(2 * np.pi * t / 40)
     pv = 20 + 2 * np.sin(2 * np.pi * (t - 6) / 40)
     trigger(LoopWindow("warm", 0.0, 1.0, op, pv))  # in fewer samples some detectors see too little
+    _warm_workbench(LoopWindow("warm", 0.0, 1.0, op, pv))  # behind thirty lags, too
     op, pv = op[:120], pv[:120]
     for quantifier in QUANTIFIERS:
         for order in (1, 2):
             for integrating in (False, True):
                 hints = LoopHints(integrating=integrating, delay=2, order=order)
                 diagnose(LoopWindow("warm", 0.0, 1.0, op, pv, hints=hints), quantifier=quantifier)
-    _warm_workbench(LoopWindow("warm", 0.0, 1.0, op, pv))
     print(f"slipjump: done in {time.perf_counter() - started:.1f} s")  # noqa: T201
 
 
 def _warm_workbench(window: LoopWindow) -> None:
-    """Simulate every effect on every base that it applies to, in the middle of its parameters."""
+    """Fit every effect on every base that it applies to, in the middle of its parameters."""
     import numpy as np
 
     from agent.physics.bases import BASES
     from agent.physics.effects import effects
     from agent.physics.loop_model import LoopModel
+    from agent.workbench.fit import fit_at
     from agent.workbench.library import applies
+    from agent.workbench.predictor import predictor
+    from agent.workbench.projection import target_of
     from agent.workbench.record import bare_record
     from agent.workbench.space import space_of
 
@@ -50,4 +53,7 @@ def _warm_workbench(window: LoopWindow) -> None:
         own = [effect for effect in effects() if applies(effect, base)]
         for model in (LoopModel(base), *(LoopModel(base, (effect,)) for effect in own)):
             space = space_of(model, record.facts)
-            model.columns(record.op, space.values(np.full(len(space), 0.5)), record.facts)
+            target = target_of(record, record.weight, linear=base.linear)
+            fitted = fit_at(model, record, target, space.values(np.full(len(space), 0.5)))
+        if base.linear:
+            predictor(fitted, record)

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy import linalg, signal, stats
+from scipy import linalg, stats
+
+from agent.workbench.prediction_filter import unpredicted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,8 +44,8 @@ class Innovations:
 
         The first p samples are NaN.
         """
-        polynomial = np.concatenate((np.ones(1), -self.coefficients))
-        out = np.asarray(signal.lfilter(polynomial, np.ones(1), other, axis=0), dtype=np.float64)
+        columns = np.ascontiguousarray(other, dtype=np.float64)
+        out = unpredicted(columns.reshape(len(columns), -1), self.coefficients).reshape(columns.shape)
         out[: len(self.coefficients)] = np.nan
         return out
 

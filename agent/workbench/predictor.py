@@ -9,7 +9,8 @@ Cochrane and Orcutt, J. Am. Stat. Assoc. 44 (1949) 32.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,8 +36,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.recording import FloatArray
+    from agent.workbench.hooks import Map
     from agent.workbench.record import Record
-    from agent.workbench.search import Round
+    from agent.workbench.search import Round, Whitened
     from agent.workbench.space import Space
 
 TURNS = 3
@@ -61,6 +63,8 @@ class Predictor:
     objective: Objective
     noise: Innovations
     """The autoregression."""
+    behind: Whitened
+    """The objective behind its filter, with a gain of either sign."""
     kept: NDArray[np.bool_]
     """Samples with all that the autoregression needs, (n,)."""
     pv: FloatArray
@@ -79,8 +83,7 @@ class Predictor:
 
     def error(self, at: FloatArray) -> float:
         """Return the sum of their squares; infinite where the point has no answer."""
-        residual = self.residual(at)
-        return float(residual @ residual) if np.isfinite(residual).all() else np.inf
+        return self.behind.error(at)
 
     def variance(self, at: FloatArray) -> float:
         """Return their mean square, to compare those of other autoregressions; PV units squared."""
@@ -176,19 +179,22 @@ def predictor(
     return found
 
 
-def with_valve_anew(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
+def with_valve_anew(
+    predicts: Predictor, at: FloatArray, run: Map = map
+) -> tuple[Predictor, FloatArray] | None:
     """Return where the predictions are better with another valve, all else from near ``at``; None: nowhere.
 
-    A valve that was found while another effect was missing may be the one that answers for both.
+    A valve that was found while another effect was missing may be the one that answers for both. ``run``
+    works on several, perhaps in parallel.
     """
     objective = predicts.objective
-    sought = [
-        _sought(predicts, each)
+    points = [
+        each
         for effect in objective.model.effects
         if isinstance(effect, HysteresisEffect)
         for each in valves(whitened(objective, predicts.noise), at, effect.name)
     ]
-    found = [each for each in sought if each is not None]
+    found = [each for each in run(partial(_sought, predicts), points) if each is not None]
     best = min(found, key=_variance, default=(predicts, at))
     return best if _variance(best) < (1 - CLEARLY) * predicts.variance(at) else None
 
@@ -288,6 +294,8 @@ def _predictor(objective: Objective, model_pv: FloatArray) -> Predictor | None:
     noise = innovations(np.where(counts, record.pv - model_pv, np.nan), longest=True)
     if noise is None:
         return None
-    target = whitened(objective, noise).target
+    behind = whitened(objective, noise)
+    target = replace(behind.target, gain_sign=0)
     kept = target.weight > 0
-    return Predictor(objective, noise, kept, target.pv[kept], target.basis[kept])
+    behind = replace(behind, target=target)
+    return Predictor(objective, noise, behind, kept, target.pv[kept], target.basis[kept])

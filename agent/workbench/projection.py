@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.workbench.normal_equations import gain_and_lowered
 from agent.workbench.nuisance import nuisance
 
 if TYPE_CHECKING:
@@ -95,32 +96,15 @@ def least_error(columns: FloatArray, target: Target) -> float:
     """
     free = columns * target.weight[:, None]
     outside = target.basis.T @ free
-    squares = free.T @ free
-    gram, along = squares - outside.T @ outside, free.T @ target.pv
+    products, along = free.T @ free, free.T @ target.pv
+    gram = products - outside.T @ outside
     if not np.isfinite(gram).all():
         return np.inf
     total = float(target.pv @ target.pv)
-    gain, lowered = _by_normal_equations(gram, along, squares.diagonal())
+    gain, lowered = gain_and_lowered(products, gram, along, 0, VANISHES)
     if gain * target.gain_sign < 0:
-        lowered = _by_normal_equations(gram[1:, 1:], along[1:], squares.diagonal()[1:])[1]
+        lowered = gain_and_lowered(products, gram, along, 1, VANISHES)[1]
     return max(total - lowered, 0.0)
-
-
-def _by_normal_equations(gram: FloatArray, along: FloatArray, squares: FloatArray) -> tuple[float, float]:
-    """Return the first coefficient, and by how much all lower the squares."""
-    own = gram.diagonal()
-    there = own > VANISHES * squares
-    if not there.any():
-        return 0.0, 0.0
-    lengths = np.sqrt(own[there])
-    unit = along[there] / lengths
-    if unit.size == 1:
-        return (float(unit[0] / lengths[0]) if there[0] else 0.0), float(unit[0] ** 2)
-    scaled = gram[np.ix_(there, there)] / np.outer(lengths, lengths)
-    scaled.flat[:: len(lengths) + 1] += VANISHES
-    found = np.linalg.solve(scaled, unit)
-    first = float(found[0] / lengths[0]) if there[0] else 0.0
-    return first, float(2 * found @ unit - found @ scaled @ found)
 
 
 def _least_squares(columns: FloatArray, values: FloatArray, squares: FloatArray) -> FloatArray:

@@ -105,7 +105,7 @@ class Trials:
         if not before or found.predicts is None:
             return found
         self.tell("another valve", 0, 1)
-        other = with_valve_anew(*found.predicts)
+        other = with_valve_anew(*found.predicts, self.run)
         return found if other is None else self.predicted(other[0].fit(other[1]))
 
     def without(self, fitted: Fit, name: str) -> Tried:
