@@ -59,7 +59,7 @@ def physical(friction, op, x0):
 
 
 def of_law(law):
-    late = 0.15 if law.name == "damped_stem" else 0.0
+    late = 0.4 if law.name == "damped_stem" else 0.0  # its damping and supply, samples
     return Bench(law.name, lambda op, x0: law.position(op, BANDS, x0), late)
 
 

@@ -4,12 +4,12 @@ import math
 
 
 def damped_stem_in_small_steps(op, f_s, f_d, x0, damping, supply, rest, give=0.0, steps=400):
-    """Return the positions at the end of each sample."""
+    """Return the mean positions over each sample."""
     return by_direction_in_small_steps(op, f_s, f_s, f_d, x0, damping, supply, rest, give, steps)
 
 
 def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, rest, give=0.0, steps=400):
-    """Return the positions of a stem with static friction of its own in either direction.
+    """Return the mean positions of a stem with static friction of its own in either direction.
 
     A missing OP stops the stem; the next one finds the actuator settled at it.
     """
@@ -24,7 +24,9 @@ def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, 
             direction, force = 0, math.nan
         elif math.isnan(force):
             force = u
+        passed = []
         for _ in range(0 if math.isnan(u) else steps):
+            before = x
             if direction == 0 and force - x > f_s_up - loosened(u - force, jump[1], give, stop[1]):
                 direction = 1
             if direction == 0 and x - force > f_s_down - loosened(force - u, jump[-1], give, stop[-1]):
@@ -35,7 +37,8 @@ def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, 
                 x += direction * way * (1 - math.exp(-dt / damping))
             else:
                 direction = 0
-        position.append(x)
+            passed.append((before + x) / 2)
+        position.append(sum(passed) / steps if passed else x)
     return position
 
 

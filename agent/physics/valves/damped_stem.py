@@ -79,7 +79,10 @@ def damped_stem(
     rest: float,
     give: float = 0.0,
 ) -> NDArray[np.float64]:
-    """Return the valve positions at the end of each sample, OP units, shape (n,).
+    """Return the mean valve position over each sample, OP units, shape (n,).
+
+    The mean, held, moves a process as the stem on its way does, but for the shape of the way; where the stem
+    is at the end of a sample, held, moves it too soon by another time after each slip.
 
     Args:
         op: Controller output, OP units, shape (n,).
@@ -111,7 +114,7 @@ def damped_stem_by_direction(
     rest: float,
     give: float = 0.0,
 ) -> NDArray[np.float64]:
-    """Return the positions of a stem that breaks away upward at ``f_s_up`` and downward at ``f_s_down``.
+    """Return the mean positions of a stem that breaks away upward at ``f_s_up`` and downward at ``f_s_down``.
 
     All else is as in ``damped_stem``. That ``f_d`` is one number is no loss: kinetic friction that differs by
     direction is a shift of the position (docs/effects/asymmetric_stiction.md).
@@ -206,7 +209,7 @@ def strokes(
         state: From ``stem_at``, or as the samples before left it; it is moved on, (5,).
         bands: Static friction upward and downward, kinetic friction, OP units.
         stem: From ``stem_motion``.
-        position: Takes the positions at the end of each sample, OP units, (n,).
+        position: Takes the mean positions over each sample, OP units, (n,).
         until_rest_after: Ends where the stem comes to rest in this sample or a later one; ``end`` or more:
             it goes on to the end.
     """
@@ -235,13 +238,14 @@ def strokes(
             position[t] = x
             t += 1
             continue
+        mean = x
         if direction == 0.0:
             force = settled_force(op, t, supply_keeps)
         before = force
         force = op[t] + (before - op[t]) * supply_keeps
         # From when it moves: the force, the way to go, and what is left of way and step at the sample's end.
         begins, way = before, 0.0
-        free, fed = damping_keeps, supply_keeps
+        free, fed, moves = damping_keeps, supply_keeps, 1.0
         part_slows, part_fills = stem.part_slows, stem.part_fills
         if direction == 0.0:
             toward = 1.0 if force > x else -1.0
@@ -278,19 +282,27 @@ def strokes(
         if direction != 0.0:
             # The way left obeys w' = -w / damping + the rise of the actuator's force.
             forced = direction * (op[t] - begins) * feeds
-            left = (way - forced) * free + forced * fed
-            if left > stop:
-                x = force - direction * (f_d + left)
-            else:
-                reached = force - direction * (f_d + stop)
+            own = way - forced
+            left = own * free + forced * fed
+            passed, slowed, fills = moves, own * free, fed
+            comes_to_rest = left <= stop
+            if comes_to_rest:
+                left = stop
                 if not at_once:
-                    fills = filled_at_rest(way - forced, forced, stop, part_slows, part_fills)
-                    reached += (begins - op[t]) * fills - (force - op[t])
-                if direction * (reached - x) > 0.0:
-                    x = reached
+                    passed, slowed, fills = at_rest(own, forced, stop, part_slows, part_fills)
+                    passed *= moves
+            # Of the actuator's force, then; it may have gone back while the stem was on its way.
+            reached = op[t] + (begins - op[t]) * fills - direction * (f_d + left)
+            if not comes_to_rest or direction * (reached - x) > 0.0:
+                mean = reached
+                if not at_once:
+                    mean = x * (1.0 - moves) + reached * (moves - passed)
+                    mean += (op[t] - direction * f_d) * passed - direction * damping * (own - slowed)
+                    mean += supply * (begins - op[t] - direction * forced) * (1.0 - fills)
+                x = reached
+            if comes_to_rest:
                 direction = 0.0
-                comes_to_rest = True
-        position[t] = x
+        position[t] = mean
         t += 1
         if comes_to_rest and t > until_rest_after:
             break
@@ -315,8 +327,10 @@ def settled_force(op: NDArray[np.float64], t: int, supply_keeps: float) -> float
 
 
 @kernel
-def filled_at_rest(own: float, forced: float, stop: float, part_slows: float, part_fills: float) -> float:
-    """Return what is left of a step of OP when a stem comes to rest, by bisection.
+def at_rest(
+    own: float, forced: float, stop: float, part_slows: float, part_fills: float
+) -> tuple[float, float, float]:
+    """Return when a stem comes to rest, and what is left then of ``own`` and of a step of OP, by bisection.
 
     Args:
         own: Way to go at the start that only slows down, OP units.
@@ -330,19 +344,20 @@ def filled_at_rest(own: float, forced: float, stop: float, part_slows: float, pa
     slows_4, fills_4 = slows_2 * slows_2, fills_2 * fills_2
     slows_8, fills_8 = slows_4 * slows_4, fills_4 * fills_4
     slows_16, fills_16 = slows_8 * slows_8, fills_8 * fills_8
-    filled = 1.0
-    for slows, fills in (
-        (slows_16, fills_16),
-        (slows_8, fills_8),
-        (slows_4, fills_4),
-        (slows_2, fills_2),
-        (part_slows, part_fills),
+    filled, passed = 1.0, PART
+    for part, slows, fills in (
+        (16 * PART, slows_16, fills_16),
+        (8 * PART, slows_8, fills_8),
+        (4 * PART, slows_4, fills_4),
+        (2 * PART, slows_2, fills_2),
+        (PART, part_slows, part_fills),
     ):
         slower, fuller = own * slows, filled * fills
         moves_on = slower + forced * fuller > stop
         own = slower if moves_on else own
         filled = fuller if moves_on else filled
-    return filled * part_fills
+        passed = passed + part if moves_on else passed
+    return passed, own * part_slows, filled * part_fills
 
 
 @dataclass(frozen=True, slots=True)
@@ -361,5 +376,5 @@ class DampedStem:
     """Of the bristles; 0: stiff."""
 
     def position(self, op: NDArray[np.float64], bands: FrictionBands, x0: float) -> NDArray[np.float64]:
-        """Return the valve positions, OP units, shape (n,)."""
+        """Return the mean valve position over each sample, OP units, shape (n,)."""
         return damped_stem(op, bands.f_s, bands.f_d, x0, self.damping, self.supply, self.rest, self.give)

@@ -23,9 +23,9 @@ def test_a_step_below_static_friction_moves_nothing_and_steps_add_up():
     assert stem([3.0, 6.0])[-1] > 0
 
 
-def test_a_slip_leaves_a_part_of_its_way_after_each_sample():
+def test_a_slip_leaves_a_part_of_its_way_in_the_mean_of_each_sample():
     way = 10.0 - F_D
-    expected = [way * (1 - KEEPS**samples) for samples in (1, 2, 3)]
+    expected = [way * (1 - DAMPING * KEEPS**before * (1 - KEEPS)) for before in (0, 1, 2)]
     assert stem([10.0] * 3, rest=0.0) == pytest.approx(expected, abs=ROUGHLY)
 
 
@@ -51,7 +51,7 @@ def test_a_fast_ramp_slides_at_the_distance_of_kinetic_friction_and_damping():
     slope = 2.0
     op = slope * np.arange(100)
     position = stem(op)
-    assert op[-1] - position[-1] == pytest.approx(F_D + slope * KEEPS / (1 - KEEPS), abs=ROUGHLY)
+    assert op[-1] - position[-1] == pytest.approx(F_D + slope * DAMPING, abs=ROUGHLY)
     assert np.all(np.diff(position)[20:] > 0)
 
 
@@ -65,7 +65,7 @@ def test_a_stem_that_moves_goes_on_without_breaking_away_again():
     onward = [6.0, 6.5, 7.0]
     sliding, resting = stem(onward, rest=0.0), stem(onward, rest=0.5)
     assert np.all(np.diff(sliding) > 0)
-    assert resting.tolist() == [resting[0]] * 3
+    assert resting[0] < resting[1] == resting[2]
 
 
 def test_a_reversal_needs_both_frictions_less_what_rest_left():
@@ -85,8 +85,8 @@ def test_equal_time_constants_are_the_limit_of_nearly_equal_ones():
 
 def test_a_turn_takes_a_sample_to_rest_and_breaks_away_in_the_next():
     position = stem([10.0, 12.0, 14.0, 0.0, 0.0])
-    assert position[3] == pytest.approx(position[2], abs=ROUGHLY)
-    assert position[4] < position[3] - 5
+    assert position[3] > position[2]  # where it was at the end of its way up
+    assert position[4] < position[3] - 4
 
 
 def test_no_friction_and_hardly_a_lag_follow_a_rising_command():
