@@ -14,7 +14,6 @@ from agent.analysis.quantify.free_run.few_periods import (
     searched_by_samples,
 )
 from agent.analysis.quantify.free_run.fitted import Fitted, start
-from agent.analysis.quantify.free_run.growing_horizon import POPULATIONS
 from agent.analysis.quantify.free_run.objective import (
     DELAY,
     FIRST,
@@ -132,7 +131,7 @@ def test_it_finds_the_valve():
     window, right, _ = slow_loop()
     problem, fine = pose(window), pose(window, FINE)
     found = best_by_samples(fine, problem, HINTS, np.random.default_rng(0))
-    assert len(found) == 2 + POPULATIONS
+    assert len(found) == 3
     best = min(found, key=lambda each: each.error)
     assert best.candidate[S] == pytest.approx(right[S], rel=0.03)
     assert best.structure == FOPDT

@@ -3,12 +3,27 @@
 import numpy as np
 import pytest
 
-from agent.analysis.quantify.free_run import growing_horizon, second_search
+from agent.analysis.quantify.free_run import growing_horizon, populations
 from agent.analysis.quantify.free_run.fitted import start
-from agent.analysis.quantify.free_run.growing_horizon import best_of_populations, random_valves
-from agent.analysis.quantify.free_run.objective import DELAY, FOPDT, J_RATIO, S, in_bounds
+from agent.analysis.quantify.free_run.growing_horizon import (
+    best_of_populations,
+    from_around,
+    population,
+    random_valves,
+    ways_of,
+)
+from agent.analysis.quantify.free_run.objective import (
+    DELAY,
+    FOPDT,
+    J_RATIO,
+    LOG_REST,
+    S,
+    free_run_error,
+    in_bounds,
+)
+from agent.analysis.quantify.free_run.populations import WHITE, leaves_noise, searched_by_populations
+from agent.analysis.quantify.free_run.residuals import LEAST_LAG
 from agent.analysis.quantify.free_run.search import Found
-from agent.analysis.quantify.free_run.second_search import searched_by_populations, slides_by_shots_alone
 from agent.analysis.recording import LoopHints
 from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once
 
@@ -34,34 +49,61 @@ def test_populations_come_to_the_valve_from_nowhere():
     assert best.error < 0.05 * np.sum(problem.pv**2)
 
 
-def test_only_a_valve_that_slides_by_shots_alone_is_sought_so():
-    problem, candidate = loop_whose_stem_rests_elsewhere_once()
-    candidate[J_RATIO] = 0.1
-    best = start(candidate, FOPDT, problem)
-    assert slides_by_shots_alone(Found(best, (), 0.5 * best.error))
-    assert not slides_by_shots_alone(Found(best, (), best.error))
-    candidate[J_RATIO] = 0.9
-    jumping = start(candidate, FOPDT, problem)
-    assert not slides_by_shots_alone(Found(jumping, (), 0.5 * jumping.error))
-
-
-@pytest.mark.parametrize(("share", "believed"), [(0.7, True), (0.9, False)])
-def test_a_free_run_is_believed_where_it_needs_clearly_less_than_shots(monkeypatch, share, believed):
+@pytest.fixture
+def sent(monkeypatch):
+    """A record, the right model, a wrong one, and the times that populations come to the right one."""
     problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
     right = start(candidate, FOPDT, problem)
     wrong = candidate.copy()
     wrong[S] *= 1.1
-    before = Found(start(wrong, FOPDT, problem), (), right.error / share)
-    tried = []
-    monkeypatch.setattr(
-        second_search,
-        "best_of_populations",
-        lambda *_: tried.append(1) or (right if len(tried) > 1 else None),
-    )
+    times = []
+    monkeypatch.setattr(populations, "best_of_populations", lambda *_: times.append(1) or right)
+    return problem, right, start(wrong, FOPDT, problem), times
+
+
+@pytest.mark.parametrize(("share", "believed"), [(0.7, True), (0.9, False)])
+def test_a_free_run_is_believed_where_it_needs_clearly_less_than_shots(sent, share, believed):
+    problem, right, wrong, times = sent
+    before = Found(wrong, (), right.error / share)
     after = searched_by_populations(before, problem, HINTS)
     assert (after.best is right) == believed
     assert (after is before) == (not believed)
-    assert len(tried) == (2 if believed else second_search.POPULATIONS)
+    assert times == [1]
+
+
+def test_none_are_sent_where_noise_is_left(sent, monkeypatch):
+    problem, right, wrong, times = sent
+    monkeypatch.setattr(populations, "converged", lambda *_: True)
+    monkeypatch.setattr(populations, "autocorrelation", lambda *_: WHITE - 0.01)
+    found = Found(wrong, (), right.error)
+    assert searched_by_populations(found, problem, HINTS) is found
+    assert not times
+
+
+@pytest.mark.parametrize(("left", "is_noise"), [((0.1, 0.1), True), ((0.5, 0.2), True), ((0.5, 0.4), False)])
+def test_noise_is_forgotten_at_an_even_pace(sent, monkeypatch, left, is_noise):
+    problem, _, wrong, _ = sent
+    told = dict(zip((LEAST_LAG, 2 * LEAST_LAG), left, strict=True))
+    monkeypatch.setattr(populations, "autocorrelation", lambda *asked: told[asked[-1]])
+    assert leaves_noise(Found(wrong, ()), problem) is is_noise
+
+
+def test_none_is_believed_where_nothing_was_found(sent, monkeypatch):
+    problem, _, wrong, _ = sent
+    monkeypatch.setattr(populations, "best_of_populations", lambda *_: None)
+    found = Found(wrong, (), wrong.error)
+    assert searched_by_populations(found, problem, HINTS) is found
+
+
+def test_those_that_begin_around_others_have_other_stems():
+    problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
+    wrong = candidate.copy()
+    wrong[LOG_REST] += 2.0
+    begun = population(wrong[None, :], FOPDT)
+    begun.errors[:] = free_run_error(wrong, FOPDT, problem)
+    came = from_around(begun, problem, ways_of(problem), np.random.default_rng(0))
+    assert came.errors[0] < 0.5 * begun.errors[0]
+    assert (came.structures == FOPDT).all()
 
 
 def test_nowhere_to_go_is_no_answer(monkeypatch):

@@ -35,6 +35,7 @@ from agent.analysis.quantify.free_run.objective import (
     process_response,
     valve_position,
 )
+from agent.analysis.quantify.free_run.populations import searched_by_populations
 from agent.analysis.quantify.free_run.problem import Problem, bridge, high_pass, pose
 from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
 from agent.analysis.quantify.free_run.search import Found, best_linear, best_stiction
@@ -87,8 +88,9 @@ class FreeRun:
             evidence = evidence_of(found, linear)
             if decide(evidence, found, problem) == "stiction":
                 # One more freedom tells how much a valve sticks, never that it does.
-                found = moved_on(with_bristles(found, problem), problem)
-                found = searched_by_samples(found, window, problem)
+                found = with_bristles(found, problem)
+                found = searched_by_populations(found, problem, window.hints)
+                found = searched_by_samples(moved_on(found, problem), window, problem)
                 evidence = evidence_of(found, linear)
         if evidence == 1.0:
             found = None

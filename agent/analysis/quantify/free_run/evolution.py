@@ -14,6 +14,7 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.local_search import simplex
 from agent.analysis.quantify.free_run.objective import (
+    BRISTLES,
     DELAY,
     FIRST,
     J_RATIO,
@@ -30,6 +31,7 @@ from agent.analysis.quantify.free_run.objective import (
 )
 from agent.analysis.quantify.free_run.problem import Problem
 from agent.jit import kernel
+from agent.physics.valves.damped_stem import GIVE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -245,3 +247,4 @@ def within_bounds(child: FloatArray, problem: Problem) -> None:
     child[LOG_TAU2] = min(max(child[LOG_TAU2], LEAST_LOG_TAU), child[LOG_TAU])
     for i in range(3):
         child[LOG_DAMPING + i] = min(max(child[LOG_DAMPING + i], STEM_LOW[i]), STEM_HIGH[i])
+    child[BRISTLES] = min(child[BRISTLES], GIVE[1]) if child[BRISTLES] >= GIVE[0] else 0.0

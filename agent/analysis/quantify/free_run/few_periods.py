@@ -17,7 +17,7 @@ import numpy as np
 from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
 from agent.analysis.quantify.free_run.elsewhere import moved_elsewhere
 from agent.analysis.quantify.free_run.fitted import by_error, refine, restart, start
-from agent.analysis.quantify.free_run.growing_horizon import POPULATIONS, best_of_populations
+from agent.analysis.quantify.free_run.growing_horizon import best_of_populations
 from agent.analysis.quantify.free_run.problem import FIRST_LOOK, first_periods, pose
 from agent.analysis.quantify.free_run.residuals import LEAST_LAG, autocorrelation
 from agent.analysis.quantify.free_run.search import TO_A_BIN, Found, concluded, follow, led_by
@@ -65,7 +65,7 @@ def searched_by_samples(found: Found, window: LoopWindow, problem: Problem) -> F
 def best_by_samples(
     fine: Problem, problem: Problem, hints: LoopHints, rng: np.random.Generator
 ) -> list[Fitted]:
-    """Return the best model from the stems of the grid, from many others, and of each of some populations."""
+    """Return the best model from the stems of the grid, from many others, and of populations."""
     climbs = climbed(problem, Family(hints.integrating), COARSE, rng)
     best = []
     for starts in (climbs, with_best_stems(climbs, first_periods(fine, FIRST_LOOK), rng)):
@@ -73,8 +73,7 @@ def best_by_samples(
         found = concluded(followed, None, spread, fine, hints, rng) if followed else None
         if found is not None:
             best.append(moved_elsewhere(found.best, fine, rng))
-    for _ in range(POPULATIONS):
-        came = best_of_populations(fine, hints, rng)
-        if came is not None:
-            best.append(moved_elsewhere(came, fine, rng))
+    came = best_of_populations(fine, hints, rng)
+    if came is not None:
+        best.append(moved_elsewhere(came, fine, rng))
     return best

@@ -17,6 +17,7 @@ import numpy as np
 from agent.analysis.quantify.free_run.evolution import Generation, Population, Ways, evolved
 from agent.analysis.quantify.free_run.fitted import STEP, Fitted, axes_of, by_error, refine
 from agent.analysis.quantify.free_run.objective import (
+    BRISTLES,
     DELAY,
     FIRST,
     FOPDT,
@@ -35,14 +36,24 @@ from agent.analysis.quantify.free_run.objective import (
     S,
 )
 from agent.analysis.quantify.free_run.problem import first_periods
+from agent.analysis.quantify.free_run.scatter import SPREADS, scattered
 from agent.analysis.quantify.free_run.search import structures
+from agent.physics.valves.damped_stem import GIVE
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.recording import FloatArray, LoopHints
 
-POPULATIONS = 3
-"""Times that they are sent out where a valve is to be found: one time in three they come to it."""
+ISLANDS = 3
+"""Populations that begin anywhere and know nothing of each other: one in three comes near the valve."""
+AGAIN = 2
+"""Times that all together begin again around what is left; each by itself does so once before."""
+AROUND = 1500
+"""Valves that it begins with."""
+LEAST_PERIODS = 4.0
+"""Of the first part: fewer tell valves of twelve periods hardly apart."""
 VALVES = 8000
 """That a population begins with."""
 PARTS: tuple[tuple[float, tuple[Generation, ...]], ...] = (
@@ -70,29 +81,76 @@ LEAST_J_RATIO = 0.01
 """Logarithms of half of them are spread: hardly any jump is as common as much of one."""
 LEAST_TAU = 0.7
 """Samples."""
-VALVE = (S, J_RATIO, LEVEL, LOG_DAMPING, LOG_SUPPLY, LOG_REST)
+VALVE = (S, J_RATIO, LEVEL, LOG_DAMPING, LOG_SUPPLY, LOG_REST, BRISTLES)
 
 
 def best_of_populations(problem: Problem, hints: LoopHints, rng: np.random.Generator) -> Fitted | None:
     """Return the best by free run that populations from all over the range of valves come to, if any."""
     ways = ways_of(problem)
-    periods = (problem.op.size - problem.quiet) / problem.period
-    left = []
-    for structure in structures(hints):
+    islands = [from_anywhere(problem, hints, ways, rng) for _ in range(ISLANDS)]
+    islands = [from_around(each, problem, ways, rng) for each in islands]
+    people = over_the_whole(islands, problem, ways, rng)
+    for _ in range(AGAIN):
+        people = from_around(people, problem, ways, rng)
+    best = by_error(refine(fits_of(people)[:FINALISTS], problem, 0.1, (80, 250), rng))
+    return best[0] if best else None
+
+
+def from_anywhere(problem: Problem, hints: LoopHints, ways: Ways, rng: np.random.Generator) -> Population:
+    """Return what populations from all over the range of valves come to."""
+    begun = [
+        (population(random_valves(problem, rng), structure), crossed)
+        for structure in structures(hints)
+        for crossed in CROSSED
+    ]
+    return over_the_whole(
+        [over_parts(people, crossed, problem, ways, rng) for people, crossed in begun], problem, ways, rng
+    )
+
+
+def from_around(people: Population, problem: Problem, ways: Ways, rng: np.random.Generator) -> Population:
+    """Return what populations come to that begin around those that are left, each with another stem.
+
+    The stem with which a valve came through decides where its needle ends; over the first part others are
+    tried on nearly the same valve.
+    """
+    followed = [people]
+    for structure in np.unique(people.structures):
+        parents = [each for each in fits_of(people) if each.structure == structure]
         for crossed in CROSSED:
-            people = population(random_valves(problem, rng), structure)
-            for part, generations in PARTS:
-                first = first_periods(problem, part * periods)
-                people = evolved(people, np.array(generations), crossed, KEPT, ways, first, rng)
-            left.append(people)
-    together = Population(*(np.concatenate(each) for each in zip(*left, strict=True)))
-    people = evolved(together, np.array(WHOLE), LAST_CROSSED, KEPT, ways, problem, rng)
-    fits = [
+            chosen = rng.integers(0, len(parents), AROUND)
+            near = [scattered(parents[i], SPREADS[i % len(SPREADS)], problem, rng) for i in chosen]
+            valves = np.array([each.candidate for each in near])
+            valves[:, BRISTLES] = random_bristles(len(valves), rng)
+            followed.append(over_parts(population(valves, int(structure)), crossed, problem, ways, rng))
+    return over_the_whole(followed, problem, ways, rng)
+
+
+def over_parts(
+    people: Population, crossed: float, problem: Problem, ways: Ways, rng: np.random.Generator
+) -> Population:
+    """Return what is left of a population over the parts of the record, one after the other."""
+    periods = (problem.op.size - problem.quiet) / problem.period
+    for part, generations in PARTS:
+        first = first_periods(problem, max(part * periods, LEAST_PERIODS))
+        people = evolved(people, np.array(generations), crossed, KEPT, ways, first, rng)
+    return people
+
+
+def over_the_whole(
+    populations: Sequence[Population], problem: Problem, ways: Ways, rng: np.random.Generator
+) -> Population:
+    """Return what is left of some populations together over the whole record."""
+    together = Population(*(np.concatenate(each) for each in zip(*populations, strict=True)))
+    return evolved(together, np.array(WHOLE), LAST_CROSSED, KEPT, ways, problem, rng)
+
+
+def fits_of(people: Population) -> list[Fitted]:
+    """Return the candidates of a population with their structures and errors, in their order."""
+    return [
         Fitted(float(error), int(structure), candidate)
         for candidate, structure, error in zip(*people, strict=True)
     ]
-    best = by_error(refine(fits[:FINALISTS], problem, 0.1, (80, 250), rng))
-    return best[0] if best else None
 
 
 def ways_of(problem: Problem) -> Ways:
@@ -102,6 +160,7 @@ def ways_of(problem: Problem) -> Ways:
     ranges[DELAY] = 0.0 if problem.fixed_delay > 0 else problem.max_delay
     ranges[[S, LEVEL]] = problem.op_span
     ranges[J_RATIO] = 1.0
+    ranges[BRISTLES] = GIVE[1]
     ranges[LOG_DAMPING : LOG_REST + 1] = np.subtract(STEM_HIGH, STEM_LOW)
     step = STEP.copy()
     step[DELAY] = 3.0
@@ -126,6 +185,7 @@ def random_valves(problem: Problem, rng: np.random.Generator, count: int = VALVE
     found[:, LEVEL] = problem.op.min() + problem.op_span * rng.random(count)
     found[:, FIRST] = rng.choice((-1.0, 1.0), count)
     found[:, LOG_DAMPING : LOG_REST + 1] = rng.uniform(STEM_LOW, STEM_HIGH, (count, 3))
+    found[:, BRISTLES] = random_bristles(count, rng)
     found[:, DELAY] = problem.fixed_delay or 1.0 + (problem.max_delay - 1.0) * rng.random(count) ** 2
     found[:, LOG_TAU] = rng.uniform(math.log(LEAST_TAU), problem.max_log_tau, count)
     found[:, LOG_TAU2] = np.minimum(found[:, LOG_TAU], rng.uniform(-1.0, problem.max_log_tau - 1.0, count))
@@ -136,3 +196,9 @@ def half_in_logarithms(least: float, count: int, rng: np.random.Generator) -> Fl
     """Return numbers from ``least`` to 1, (count,): evenly in the first half, by logarithms in the other."""
     spread = rng.random(count)
     return np.where(np.arange(count) < count // 2, least + (1.0 - least) * spread, least ** (1.0 - spread))
+
+
+def random_bristles(count: int, rng: np.random.Generator) -> FloatArray:
+    """Return what the bristles of valves give, (count,): half of them are stiff."""
+    low, high = np.log(GIVE)
+    return np.asarray(np.exp(rng.uniform(low, high, count)) * (rng.random(count) < 0.5))

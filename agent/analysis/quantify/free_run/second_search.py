@@ -20,15 +20,14 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.coarse_grid import Family, Grid
 from agent.analysis.quantify.free_run.fitted import by_error, refine, restart
-from agent.analysis.quantify.free_run.growing_horizon import POPULATIONS, best_of_populations
-from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, J_RATIO, SOPDT
+from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, SOPDT
 from agent.analysis.quantify.free_run.problem import first_periods
 from agent.analysis.quantify.free_run.residuals import lasting
 from agent.analysis.quantify.free_run.scatter import searched_around
-from agent.analysis.quantify.free_run.search import led_by, structures, surer
+from agent.analysis.quantify.free_run.search import structures, surer
 from agent.analysis.quantify.free_run.shooting import Shots
 from agent.analysis.quantify.free_run.shooting_search import Stage, compared, shot
-from agent.analysis.quantify.free_run.starts import OTHER_STEMS, SLIPS_DIFFER, STEMS, climbed
+from agent.analysis.quantify.free_run.starts import OTHER_STEMS, STEMS, climbed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -101,31 +100,7 @@ def converged_search(found: Found, problem: Problem, hints: LoopHints) -> Found:
                 break
             before, found = found.by_shots, searched_around(found, problem, hints, rng)
             in_vain = 0 if found.by_shots < GAINS * before else in_vain + 1
-    if slides_by_shots_alone(found) and not done(found, len(STARTS), problem):
-        found = searched_by_populations(found, problem, hints)
     return found if clearly_less(found, first) else first
-
-
-def slides_by_shots_alone(found: Found) -> bool:
-    """Return whether the best valve mostly slides and its free run goes wrong at a stroke.
-
-    Of those that jump no free run was clearly better than the shots, the true one's neither.
-    """
-    return found.by_shots_alone and bool(found.best.candidate[J_RATIO] <= SLIPS_DIFFER)
-
-
-def searched_by_populations(found: Found, problem: Problem, hints: LoopHints) -> Found:
-    """Return what was found, or a free run that needs clearly less than shots do.
-
-    Where shots decide, a free run that errs at a stroke less is no better. But one that follows the whole
-    record with less error than stems that are set off has found the valve.
-    """
-    rng = np.random.default_rng(1 + len(STARTS))
-    for _ in range(POPULATIONS):
-        best = best_of_populations(problem, hints, rng)
-        if best is not None and best.error < CLEARLY_LESS * found.by_shots:
-            return led_by(best, found, problem, rng)
-    return found
 
 
 def clearly_less(found: Found, first: Found) -> bool:
