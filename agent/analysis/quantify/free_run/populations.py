@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 WHITE = 0.15
 """Autocorrelation of what is left, two blocks on, below which it is white (simulated loops, seeds 2200 to
-2399; with the pace it picks four of some 120 right valves that have converged, and five of twelve wrong ones).
+2399; with the pace it picks four of 120 right valves that have converged, and five of twelve wrong ones).
 """
 
 
