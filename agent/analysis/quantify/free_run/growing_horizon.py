@@ -46,8 +46,10 @@ if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.recording import FloatArray, LoopHints
 
+ISLANDS = 3
+"""Populations that begin anywhere and know nothing of each other: one in three comes near the valve."""
 AGAIN = 2
-"""Times that they begin again around what is left."""
+"""Times that all together begin again around what is left; each by itself does so once before."""
 AROUND = 1500
 """Valves that it begins with."""
 LEAST_PERIODS = 4.0
@@ -82,10 +84,13 @@ LEAST_TAU = 0.7
 VALVE = (S, J_RATIO, LEVEL, LOG_DAMPING, LOG_SUPPLY, LOG_REST, BRISTLES)
 
 
-def best_of_populations(problem: Problem, hints: LoopHints, rng: np.random.Generator) -> Fitted | None:
+def best_of_populations(
+    problem: Problem, hints: LoopHints, rng: np.random.Generator, islands: int = ISLANDS
+) -> Fitted | None:
     """Return the best by free run that populations from all over the range of valves come to, if any."""
     ways = ways_of(problem)
-    people = from_anywhere(problem, hints, ways, rng)
+    begun = [from_anywhere(problem, hints, ways, rng) for _ in range(islands)]
+    people = over_the_whole([from_around(each, problem, ways, rng) for each in begun], problem, ways, rng)
     for _ in range(AGAIN):
         people = from_around(people, problem, ways, rng)
     best = by_error(refine(fits_of(people)[:FINALISTS], problem, 0.1, (80, 250), rng))
