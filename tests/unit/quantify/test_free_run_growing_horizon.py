@@ -25,7 +25,6 @@ from agent.analysis.quantify.free_run.populations import (
     WHITE,
     leaves_noise,
     searched_by_populations,
-    slides_by_shots_alone,
 )
 from agent.analysis.quantify.free_run.residuals import LEAST_LAG
 from agent.analysis.quantify.free_run.search import Found
@@ -91,17 +90,6 @@ def test_noise_is_forgotten_at_an_even_pace(sent, monkeypatch, left, is_noise):
     told = dict(zip((LEAST_LAG, 2 * LEAST_LAG), left, strict=True))
     monkeypatch.setattr(populations, "autocorrelation", lambda *asked: told[asked[-1]])
     assert leaves_noise(Found(wrong, ()), problem) is is_noise
-
-
-def test_one_island_is_enough_for_a_valve_that_slides_by_shots_alone():
-    problem, candidate = loop_whose_stem_rests_elsewhere_once()
-    candidate[J_RATIO] = 0.1
-    best = start(candidate, FOPDT, problem)
-    assert slides_by_shots_alone(Found(best, (), 0.5 * best.error))
-    assert not slides_by_shots_alone(Found(best, (), best.error))
-    candidate[J_RATIO] = 0.9
-    jumping = start(candidate, FOPDT, problem)
-    assert not slides_by_shots_alone(Found(jumping, (), 0.5 * jumping.error))
 
 
 def test_none_is_believed_where_nothing_was_found(sent, monkeypatch):

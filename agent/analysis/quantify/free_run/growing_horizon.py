@@ -84,12 +84,10 @@ LEAST_TAU = 0.7
 VALVE = (S, J_RATIO, LEVEL, LOG_DAMPING, LOG_SUPPLY, LOG_REST, BRISTLES)
 
 
-def best_of_populations(
-    problem: Problem, hints: LoopHints, rng: np.random.Generator, islands: int = ISLANDS
-) -> Fitted | None:
+def best_of_populations(problem: Problem, hints: LoopHints, rng: np.random.Generator) -> Fitted | None:
     """Return the best by free run that populations from all over the range of valves come to, if any."""
     ways = ways_of(problem)
-    begun = [from_anywhere(problem, hints, ways, rng) for _ in range(islands)]
+    begun = [from_anywhere(problem, hints, ways, rng) for _ in range(ISLANDS)]
     people = over_the_whole([from_around(each, problem, ways, rng) for each in begun], problem, ways, rng)
     for _ in range(AGAIN):
         people = from_around(people, problem, ways, rng)

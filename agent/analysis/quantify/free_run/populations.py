@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.growing_horizon import ISLANDS, best_of_populations
-from agent.analysis.quantify.free_run.objective import J_RATIO
+from agent.analysis.quantify.free_run.growing_horizon import best_of_populations
 from agent.analysis.quantify.free_run.residuals import LEAST_LAG, autocorrelation
 from agent.analysis.quantify.free_run.search import led_by
 from agent.analysis.quantify.free_run.second_search import CLEARLY_LESS, converged
-from agent.analysis.quantify.free_run.starts import SLIPS_DIFFER
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
@@ -38,18 +36,10 @@ def searched_by_populations(found: Found, problem: Problem, hints: LoopHints) ->
     if leaves_noise(found, problem) and converged(found, problem):
         return found
     rng = np.random.default_rng(0)
-    best = best_of_populations(problem, hints, rng, 1 if slides_by_shots_alone(found) else ISLANDS)
+    best = best_of_populations(problem, hints, rng)
     if best is None or best.error >= CLEARLY_LESS * min(found.by_shots, found.least_error):
         return found
     return led_by(best, found, problem, rng)
-
-
-def slides_by_shots_alone(found: Found) -> bool:
-    """Return whether the best valve mostly slides and its free run goes wrong at a stroke.
-
-    Of five such loops (2200 to 2399) three islands found none, as one did.
-    """
-    return found.by_shots_alone and bool(found.best.candidate[J_RATIO] <= SLIPS_DIFFER)
 
 
 def leaves_noise(found: Found, problem: Problem) -> bool:
