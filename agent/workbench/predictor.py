@@ -61,16 +61,19 @@ class Predictor:
     """One-step predictions of a model whose residual is autoregressive, as a function of its values."""
 
     objective: Objective
-    noise: Innovations
-    """The autoregression."""
     behind: Whitened
-    """The objective behind its filter, with a gain of either sign."""
+    """The objective behind the filter of the autoregression, with a gain of either sign."""
     kept: NDArray[np.bool_]
     """Samples with all that the autoregression needs, (n,)."""
     pv: FloatArray
     """Whitened, the nuisance projected out, (m,)."""
     basis: FloatArray
     """Orthonormal columns of the whitened nuisance, (m, q)."""
+
+    @property
+    def noise(self) -> Innovations:
+        """The autoregression."""
+        return self.behind.noise
 
     @property
     def space(self) -> Space:
@@ -298,4 +301,4 @@ def _predictor(objective: Objective, model_pv: FloatArray) -> Predictor | None:
     target = replace(behind.target, gain_sign=0)
     kept = target.weight > 0
     behind = replace(behind, target=target)
-    return Predictor(objective, noise, behind, kept, target.pv[kept], target.basis[kept])
+    return Predictor(objective, behind, kept, target.pv[kept], target.basis[kept])

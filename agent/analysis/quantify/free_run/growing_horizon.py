@@ -51,11 +51,11 @@ ISLANDS = 3
 AGAIN = 2
 """Times that all together begin again around what is left; each by itself does so once before."""
 AROUND = 1500
-"""Valves that it begins with."""
+"""Valves that a population around others begins with."""
 LEAST_PERIODS = 4.0
 """Of the first part: fewer tell valves of twelve periods hardly apart."""
 VALVES = 8000
-"""That a population begins with."""
+"""That a population from anywhere begins with."""
 PARTS: tuple[tuple[float, tuple[Generation, ...]], ...] = (
     (1 / 8, (Generation(0.1, 150, 20),)),
     (1 / 4, (Generation(0.08, 80, 20), Generation(0.05, 80, 20))),
@@ -113,9 +113,9 @@ def from_around(people: Population, problem: Problem, ways: Ways, rng: np.random
     The stem with which a valve came through decides where its needle ends; over the first part others are
     tried on nearly the same valve.
     """
-    followed = [people]
+    followed, left = [people], fits_of(people)
     for structure in np.unique(people.structures):
-        parents = [each for each in fits_of(people) if each.structure == structure]
+        parents = [each for each in left if each.structure == structure]
         for crossed in CROSSED:
             chosen = rng.integers(0, len(parents), AROUND)
             near = [scattered(parents[i], SPREADS[i % len(SPREADS)], problem, rng) for i in chosen]
