@@ -1,7 +1,7 @@
 """The parameters of a fitted model, and how sure they are.
 
 A model on a linear base has those with which it predicts best (``predictor.py``), with the interval that the
-derivatives of the innovations tell; of what was added it is at least the ``plateau``. Any
+derivatives of the innovations tell; of what was added it is at least that of the ``likelihood_profile``. Any
 other model has those of its fit, with the delete-a-group jackknife over the folds: each leaves a fifth of the
 record out, and from the scatter of the K estimates follows the variance of the one from all, (K - 1) / K
 times their sum of squares about the mean, with K - 1 degrees of freedom (reconstructed from Shao and Tu, The
@@ -19,7 +19,14 @@ from scipy import stats
 from agent.physics.effects.hysteresis import MOTION
 from agent.physics.effects.load_step import LoadStep
 from agent.workbench.event_scan import instant_p
-from agent.workbench.plateau import instant_plateau, plateau
+from agent.workbench.likelihood_profile import (
+    CLEARLY,
+    CLEARLY_AT_AN_INSTANT,
+    QUANTILE,
+    WIDER,
+    likelihood_profile,
+)
+from agent.workbench.paired_blocks import CONFIDENCE
 from agent.workbench.space import space_of
 from agent.workbench.state_dependence import Dependence, state_dependence
 
@@ -31,8 +38,6 @@ if TYPE_CHECKING:
     from agent.workbench.record import Record
     from agent.workbench.space import Space
     from agent.workbench.trial import Tried
-
-CONFIDENCE = 0.9
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,12 +75,14 @@ def estimated(found: Tried, record: Record) -> Estimate:
         return Estimate(_within(space, space.at(fitted.values), half), fitted.pv, {}, 1.0)
     predicts, best = found.predicts
     space = predicts.space
-    half = np.tile(stats.norm.ppf(0.5 + CONFIDENCE / 2) * predicts.spread(best), (2, 1))
+    half = np.tile(QUANTILE * predicts.spread(best), (2, 1))
     for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
         what = name.partition(".")[2]  # of an effect; empty for the base
-        profile = instant_plateau if parameter.instant else plateau
+        if not parameter.of_record:
+            half[:, i] *= WIDER
         if parameter.instant or (what and what not in MOTION and not parameter.of_record):
-            low, high = profile(predicts, best, i)
+            clearly = CLEARLY_AT_AN_INSTANT if parameter.instant else CLEARLY
+            low, high = likelihood_profile(predicts, best, i, clearly)
             half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
     half = np.maximum(half, _by_law(space, best))
     parameters = _within(space, best, half)

@@ -6,7 +6,7 @@ from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import fit, nested_fit
-from agent.workbench.plateau import plateau
+from agent.workbench.likelihood_profile import likelihood_profile
 from agent.workbench.predictor import predictor
 from agent.workbench.record import bare_record
 
@@ -18,7 +18,7 @@ def ends_of(window):
     base = fit(LoopModel(Fopdt()), record, record.weight)
     predicts, best = predictor(nested_fit(base, WITH_BAND, record), record)
     ends = np.tile(best, (3, 1))
-    ends[1:, 2] = plateau(predicts, best, 2)
+    ends[1:, 2] = likelihood_profile(predicts, best, 2)
     return predicts.space.values(ends)[:, 2]
 
 
