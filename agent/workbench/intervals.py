@@ -19,6 +19,7 @@ from scipy import stats
 from agent.physics.effects.hysteresis import MOTION
 from agent.physics.effects.load_step import LoadStep
 from agent.workbench.event_scan import instant_p
+from agent.workbench.free_memory import with_free_memory
 from agent.workbench.likelihood_profile import (
     CLEARLY,
     CLEARLY_AT_AN_INSTANT,
@@ -75,14 +76,15 @@ def estimated(found: Tried, record: Record) -> Estimate:
         return Estimate(_within(space, space.at(fitted.values), half), fitted.pv, {}, 1.0)
     predicts, best = found.predicts
     space = predicts.space
-    half = np.tile(QUANTILE * predicts.spread(best), (2, 1))
+    freed = with_free_memory(predicts, best)
+    half = np.tile(QUANTILE * freed.spread(best), (2, 1))
     for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
         what = name.partition(".")[2]  # of an effect; empty for the base
         if not parameter.of_record:
             half[:, i] *= WIDER
         if parameter.instant or (what and what not in MOTION and not parameter.of_record):
             clearly = CLEARLY_AT_AN_INSTANT if parameter.instant else CLEARLY
-            low, high = likelihood_profile(predicts, best, i, clearly)
+            low, high = likelihood_profile(freed, best, i, clearly)
             half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
     half = np.maximum(half, _by_law(space, best))
     parameters = _within(space, best, half)

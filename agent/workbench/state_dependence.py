@@ -99,11 +99,17 @@ def resolves(before: Mapping[str, Dependence], after: Mapping[str, Dependence]) 
 def _known(predicts: Predictor, best: FloatArray) -> FloatArray:
     """Return orthonormal columns of what the model may still explain, (m, q)."""
     record, kept = predicts.objective.record, predicts.kept
-    residual = np.where(record.weight > 0, record.pv - predicts.free_run(best), 0.0)
-    past = np.column_stack([_delayed(residual, lag)[kept] for lag in range(1, MEMORY + 1)])
+    past = past_of(predicts, best, MEMORY)[kept]
     own = np.column_stack((predicts.objective.columns(best), left_of_start(record)))
     white = predicts.noise.filtered(own)[kept]
     return directions(np.column_stack((predicts.derivative(best), white, predicts.basis, past)))
+
+
+def past_of(predicts: Predictor, best: FloatArray, lags: int) -> FloatArray:
+    """Return the free run's residual one sample before and more, PV units, (n, lags); zero where unknown."""
+    record = predicts.objective.record
+    residual = np.where(record.weight > 0, record.pv - predicts.free_run(best), 0.0)
+    return np.column_stack([_delayed(residual, lag) for lag in range(1, lags + 1)])
 
 
 def left_of_start(record: Record) -> FloatArray:
