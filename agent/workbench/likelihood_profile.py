@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 WIDER = 1.2
 """Intervals of what answers OP over those of the books, which take OP for given; in closed loop it holds the
-noise. Of 148 parameters of six effects (``simulators.hidden_effects``, seeds 5145 to 5171, where this was read
-off) those of the books hold 85 %, these 91 (docs/decisions/0043)."""
+noise. Of 148 parameters of six effects (``simulators.hidden_effects``, seeds 5145 to 5171; this was read off
+them) those of the books hold 85 %, these 91 (docs/decisions/0043)."""
 QUANTILE = float(stats.norm.ppf(0.5 + CONFIDENCE / 2))
 """Half of an interval of the books, standard deviations."""
 CLEARLY = (WIDER * QUANTILE) ** 2
