@@ -43,7 +43,7 @@ def _warm_workbench(window: LoopWindow) -> None:
     from agent.physics.loop_model import LoopModel
     from agent.workbench.fit import fit_at
     from agent.workbench.library import applies
-    from agent.workbench.predictor import predictor
+    from agent.workbench.prediction_search import predictor
     from agent.workbench.projection import target_of
     from agent.workbench.record import bare_record
     from agent.workbench.space import space_of

@@ -12,13 +12,14 @@ from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
 from agent.workbench.instant_order import largest_first
-from agent.workbench.predictor import Predictor, predictor
+from agent.workbench.prediction_search import predictor
 from agent.workbench.valve_starts import ValveStart, with_valve
 
 if TYPE_CHECKING:
     from agent.analysis.recording import FloatArray
     from agent.physics.effect import Effect
     from agent.physics.loop_model import LoopModel
+    from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
 
 

@@ -17,7 +17,7 @@ from agent.workbench.fit import fit
 from agent.workbench.holm import LEVEL
 from agent.workbench.library import happens_once, missing
 from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
-from agent.workbench.predictor import with_valve_anew
+from agent.workbench.prediction_search import with_valve_anew
 from agent.workbench.simulated_null import simulated_null_p
 from agent.workbench.trial import Trial, Tried, predicted, screened, tried
 from agent.workbench.valve_starts import ValveStart, valve_starts

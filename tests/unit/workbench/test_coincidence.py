@@ -10,7 +10,7 @@ from agent.physics.effects.load_step import STEPS, LoadStep
 from agent.physics.loop_model import LoopModel
 from agent.workbench.coincidence import LEVEL, coincidence_p
 from agent.workbench.fit import fit
-from agent.workbench.predictor import predictor
+from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 
 MOVES = 100 * np.arange(2, N // 100 - 1)

@@ -11,7 +11,7 @@ from agent.physics.effects.load_step import LoadStep
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instant_p
 from agent.workbench.fit import fit
-from agent.workbench.predictor import predictor
+from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 
 

@@ -9,7 +9,7 @@ from agent.physics.bases import Fopdt
 from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import fit
 from agent.workbench.free_memory import with_free_memory
-from agent.workbench.predictor import predictor
+from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 
 

@@ -14,7 +14,7 @@ from agent.physics.loop_model import LoopModel
 from agent.workbench import growing_horizon
 from agent.workbench.fit import fit
 from agent.workbench.growing_horizon import followed, over_first
-from agent.workbench.predictor import predictor
+from agent.workbench.prediction_search import predictor
 from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record
 from agent.workbench.search import objective_of, whitened

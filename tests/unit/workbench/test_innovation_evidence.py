@@ -15,7 +15,7 @@ from agent.workbench.evidence import evidence_of
 from agent.workbench.fit import fit, nested_fit
 from agent.workbench.folds import HeldOut
 from agent.workbench.likeliest import less_likely
-from agent.workbench.predictor import predictor
+from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 from agent.workbench.trial import Tried
 

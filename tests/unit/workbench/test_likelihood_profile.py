@@ -7,7 +7,7 @@ from agent.physics.effects.deadband import Deadband
 from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import fit, nested_fit
 from agent.workbench.likelihood_profile import likelihood_profile
-from agent.workbench.predictor import predictor
+from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 
 WITH_BAND = LoopModel(Fopdt(), (Deadband(),))

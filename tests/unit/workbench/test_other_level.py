@@ -12,7 +12,7 @@ from agent.workbench.event_scan import instants_seen
 from agent.workbench.fit import fit, nested_fit
 from agent.workbench.likeliest import VERY_STRONG
 from agent.workbench.other_level import beside_other_level
-from agent.workbench.predictor import predictor
+from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 
 LATER = np.arange(N) > 1000

@@ -16,12 +16,12 @@ from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
-from agent.workbench import predictor as predictor_module
+from agent.workbench import prediction_search
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.fit import fit, fit_at, nested_fit
 from agent.workbench.folds import HeldOut, folds_of, held_out
 from agent.workbench.intervals import estimated
-from agent.workbench.predictor import predictor, with_valve_anew
+from agent.workbench.prediction_search import predictor, with_valve_anew
 from agent.workbench.projection import nuisance_part, target_of
 from agent.workbench.record import bare_record
 from agent.workbench.trial import Tried, predicted
@@ -166,7 +166,7 @@ def test_a_valve_that_was_found_without_a_wave_is_left_for_a_better_one(monkeypa
     s, j = plant.parameters["stiction.s"][0], plant.parameters["stiction.j_over_s"][0]
     near = np.array([4.4, 7.0, 1.03 * s, j, 20.6, 0.18, 0.08, 0.002, 0.12, *wave])
     offered = [at, predicts.space.at(near)]
-    monkeypatch.setattr(predictor_module, "valves", lambda *_: offered)
+    monkeypatch.setattr(prediction_search, "valves", lambda *_: offered)
     other, best = with_valve_anew(predicts, at)
     assert other.variance(best) < 0.9 * predicts.variance(at)
     found = dict(zip(other.space.names, other.space.values(best), strict=True))

@@ -9,7 +9,7 @@ from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import fit, nested_fit
-from agent.workbench.predictor import predictor
+from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 from agent.workbench.state_dependence import DOUBTED, LEVEL, Dependence, resolves, state_dependence
 from agent.workbench.where import beside, where_it_fails

@@ -9,7 +9,7 @@ from agent.physics.effects.asymmetric_stiction import AsymmetricStiction
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import SCAN, fit
-from agent.workbench.predictor import ROUNDS, predictor
+from agent.workbench.prediction_search import ROUNDS, predictor
 from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record
 from agent.workbench.search import objective_of, of_last_effect, searched, spread_about, whitened

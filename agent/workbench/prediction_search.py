@@ -1,0 +1,201 @@
+"""The values with which a model predicts best: the prediction-error method, unbiased in closed loop.
+
+The free run is fitted by output error. Under large loads that lets its values drift from the truth, toward a
+model that answers to the disturbance, and its error below that of the true model. Here residual and model
+are whitened by the residual's own autoregression before the squares are summed, in turn with a new
+autoregression. Source: L. Ljung, System Identification, 2nd ed., 7.2 and 13.4; the alternation is that of
+Cochrane and Orcutt, J. Am. Stat. Assoc. 44 (1949) 32.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.workbench.fit import SCAN
+from agent.workbench.instant_order import instants_of
+from agent.workbench.library import happens_once
+from agent.workbench.predictor import predictor_behind
+from agent.workbench.projection import target_of
+from agent.workbench.search import (
+    lowered_by_simplex,
+    objective_of,
+    of_last_effect,
+    searched,
+    spread_about,
+    whitened,
+)
+from agent.workbench.valve_scan import MOVED, valves
+
+if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
+    from agent.workbench.fit import Fit
+    from agent.workbench.hooks import Map
+    from agent.workbench.predictor import Predictor
+    from agent.workbench.record import Record
+    from agent.workbench.search import Round
+
+TURNS = 3
+"""A few settle it: the autoregression hardly depends on the last per cent of the values."""
+STEP = 0.02
+"""First step of the search, part of a parameter's range."""
+EVALUATIONS = 40
+"""For each parameter, each turn."""
+CLEARLY = 1e-3
+"""Part of the squares that a better valley is lower by."""
+ROUNDS: tuple[Round, ...] = ((4, 0.05, 20), (2, 0.02, 40))
+PLACES = 400
+"""Of an instant that are looked at."""
+
+
+def predictor(
+    fitted: Fit,
+    record: Record,
+    smaller: tuple[Predictor, FloatArray] | None = None,
+    instants: FloatArray | None = None,
+) -> tuple[Predictor, FloatArray] | None:
+    """Return the predictions of a model with a linear base, and the point where they are best.
+
+    Args:
+        fitted: In free run; the search begins there.
+        record: What it was fitted to.
+        smaller: The same of the model without the last effect; None where there is none.
+        instants: Values of a last effect that happened once, own units, (m, k), where the innovations of the
+            smaller model show it.
+
+    Returns:
+        None where the residual has too few samples in a row.
+    """
+    objective = objective_of(fitted.model, record, target_of(record, record.weight, linear=True))
+    start = objective.space.at(fitted.values)
+    first = predictor_behind(objective, fitted.pv)
+    if first is None:
+        return None
+    found = _settled(first, start)
+    if found is None or not len(start):
+        return found
+    if any(happens_once(each, record.facts) for each in fitted.model.effects[-1:]):
+        # Each turn has looked for its instants all over the record, but for those that go with its lag.
+        if smaller is not None and instants is not None:
+            found = min((found, *_begun(found[0], smaller, instants)), key=_variance)
+        return found
+    found = min((found, *_in_other_valleys(first, start, found, smaller)), key=_variance)
+    if smaller is not None and _variance(smaller) < _variance(found):
+        # More cannot predict worse but where the search has missed it.
+        begin = np.concatenate((smaller[1], found[1][len(smaller[1]) :]))
+        other = _sought(found[0], _scanned(found[0], begin))
+        if other is not None:
+            found = min(found, other, key=_variance)
+    return found
+
+
+def with_valve_anew(
+    predicts: Predictor, at: FloatArray, run: Map = map
+) -> tuple[Predictor, FloatArray] | None:
+    """Return where the predictions are better with another valve, all else from near ``at``; None: nowhere.
+
+    A valve that was found while another effect was missing may be the one that answers for both. ``run``
+    works on several, perhaps in parallel.
+    """
+    objective = predicts.objective
+    points = [
+        each
+        for effect in objective.model.effects
+        if isinstance(effect, HysteresisEffect)
+        for each in valves(whitened(objective, predicts.noise), at, effect.name)
+    ]
+    found = [each for each in run(partial(_sought, predicts), points) if each is not None]
+    best = min(found, key=_variance, default=(predicts, at))
+    return best if _variance(best) < (1 - CLEARLY) * predicts.variance(at) else None
+
+
+def _in_other_valleys(
+    first: Predictor,
+    start: FloatArray,
+    found: tuple[Predictor, FloatArray],
+    smaller: tuple[Predictor, FloatArray] | None,
+) -> list[tuple[Predictor, FloatArray]]:
+    """Return where else the predictions are best, as far as other valleys are deeper."""
+    objective = first.objective
+    effects = objective.model.effects
+    if smaller is not None and isinstance(effects[-1], HysteresisEffect):
+        # What the smaller model leaves knows nothing of the valley of a wrong valve.
+        at = np.concatenate((smaller[1], start[len(smaller[1]) :]))
+        points = valves(whitened(objective, smaller[0].noise), at, effects[-1].name)
+        others = [_sought(found[0], each) for each in points]
+    else:
+        # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
+        others = [_elsewhere(first, start), _elsewhere(*found)]
+    return [each for each in others if each is not None]
+
+
+def _variance(found: tuple[Predictor, FloatArray]) -> float:
+    return found[0].variance(found[1])
+
+
+def _begun(
+    predicts: Predictor, smaller: tuple[Predictor, FloatArray], instants: FloatArray
+) -> list[tuple[Predictor, FloatArray]]:
+    """Return where the predictions are best from those of the smaller model, with each of ``instants``.
+
+    In free run a load whose lag is long bends with the load that wanders, and its instants are elsewhere.
+    """
+    others = smaller[0].space.values(smaller[1])
+    points = [predicts.space.at(np.concatenate((others, own))) for own in instants]
+    found = [_sought(predicts, each) for each in points]
+    return [each for each in found if each is not None]
+
+
+def _elsewhere(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
+    """Return where the predictions are best in another valley, if one is deeper; None where none is."""
+    scanned = _scanned(predicts, at)
+    deeper = predicts.error(scanned) < (1 - CLEARLY) * predicts.error(at)
+    return _sought(predicts, scanned) if deeper else None
+
+
+def _scanned(predicts: Predictor, at: FloatArray) -> FloatArray:
+    """Return the best point with the last effect anywhere, all else near ``at``.
+
+    In closed loop a free run may have its least error in another valley, turned round by the controller: an
+    inverse response that is not there, with a shorter delay.
+    """
+    objective = predicts.objective
+    points = spread_about(at, of_last_effect(objective), MOVED, SCAN)
+    return searched(whitened(objective, predicts.noise), np.vstack((at, points)), ROUNDS)
+
+
+def _sought(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
+    """Return the point near ``at`` where the predictions are best, behind the autoregression of ``at``."""
+    there = predictor_behind(predicts.objective, predicts.free_run(at))
+    return None if there is None else _settled(there, at)
+
+
+def _settled(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
+    """Return the point near ``at`` where the predictions are best, behind the autoregression of their own."""
+    for turn in range(TURNS):
+        again = predictor_behind(predicts.objective, predicts.free_run(at)) if turn else predicts
+        if again is None:
+            return None
+        predicts = again
+        flat = 1e-7 * predicts.error(at)
+        if len(at):
+            at = _placed(predicts, at)
+            at = lowered_by_simplex(predicts.error, at, STEP, EVALUATIONS, near=1e-5, flat=flat)
+    return predicts, at
+
+
+def _placed(predicts: Predictor, at: FloatArray) -> FloatArray:
+    """Return the point with each instant of the last effect where the predictions are best, all else kept.
+
+    The free run puts it where the load is low, and the innovations have a needle that a simplex passes by.
+    """
+    placed = at.copy()
+    for effect in predicts.objective.model.effects[-1:]:
+        for i in instants_of(predicts, effect.name):
+            tried = np.tile(placed, (PLACES + 1, 1))
+            tried[1:, i] = np.linspace(0.0, 1.0, PLACES)
+            placed = tried[int(np.argmin([predicts.error(each) for each in tried]))]
+    return placed
