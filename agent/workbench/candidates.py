@@ -13,6 +13,7 @@ from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.holm import LEVEL
 from agent.workbench.likeliest import is_strong, outdone, plain
 from agent.workbench.state_dependence import LEVEL as FOLLOWED
+from agent.workbench.state_dependence import resolves, state_dependence
 from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
@@ -64,7 +65,10 @@ def judged(
 
     def both_needed(name: str, other: str) -> bool:
         larger = together(models[name], models[other].fit.model.effects[-1])
-        return all(far_likelier(models[each], larger, record) for each in (name, other))
+        if not all(far_likelier(models[each], larger, record) for each in (name, other)):
+            return False
+        predicts = larger.predicts
+        return predicts is None or resolves(smaller.estimate.dependence, state_dependence(*predicts))
 
     found = {name: evidence_of(smaller, each, record, len(models)) for name, each in models.items()}
     enough = (1 - LEAST_PERCENT / 100) * smaller.fit.error

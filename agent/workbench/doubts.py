@@ -10,8 +10,9 @@ from agent.workbench.coincidence import LEVEL as COINCIDENT
 from agent.workbench.coincidence import coincidence_p
 from agent.workbench.holm import LEVEL
 from agent.workbench.likeliest import VERY_STRONG, is_strong, less_likely
+from agent.workbench.line_spectrum import CERTAIN_PART, line_spectrum
 from agent.workbench.other_level import beside_other_level
-from agent.workbench.state_dependence import fails, resolves, state_dependence
+from agent.workbench.state_dependence import fails, state_dependence, still_fails
 
 if TYPE_CHECKING:
     from agent.workbench.decision import Decision
@@ -33,7 +34,7 @@ class Doubts:
     null_p_of: Callable[[Fit], float]
     """How likely the effect of a fit seems to explain as much where it is not there."""
     both_needed: Callable[[str, str], bool]
-    """Whether the record is far likelier with two of the effects than with either."""
+    """Whether the record is far likelier with two of the effects than with either, and they explain it."""
     _asked: set[str] = field(default_factory=set)
     _told: dict[str, Mapping[str, Dependence]] = field(default_factory=dict)
 
@@ -51,7 +52,11 @@ class Doubts:
         rivals = (effect, *decision.rivals)
         new = [each for each in rivals if each not in self._asked | null_p.keys()]
         self._asked.update(new)
-        doubts = {each: 1.0 for each in new if self._stands_for_another(each) or self._is_another_event(each)}
+        doubts = {
+            each: 1.0
+            for each in new
+            if self._stands_for_another(each) or self._stands_for_a_wave(each) or self._is_another_event(each)
+        }
         # Asked before rivals are compared: under a load that wanders the record may be likelier with what did
         # not happen than with what did.
         once = [each for each in new if self.found[each].once and each not in doubts]
@@ -77,10 +82,29 @@ class Doubts:
         """
         evidence = self.found[name]
         if evidence.answers:
-            explains = self._resolves(name)
+            explains = not self._leaves(name)
         else:
             explains = not evidence.once or not fails(self._dependence(name))
         return not explains and not any(self._is_missing_too(other, name) for other in self.models)
+
+    def _stands_for_a_wave(self, name: str) -> bool:
+        """Whether what answers OP leaves a wave that is most of what is left, and no candidate is that wave.
+
+        OP holds the controller's answer to it, and so any lag or lead does something of what it does.
+        """
+        if not self.found[name].answers or not self._waves(name):
+            return False
+        return all(self._waves(other) for other, each in self.found.items() if not each.answers)
+
+    def _waves(self, name: str) -> bool:
+        """Return whether a wave from outside is most of what a model leaves, with an effect."""
+        predicts = self.models[name].predicts
+        if predicts is None:
+            return False
+        left = predicts[0].left(predicts[1])
+        record = predicts[0].objective.record
+        lines = line_spectrum(left, record.op, record.facts.ts)
+        return lines is not None and any(each.part > CERTAIN_PART for each in lines.from_outside)
 
     def _is_another_event(self, name: str) -> bool:
         """Whether what seems to have happened once was of another kind.
@@ -107,12 +131,13 @@ class Doubts:
             and not own.once
             and own.more
             and is_strong([own], len(self.models))
-            and self._resolves(name)
+            and not self._leaves(name) & self._leaves(beside)
             and self.both_needed(name, beside)
         )
 
-    def _resolves(self, name: str) -> bool:
-        return resolves(self.smaller.estimate.dependence, self._dependence(name))
+    def _leaves(self, name: str) -> set[str]:
+        """Return the axes on which what made the smaller model fail is still there, with an effect."""
+        return still_fails(self.smaller.estimate.dependence, self._dependence(name))
 
     def _dependence(self, name: str) -> Mapping[str, Dependence]:
         """Return what each axis tells of the model with an effect, once; empty where that cannot be asked."""

@@ -31,6 +31,9 @@ FEWEST_CYCLES = 4
 """Of a line in the record: slower is drift."""
 CERTAIN_CYCLES = 12
 """Of a line in the record, to be sure that it keeps its own time."""
+CERTAIN_PART = 0.5
+"""Of the power in a line, from which on it is no slow noise's: of 47 loops of ``simulators.hidden_effects``
+that hide nothing (seeds 5337 to 5348) none has a line of more than 0.29, slower or not."""
 CENTRES = 60
 """Frequencies at which the level of the noise is taken."""
 WITHIN = 1.6
@@ -62,6 +65,8 @@ class Line:
     kind: LineKind
     """``locked``: keeps step with the reversals of OP. ``coherent``: keeps its own time over the record, so
     it comes from outside. ``either``: OP's cycle is so even that the record cannot tell."""
+    part: float
+    """Of the power of the whole spectrum, with its surroundings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,9 +83,9 @@ class LineSpectrum:
 
     @property
     def certain(self) -> tuple[Line, ...]:
-        """Lines that are there beyond doubt: slower ones are a slow noise's as well."""
+        """Lines that are there beyond doubt: slower ones are a slow noise's as well, but for the largest."""
         least = CERTAIN_CYCLES / FEWEST_CYCLES * float(self.frequency[0])
-        return tuple(each for each in self.lines if each.frequency >= least)
+        return tuple(each for each in self.lines if each.frequency >= least or each.part > CERTAIN_PART)
 
     @property
     def from_outside(self) -> tuple[Line, ...]:
@@ -106,7 +111,9 @@ def line_spectrum(residual: FloatArray, op: FloatArray, ts: float) -> LineSpectr
     frequency, power = found.frequency[FEWEST_CYCLES:-1], found.power[FEWEST_CYCLES:-1]
     threshold = -np.log1p(-((1 - FALSE_ALARM) ** (1 / len(power)))) * _noise(power)
     cycles = cycles_of(op)
-    lines = tuple(_line(whole, cycles, frequency[at], ts) for at in _peaks(power / threshold))
+    lines = tuple(
+        _line(whole, cycles, frequency[at], ts, _part(power, at)) for at in _peaks(power / threshold)
+    )
     return LineSpectrum(frequency / ts, power, threshold, lines)
 
 
@@ -147,7 +154,12 @@ def _peaks(ratio: FloatArray) -> Iterator[int]:
         rest[max(at - beside, 0) : at + beside + 1] = 0.0
 
 
-def _line(values: FloatArray, cycles: FloatArray, frequency: float, ts: float) -> Line:
+def _part(power: FloatArray, at: int) -> float:
+    """Return how much of all power (m,) a line has with its surroundings."""
+    return float(power[max(at - BESIDE, 0) : at + BESIDE + 1].sum() / power.sum())
+
+
+def _line(values: FloatArray, cycles: FloatArray, frequency: float, ts: float, part: float) -> Line:
     """Say what a line at ``frequency``, cycles a sample, keeps step with."""
     known = np.isfinite(cycles)
     harmonic = _harmonic(frequency, cycles[known])
@@ -168,7 +180,7 @@ def _line(values: FloatArray, cycles: FloatArray, frequency: float, ts: float) -
         coherent, locked = -own.fun, power(harmonic * cycles[known])
         kind = "locked" if locked > CLEARLY * coherent else "either"
         kind = "coherent" if coherent > CLEARLY * locked else kind
-    return Line(float(own.x) / ts, harmonic, kind)
+    return Line(float(own.x) / ts, harmonic, kind, part)
 
 
 def _harmonic(frequency: float, cycles: FloatArray) -> int | None:

@@ -67,6 +67,11 @@ class Predictor:
         """Return PV of the model in free run, PV units, (n,); level and drift as a fit takes them."""
         return self.fit(at).pv
 
+    def left(self, at: FloatArray) -> FloatArray:
+        """Return PV less the free run, PV units, (n,), NaN where PV counts for nothing."""
+        record = self.objective.record
+        return np.where(record.weight > 0, record.pv - self.free_run(at), np.nan)
+
     def fit(self, at: FloatArray) -> Fit:
         """Return the model with the values of a point and the coefficients that predict best there."""
         objective, coefficients = self.objective, self._solved(at)[0]

@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from agent.workbench import doubts
@@ -23,7 +24,11 @@ def asked(monkeypatch):
         monkeypatch.setattr(doubts, "coincidence_p", lambda _: arrives_by_chance)
         left = {
             "load_step": FAILS if step_leaves else RESOLVED,
-            "other": RESOLVED if other_resolves else FAILS,
+            "other": other_resolves
+            if isinstance(other_resolves, dict)
+            else RESOLVED
+            if other_resolves
+            else FAILS,
         }
         found = {"load_step": Evidence(True, 0.0, 690.0, "load", answers=False, once=True), "other": other}
         models = {name: SimpleNamespace(predicts=(each,), fit=name) for name, each in left.items()}
@@ -60,6 +65,10 @@ def test_it_must_explain_what_is_left(asked):
     assert asked(lag(), other_resolves=False) == {"load_step": 1.0}
 
 
+def test_each_may_leave_what_the_other_explains(asked):
+    assert asked(lag(), other_resolves={"op_level": Dependence(1e-9, 1.0)}) == {"load_step": 0.01}
+
+
 def test_both_must_be_needed(asked):
     assert asked(lag(685.0)) == {"load_step": 0.01}
     assert asked(lag(685.0), both=False) == {"load_step": 1.0}
@@ -68,3 +77,41 @@ def test_both_must_be_needed(asked):
 def test_a_load_that_steps_when_moves_of_op_arrive_is_something_else(asked):
     assert asked(lag(2.0), step_leaves=False, arrives_by_chance=0.02) == {"load_step": 0.01}
     assert asked(lag(2.0), step_leaves=False, arrives_by_chance=0.005) == {"load_step": 1.0}
+
+
+@pytest.fixture
+def beside_a_wave(monkeypatch):
+    """Doubts of a lag that leaves PV less a model as given, beside what leaves another, if anything."""
+    monkeypatch.setattr(doubts, "state_dependence", lambda *_: RESOLVED)
+    record = SimpleNamespace(op=np.zeros(1000), facts=SimpleNamespace(ts=1.0))
+
+    def made(left, other=None):
+        found, lefts = {"lag": lag()}, {"lag": left}
+        if other is not None:
+            lefts["wave"] = other
+            found["wave"] = Evidence(True, 0.0, 60.0, "disturbance", answers=False, once=False)
+        models = {
+            name: SimpleNamespace(
+                predicts=(
+                    SimpleNamespace(left=lambda at: at, objective=SimpleNamespace(record=record)),
+                    each,
+                ),
+                fit=name,
+            )
+            for name, each in lefts.items()
+        }
+        smaller = SimpleNamespace(estimate=SimpleNamespace(dependence=FAILS))
+        decision = Decision("confirmed", "lag", "lag", (), (), ())
+        return Doubts(smaller, models, found, lambda _: 0.01, lambda *_: True).of(decision, {})
+
+    return made
+
+
+def test_a_lag_that_leaves_a_wave_stands_for_it_where_no_candidate_is_that_wave(beside_a_wave):
+    noise = np.random.default_rng(0).normal(size=1000)
+    wave = noise + 5 * np.sin(np.arange(1000) / 8)
+    assert beside_a_wave(noise) == {"lag": 0.01}
+    assert beside_a_wave(wave) == {"lag": 1.0}
+    assert beside_a_wave(wave, wave) == {"lag": 1.0}  # a decoy
+    assert beside_a_wave(wave, noise) == {"lag": 0.01}
+    assert beside_a_wave(noise + 0.5 * np.sin(np.arange(1000) / 8)) == {"lag": 0.01}

@@ -72,3 +72,12 @@ def test_gaps_and_what_has_no_spectrum():
     assert len(line_spectrum(residual, triangle(wandering(rng)), 1.0).lines) == 1
     assert line_spectrum(np.zeros(N), np.zeros(N), 1.0) is None
     assert line_spectrum(np.full(N, np.nan), np.zeros(N), 1.0) is None
+
+
+def test_a_slow_wave_is_certain_where_it_is_most_of_what_is_left():
+    rng = np.random.default_rng(5)
+    op, noise = triangle(wandering(rng)), rng.normal(size=N)
+    for height, certain in ((3.0, True), (0.5, False)):
+        found = line_spectrum(height * np.sin(2 * np.pi * 9 * np.arange(N) / N) + noise, op, 1.0)
+        assert [round(line.frequency * N) for line in found.lines] == [9]
+        assert bool(found.certain) == certain

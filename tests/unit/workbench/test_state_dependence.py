@@ -59,7 +59,14 @@ def test_slack_shows_in_the_travel_and_is_gone_once_it_is_modelled(seed, plaines
 
 def test_what_is_left_on_another_axis_is_not_resolved():
     before = {"op_level": Dependence(1e-9, 1.0), "time": Dependence(1e-6, 0.7)}
-    for excess, p, resolved in ((0.5, 1e-6, False), (0.3, 1e-6, True), (0.5, LEVEL / DOUBTED, True)):
+    left = (
+        (0.5, 1e-6, False),
+        (0.3, 1e-6, True),
+        (0.5, LEVEL / DOUBTED, True),
+        (0.2, 1e-9, False),
+        (0.05, 1e-30, True),
+    )
+    for excess, p, resolved in left:
         after = {"op_level": Dependence(1.0, 0.0), "time": Dependence(p, excess)}
         assert resolves(before, after) == resolved
 
