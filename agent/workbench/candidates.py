@@ -19,7 +19,7 @@ from agent.workbench.step import Step, Verdict
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.physics.effect import Effect
+    from agent.physics.effect import Effect, Facts
     from agent.workbench.fit import Fit
     from agent.workbench.line_spectrum import LineSpectrum
     from agent.workbench.record import Record
@@ -119,10 +119,13 @@ def own_at_bound(fitted: Fit) -> tuple[str, ...]:
     return tuple(name for name in fitted.at_bound if name.startswith(f"{effect}."))
 
 
-def verdict_of(found: AllTried, failures: Sequence[Failure], lines: LineSpectrum | None) -> Verdict:
+def verdict_of(
+    step: Step, found: AllTried, failures: Sequence[Failure], lines: LineSpectrum | None, facts: Facts
+) -> Verdict:
     """Return what a model lacks, as far as its record tells.
 
-    It fails visibly where its residual follows an axis, or holds a wave, wherever that comes from.
+    It fails visibly where its residual follows an axis, or holds a wave, wherever that comes from; or where
+    its process would be slower than any that the record can tell.
     """
     decision = found.decision
     if decision.kind != "none":
@@ -131,7 +134,20 @@ def verdict_of(found: AllTried, failures: Sequence[Failure], lines: LineSpectrum
         )
     fails = any(each.p < FOLLOWED for each in failures)
     waves = lines is not None and lines.certain
-    return Verdict("none_of_the_known" if fails or waves else "no_failure_visible")
+    visible = fails or waves or ran_out(step, facts)
+    return Verdict("none_of_the_known" if visible else "no_failure_visible")
+
+
+def ran_out(step: Step, facts: Facts) -> tuple[str, ...]:
+    """Return the parameters of a linear process that predict best at the upper bound of their search."""
+    if not step.fit.model.base.linear:
+        return ()
+    ends = {each.name: each for each in step.fit.model.base.parameters(facts)}
+    return tuple(
+        each.name
+        for each in step.parameters
+        if each.at_bound and each.name in ends and each.value > 0.5 * ends[each.name].high
+    )
 
 
 def naming(verdict: Verdict, name: str) -> Verdict:

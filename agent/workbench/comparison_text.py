@@ -87,4 +87,9 @@ def _where(found: Comparison) -> str:
     worst = found.where_it_fails[0] if found.where_it_fails else None
     if worst is not None and worst.p < LEVEL:
         return f"{100 * worst.share:.0f} % of the residual goes with {worst.axis.replace('_', ' ')}"
-    return f"a wave of {1 / found.lines[0].frequency:.4g} s from outside is left in the residual"
+    if found.lines:
+        return f"a wave of {1 / found.lines[0].frequency:.4g} s from outside is left in the residual"
+    slow = [each.name for each in found.steps[-1].parameters if each.at_bound and "." not in each.name]
+    if slow:
+        return f"{' and '.join(slow)} ran into the bound of its search, as of a process that integrates"
+    return "a wave in step with OP is left in the residual"

@@ -10,14 +10,16 @@ import numpy as np
 
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.fit import SCAN, residual_of
-from agent.workbench.innovations import by_chance, innovations, likelihood_ratio, tells_more
+from agent.workbench.innovations import TINY, by_chance, innovations, likelihood_ratio, tells_more
 from agent.workbench.library import acts_on_op, happens_once
 from agent.workbench.likeliest import VERY_STRONG, very_strong
 from agent.workbench.valve_scan import VALVES
 
 if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
     from agent.physics.effect import Effect
     from agent.workbench.innovations import Innovations
+    from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
     from agent.workbench.step import Step
     from agent.workbench.trial import Tried
@@ -34,7 +36,8 @@ class Evidence:
     by_chance: float
     """How likely they fall as far where nothing is missing."""
     criterion: float
-    """How much likelier the record is with it: Schwarz's criterion, twice a logarithm."""
+    """How much likelier the record is with it, twice a logarithm: by Schwarz, or of a valve that sticks by
+    Laplace, where that is more."""
     family: str
     """Of the effect."""
     answers: bool
@@ -64,6 +67,10 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
     searched = len(larger.fit.values) - len(smaller.fit.values)
     added = _numbers(larger) - _numbers(smaller)
     criterion = _criterion(before, after, added)
+    if isinstance(effect, HysteresisEffect) and smaller.predicts and larger.predicts:
+        # Of a stem's constants most strokes tell little: Schwarz's price of seven numbers hides a valve.
+        price = _told(*larger.predicts) - _told(*smaller.predicts)
+        criterion = max(criterion, likelihood_ratio(before, after) - price)
     chance = 1.0
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
     if larger.fit.model.base.linear and (answers or once or very_strong(criterion, candidates)):
@@ -95,6 +102,19 @@ def far_likelier(smaller: Model, larger: Model, record: Record) -> bool:
 def _criterion(before: Innovations, after: Innovations, added: int) -> float:
     count = np.count_nonzero(np.isfinite(before.values))
     return likelihood_ratio(before, after) - added * math.log(count)
+
+
+def _told(predicts: Predictor, best: FloatArray) -> float:
+    """Return how much of the ranges of its values a record rules out: Laplace's price of fitting them.
+
+    Twice the logarithm of the cube over the Gaussian peak of the likelihood in it, of the directions that the
+    record tells (D. MacKay, Information Theory, Inference, and Learning Algorithms (2003), 28.1).
+    """
+    derivative = predicts.derivative(best)
+    if not np.isfinite(derivative).all():
+        return 0.0
+    sharpness = np.linalg.eigvalsh(derivative.T @ derivative) / max(predicts.variance(best), TINY)
+    return float(np.sum(np.log(np.maximum(sharpness / (2 * np.pi), 1.0))))
 
 
 def _numbers(model: Model) -> int:

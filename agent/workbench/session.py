@@ -154,7 +154,7 @@ class Workbench:
             model = self.step.fit.model
             family = [each for each in missing(model, self.library) if each.family == effect.family]
             found = self.trials.judged_on(self.step, family if effect in family else [*family, effect])
-        verdict = verdict_of(found, self.where_it_fails(), self.lines())
+        verdict = verdict_of(self.step, found, self.where_it_fails(), self.lines(), self.record.facts)
         larger = self.trials.with_valve_anew(found.models[name])
         return self.take(larger, naming(verdict, name), added=name)
 

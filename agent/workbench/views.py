@@ -81,7 +81,7 @@ def compared(bench: Workbench) -> Comparison:
         where_it_fails=fails,
         lines=() if spectrum is None else spectrum.from_outside,
         candidates=candidates,
-        verdict=verdict_of(tried, fails, spectrum),
+        verdict=verdict_of(bench.step, tried, fails, spectrum, bench.record.facts),
         noise_floor=floor(bench.step, bench.trials, rng),
         smallest_percent=smallest,
         reason=None,
