@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import stats
 from test_closed_loop import N, answered_more, loop
 
 from agent.analysis.recording import LoopWindow
@@ -10,16 +11,20 @@ from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.load_step import LoadStep
 from agent.physics.effects.sinusoid import Sinusoid
+from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.evidence import evidence_of
 from agent.workbench.fit import fit, nested_fit
 from agent.workbench.folds import HeldOut
-from agent.workbench.likeliest import less_likely
+from agent.workbench.likeliest import less_likely, very_strong
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 from agent.workbench.trial import Tried
+from agent.workbench.valve_scan import VALVES
 
 CANDIDATES = 14
+VALUES = 7
+"""Of a valve that sticks."""
 
 
 @pytest.fixture(scope="module")
@@ -71,3 +76,15 @@ def test_a_wave_under_a_wandering_load_is_told_by_its_likelihood(height, seen):
     found = evidence(Sinusoid(), model_on(record), record)
     assert (found.by_chance < 1e-6) is seen
     assert (found.by_chance == 1.0) is not seen
+
+
+@pytest.mark.parametrize("slack", [0.0, 0.4])
+def test_the_price_of_a_stems_constants_is_what_the_record_tells_of_them(slack):
+    """Schwarz takes each for told by every sample, and hides a small valve."""
+    op, pv = loop(1, slack=slack)
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
+    base = model_on(record)
+    found = evidence(Stiction(), base, record)
+    assert very_strong(found.criterion, CANDIDATES) == bool(slack)
+    likelier = stats.chi2.isf(found.by_chance / (CANDIDATES * VALVES), VALUES) if slack else 0.0
+    assert not very_strong(likelier - VALUES * np.log(N), CANDIDATES)

@@ -2,11 +2,12 @@ import json
 
 import numpy as np
 import pytest
-from loops import S, made, slack
+from loops import S, made, moves, slack
 
 from agent.analysis.recording import LoopWindow
 from agent.physics.effects import EFFECTS
 from agent.physics.effects.hysteresis import S_BY_LAW
+from agent.workbench.candidates import ran_out
 from agent.workbench.comparison_text import comparison_lines
 from agent.workbench.session import Workbench
 
@@ -154,3 +155,12 @@ def test_a_record_that_tells_nothing_has_a_reason_and_all_keys():
     for ask in (lambda: bench.add("deadband"), bench.candidates, bench.where_it_fails, bench.save):
         with pytest.raises(ValueError, match="cannot be tested: OP does not move"):
             ask()
+
+
+def test_a_process_that_integrates_is_none_of_the_known_where_none_may():
+    op = moves()
+    pv = np.cumsum(op - op.mean()) * 0.05 + 0.02 * np.random.default_rng(1).standard_normal(len(op))
+    bench = Workbench(LoopWindow("level", 0.0, 1.0, op, pv), without=(*FEW, "deadband", "load_step"))
+    assert ran_out(bench.step, bench.record.facts) == ("tau",)
+    assert bench.comparison().verdict.kind == "none_of_the_known"
+    assert ran_out(Workbench(made(), without=FEW).step, bench.record.facts) == ()
