@@ -63,8 +63,15 @@ class Doubts:
         doubts.update({each: self.null_p_of(self.models[each].fit) for each in once})
         if any(p >= LEVEL for p in doubts.values()):
             return doubts
-        unlikely = less_likely({each: self.found[each].criterion for each in rivals})
+        criteria = {each: self.found[each].criterion for each in rivals}
+        unlikely = less_likely(criteria)
         if unlikely:
+            likeliest = max(rivals, key=criteria.__getitem__)
+            if likeliest not in null_p.keys() | doubts.keys():
+                # What is not there itself outdoes nothing.
+                doubts[likeliest] = self.null_p_of(self.models[likeliest].fit)
+                if doubts[likeliest] >= LEVEL:
+                    return doubts
             return doubts | dict.fromkeys(unlikely, 1.0)
         if decision.kind != "suggested" and effect not in null_p.keys() | doubts.keys():
             doubts[effect] = self.null_p_of(self.models[effect].fit)

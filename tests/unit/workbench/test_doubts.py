@@ -115,3 +115,14 @@ def test_a_lag_that_leaves_a_wave_stands_for_it_where_no_candidate_is_that_wave(
     assert beside_a_wave(wave, wave) == {"lag": 1.0}  # a decoy
     assert beside_a_wave(wave, noise) == {"lag": 0.01}
     assert beside_a_wave(noise + 0.5 * np.sin(np.arange(1000) / 8)) == {"lag": 0.01}
+
+
+@pytest.mark.parametrize(("null", "told"), [(0.01, {"wave": 1.0, "valve": 0.01}), (0.2, {"valve": 0.2})])
+def test_what_is_not_there_itself_outdoes_nothing(null, told):
+    wave = Evidence(True, 0.0, 24.0, "disturbance", answers=False, once=False)
+    valve = Evidence(True, 0.0, 51.0, "valve", answers=True, once=False)
+    models = {name: SimpleNamespace(predicts=None, fit=name) for name in ("wave", "valve")}
+    smaller = SimpleNamespace(estimate=SimpleNamespace(dependence={}))
+    decision = Decision("suggested", "wave", "disturbance", ("valve",), ("valve",), ())
+    asked = Doubts(smaller, models, {"wave": wave, "valve": valve}, lambda _: null, lambda *_: True)
+    assert asked.of(decision, {}) == told
