@@ -1,4 +1,6 @@
 import json
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,8 +10,11 @@ from agent.analysis.recording import LoopWindow
 from agent.physics.effects import EFFECTS
 from agent.physics.effects.hysteresis import S_BY_LAW
 from agent.workbench.candidates import ran_out
-from agent.workbench.comparison_text import comparison_lines
+from agent.workbench.comparison import not_testable
+from agent.workbench.comparison_text import comparison_lines, verdict_words
+from agent.workbench.intervals import FittedParameter
 from agent.workbench.session import Workbench
+from agent.workbench.step import Verdict
 
 pytestmark = pytest.mark.timeout(240)  # a cold cache of kernels takes a minute
 FEW = tuple(each.name for each in EFFECTS if each.name not in {"deadband", "sensor_lag", "load_step"})
@@ -164,3 +169,14 @@ def test_a_process_that_integrates_is_none_of_the_known_where_none_may():
     assert ran_out(bench.step, bench.record.facts) == ("tau",)
     assert bench.comparison().verdict.kind == "none_of_the_known"
     assert ran_out(Workbench(made(), without=FEW).step, bench.record.facts) == ()
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [(("tau", True), "tau ran into the bound"), (("tau", False), "a wave in step with OP is left")],
+)
+def test_a_failure_on_no_axis_is_told_in_words(told, words):
+    name, at_bound = told
+    step = SimpleNamespace(parameters=(FittedParameter(name, "s", 9.0, 8.0, 9.0, at_bound),))
+    found = replace(not_testable("loop", ""), steps=(step,))
+    assert words in verdict_words(Verdict("none_of_the_known"), found)
