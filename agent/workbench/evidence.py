@@ -70,7 +70,8 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
     if isinstance(effect, HysteresisEffect) and smaller.predicts and larger.predicts:
         # Of a stem's constants most strokes tell little: Schwarz's price of seven numbers hides a valve.
         price = _told(*larger.predicts) - _told(*smaller.predicts)
-        criterion = max(criterion, likelihood_ratio(before, after) - price)
+        if math.isfinite(price):
+            criterion = max(criterion, likelihood_ratio(before, after) - price)
     chance = 1.0
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
     if larger.fit.model.base.linear and (answers or once or very_strong(criterion, candidates)):
@@ -108,11 +109,12 @@ def _told(predicts: Predictor, best: FloatArray) -> float:
     """Return how much of the ranges of its values a record rules out: Laplace's price of fitting them.
 
     Twice the logarithm of the cube over the Gaussian peak of the likelihood in it, of the directions that the
-    record tells (D. MacKay, Information Theory, Inference, and Learning Algorithms (2003), 28.1).
+    record tells (D. MacKay, Information Theory, Inference, and Learning Algorithms (2003), 28.1). NaN where
+    the model has no answer beside its best.
     """
     derivative = predicts.derivative(best)
     if not np.isfinite(derivative).all():
-        return 0.0
+        return math.nan
     sharpness = np.linalg.eigvalsh(derivative.T @ derivative) / max(predicts.variance(best), TINY)
     return float(np.sum(np.log(np.maximum(sharpness / (2 * np.pi), 1.0))))
 
