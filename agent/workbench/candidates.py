@@ -134,8 +134,9 @@ def verdict_of(
         )
     fails = any(each.p < FOLLOWED for each in failures)
     waves = lines is not None and lines.certain
-    visible = fails or waves or ran_out(step, facts)
-    return Verdict("none_of_the_known" if visible else "no_failure_visible")
+    slow = ran_out(step, facts)
+    visible = fails or waves or slow
+    return Verdict("none_of_the_known" if visible else "no_failure_visible", at_bound=slow)
 
 
 def ran_out(step: Step, facts: Facts) -> tuple[str, ...]:

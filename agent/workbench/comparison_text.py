@@ -78,18 +78,20 @@ def verdict_words(verdict: Verdict, found: Comparison) -> str:
     else:
         shown = f"an effect of {found.smallest_percent:.0f} % of the squared error would have been confirmed"
     if verdict.kind == "none_of_the_known":
-        return f"something is missing that none of the known effects explains: {_where(found)}; {shown}"
+        return (
+            f"something is missing that none of the known effects explains: {_where(verdict, found)}; {shown}"
+        )
     return f"no failure is visible; {shown}"
 
 
-def _where(found: Comparison) -> str:
+def _where(verdict: Verdict, found: Comparison) -> str:
     """Return where the newest model fails most clearly."""
     worst = found.where_it_fails[0] if found.where_it_fails else None
     if worst is not None and worst.p < LEVEL:
         return f"{100 * worst.share:.0f} % of the residual goes with {worst.axis.replace('_', ' ')}"
     if found.lines:
         return f"a wave of {1 / found.lines[0].frequency:.4g} s from outside is left in the residual"
-    slow = [each.name for each in found.steps[-1].parameters if each.at_bound and "." not in each.name]
-    if slow:
-        return f"{' and '.join(slow)} ran into the bound of its search, as of a process that integrates"
+    if verdict.at_bound:
+        slow = " and ".join(verdict.at_bound)
+        return f"{slow} ran into the bound of its search, as of a process that integrates"
     return "a wave in step with OP is left in the residual"

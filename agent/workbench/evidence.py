@@ -127,4 +127,4 @@ def _least_innovations(model: Model, record: Record) -> Innovations | None:
     if model.predicts is None:
         return innovations(residual_of(model.fit, record))
     predicts, best = model.predicts
-    return innovations(residual_of(predicts.fit(best), record), longest=True)
+    return innovations(predicts.left(best), longest=True)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.fit import Fit
+from agent.workbench.fit import Fit, residual_of
 from agent.workbench.innovations import Innovations, innovations
 from agent.workbench.projection import VANISHES, nuisance_part
 from agent.workbench.search import Objective, whitened
@@ -69,8 +69,7 @@ class Predictor:
 
     def left(self, at: FloatArray) -> FloatArray:
         """Return PV less the free run, PV units, (n,), NaN where PV counts for nothing."""
-        record = self.objective.record
-        return np.where(record.weight > 0, record.pv - self.free_run(at), np.nan)
+        return residual_of(self.fit(at), self.objective.record)
 
     def fit(self, at: FloatArray) -> Fit:
         """Return the model with the values of a point and the coefficients that predict best there."""

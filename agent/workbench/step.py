@@ -33,7 +33,8 @@ class Verdict:
     indistinguishable: tuple[str, ...] = ()
     """The others that this record cannot tell from ``effect``."""
     at_bound: tuple[str, ...] = ()
-    """Parameters of ``effect`` that ran into a bound: what it stands for is not confirmed then."""
+    """Parameters of ``effect`` that ran into a bound: what it stands for is not confirmed then. Without an
+    effect those of the process that ran into the upper one: slower than any that the record can tell."""
 
 
 @dataclass(frozen=True, slots=True)

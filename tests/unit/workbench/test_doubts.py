@@ -20,15 +20,11 @@ def asked(monkeypatch):
     """Doubts of a load step that leaves what the rate of OP tells, beside another effect."""
     monkeypatch.setattr(doubts, "state_dependence", lambda left: left)
 
-    def made(other, *, other_resolves=True, step_leaves=True, both=True, arrives_by_chance=0.5):
+    def made(other, *, other_leaves=RESOLVED, step_leaves=True, both=True, arrives_by_chance=0.5):
         monkeypatch.setattr(doubts, "coincidence_p", lambda _: arrives_by_chance)
         left = {
             "load_step": FAILS if step_leaves else RESOLVED,
-            "other": other_resolves
-            if isinstance(other_resolves, dict)
-            else RESOLVED
-            if other_resolves
-            else FAILS,
+            "other": other_leaves,
         }
         found = {"load_step": Evidence(True, 0.0, 690.0, "load", answers=False, once=True), "other": other}
         models = {name: SimpleNamespace(predicts=(each,), fit=name) for name, each in left.items()}
@@ -62,11 +58,11 @@ def test_it_must_be_one_that_the_effect_does_not_stand_for(asked, other):
 
 
 def test_it_must_explain_what_is_left(asked):
-    assert asked(lag(), other_resolves=False) == {"load_step": 1.0}
+    assert asked(lag(), other_leaves=FAILS) == {"load_step": 1.0}
 
 
 def test_each_may_leave_what_the_other_explains(asked):
-    assert asked(lag(), other_resolves={"op_level": Dependence(1e-9, 1.0)}) == {"load_step": 0.01}
+    assert asked(lag(), other_leaves={"op_level": Dependence(1e-9, 1.0)}) == {"load_step": 0.01}
 
 
 def test_both_must_be_needed(asked):
