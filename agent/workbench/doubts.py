@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from agent.workbench.coincidence import LEVEL as COINCIDENT
 from agent.workbench.coincidence import coincidence_p
+from agent.workbench.fit import contributions
 from agent.workbench.holm import LEVEL
 from agent.workbench.likeliest import VERY_STRONG, is_strong, less_likely
 from agent.workbench.line_spectrum import CERTAIN_PART, line_spectrum
-from agent.workbench.other_level import beside_other_level
+from agent.workbench.other_event import is_another_gain, is_only_another_level
 from agent.workbench.state_dependence import fails, state_dependence, still_fails
 
 if TYPE_CHECKING:
@@ -55,8 +56,11 @@ class Doubts:
         doubts = {
             each: 1.0
             for each in new
-            if self._stands_for_another(each) or self._stands_for_a_wave(each) or self._is_another_event(each)
+            if self._stands_for_another(each) or self._stands_for_a_wave(each) or self._is_slow_noise(each)
         }
+        for each in new:
+            if self._is_another_event(each):
+                doubts.update(dict.fromkeys((each, *self._outdone_by_event(each)), 1.0))
         # Asked before rivals are compared: under a load that wanders the record may be likelier with what did
         # not happen than with what did.
         once = [each for each in new if self.found[each].once and each not in doubts]
@@ -116,15 +120,40 @@ class Doubts:
     def _is_another_event(self, name: str) -> bool:
         """Whether what seems to have happened once was of another kind.
 
-        What knows nothing of OP did not happen just when moves of OP arrived; another answer to OP does more
-        than another level.
+        What knows nothing of OP did not happen just when moves of OP arrived, and does not what another gain
+        does; another answer to OP does more than another level.
         """
         evidence, predicts = self.found[name], self.models[name].predicts
         if not evidence.once or predicts is None:
             return False
         if evidence.answers:
-            return beside_other_level(*predicts) <= VERY_STRONG
-        return coincidence_p(*predicts) < COINCIDENT
+            return is_only_another_level(*predicts)
+        return coincidence_p(*predicts) < COINCIDENT or is_another_gain(*predicts)
+
+    def _outdone_by_event(self, name: str) -> list[str]:
+        """Return what answers OP and is far less likely than what happened once, whatever kind that was of.
+
+        None unless it did happen, and not by chance: a load that wanders has its own likelihood.
+        """
+        most = self.found[name].criterion
+        less = [
+            other
+            for other, each in self.found.items()
+            if each.answers and not each.once and most - each.criterion > VERY_STRONG
+        ]
+        return less if less and self.null_p_of(self.models[name].fit) < LEVEL else []
+
+    def _is_slow_noise(self, name: str) -> bool:
+        """Whether what goes on all the time, and was searched for, is a wave that slow noise makes as well."""
+        evidence, predicts = self.found[name], self.smaller.predicts
+        if evidence.answers or evidence.once or predicts is None:
+            return False
+        record, effect = predicts[0].objective.record, self.models[name].fit.model.effects[-1]
+        if not effect.parameters(record.facts):
+            return False
+        lines = line_spectrum(predicts[0].left(predicts[1]), record.op, record.facts.ts)
+        wave = contributions(self.models[name].fit, record)[effect.name]
+        return lines is not None and lines.may_be_slow_noise(wave, record.facts.ts)
 
     def _is_missing_too(self, name: str, beside: str) -> bool:
         """Whether an effect is another that is missing: strong, and what makes the smaller model fail.

@@ -50,8 +50,8 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
     """Return what the innovations say of the last effect, each model where it predicts best.
 
     At the values of the free run the larger model may be the one that answers to the disturbance, and the
-    true effect not yet what it is. A disturbance of its own time knows nothing of OP, so it need only be no
-    worse.
+    true effect not yet what it is. What goes on all the time and knows nothing of OP pays for what was solved
+    for as well, for slow noise goes along with any slow cause; of what happened once the instant tells.
 
     Args:
         smaller: The model without the effect.
@@ -76,7 +76,7 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
     if larger.fit.model.base.linear and (answers or once or very_strong(criterion, candidates)):
         chance = by_chance(before, after, added, candidates * _scanned(effect, record))
-    more = tells_more(before, after, searched if answers else 0)
+    more = tells_more(before, after, searched if answers else 0 if once else added)
     return Evidence(more, chance, criterion, effect.family, answers, once)
 
 

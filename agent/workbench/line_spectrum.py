@@ -84,13 +84,23 @@ class LineSpectrum:
     @property
     def certain(self) -> tuple[Line, ...]:
         """Lines that are there beyond doubt: slower ones are a slow noise's as well, but for the largest."""
-        least = CERTAIN_CYCLES / FEWEST_CYCLES * float(self.frequency[0])
-        return tuple(each for each in self.lines if each.frequency >= least or each.part > CERTAIN_PART)
+        return tuple(each for each in self.lines if not self._is_slow(each.frequency, each.part))
 
     @property
     def from_outside(self) -> tuple[Line, ...]:
         """Those of them that come from outside beyond doubt."""
         return tuple(each for each in self.certain if each.kind == "coherent")
+
+    def may_be_slow_noise(self, wave: FloatArray, ts: float) -> bool:
+        """Return whether slow noise makes a line like that of a ``wave`` (n,) as well."""
+        power = np.abs(np.fft.rfft(wave - wave.mean())) ** 2
+        frequency = int(np.argmax(power)) / (len(wave) * ts)
+        at = int(np.argmin(np.abs(self.frequency - frequency)))
+        return self._is_slow(frequency, _part(self.power, at))
+
+    def _is_slow(self, frequency: float, part: float) -> bool:
+        least = CERTAIN_CYCLES / FEWEST_CYCLES * float(self.frequency[0])
+        return frequency < least and part <= CERTAIN_PART
 
 
 def line_spectrum(residual: FloatArray, op: FloatArray, ts: float) -> LineSpectrum | None:

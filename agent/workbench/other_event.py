@@ -1,0 +1,130 @@
+"""Was what happened once an event of another kind?
+
+A gain that changes moves the level as well, unless it does so at its pivot: it does what a load does that
+steps, and may be taken for it; so may a load for it, where few moves of OP tell. And where OP comes to
+another level and stays, as behind a stop, another answer there is one from then on.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.physics.effects.load_step import stepped
+from agent.workbench.instant_order import instants_of
+from agent.workbench.likeliest import VERY_STRONG
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from agent.analysis.recording import FloatArray
+    from agent.workbench.predictor import Predictor
+
+LAGS = (0.0, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0)
+"""Of the steps, dominant periods."""
+LEVELS = np.linspace(0.05, 0.95, 19)
+"""Of OP, parts of the record below them."""
+
+
+def is_only_another_level(predicts: Predictor, best: FloatArray) -> bool:
+    """Return whether another gain is no more than another level, of the load or of OP.
+
+    It is more where the record is very much likelier with it: beside steps of the level at its instants, of
+    all lags, and beside another answer from that level of OP on with which the record is likeliest.
+
+    Args:
+        predicts: Of a model whose last effect is another gain from an instant on, on a linear base.
+        best: The point of the unit cube where its predictions are best, (k,).
+    """
+    event = _event(predicts, best)
+    steps = np.hstack([event.steps(each) for each in event.instants])
+    op = predicts.objective.record.op
+    above = [event.answer(op > level) for level in np.nanquantile(op, LEVELS)]
+    return not all(event.gains(each, event.own) for each in (steps, min(above, key=event.unlikely)))
+
+
+def is_another_gain(predicts: Predictor, best: FloatArray) -> bool:
+    """Return whether steps of a load are no more than another gain from one of their instants on.
+
+    They are no more where that, and a step at that instant, make the record as likely, and the step alone
+    does not: a load that steps once leaves nothing to another gain. The step may have any lags, which cost
+    nothing: three steps have more instants.
+
+    Args:
+        predicts: Of a model whose last effect is steps, on a linear base.
+        best: The point of the unit cube where its predictions are best, (k,).
+    """
+    event = _event(predicts, best)
+    least = event.unlikely(event.own)
+    time = event.time
+    for instant in event.instants:
+        step, gain = event.steps(instant), event.answer(time > instant)
+        if event.gains(step, gain) and event.unlikely(np.hstack((step, gain))) - least <= VERY_STRONG:
+            return True
+    return False
+
+
+@dataclass(frozen=True, slots=True)
+class _Event:
+    """What the last effect of a model does, and what others may do in its place."""
+
+    predicts: Predictor
+    best: FloatArray
+    instants: list[float]
+    """Of the effect, s."""
+    time: FloatArray
+    """(n,), s."""
+    rest: FloatArray
+    """Columns of all else, (n, k), PV units but for a factor."""
+    own: FloatArray
+    """Columns of the effect, (n, k)."""
+    moves: FloatArray
+    """Of the valve about their mean, (n,)."""
+
+    def steps(self, instant: float) -> FloatArray:
+        """Return steps of the level of all lags, (n, k)."""
+        period = self.predicts.objective.record.facts.period
+        return np.column_stack([stepped(self.time, instant, lag * period) for lag in LAGS])
+
+    def answer(self, there: NDArray[np.bool_]) -> FloatArray:
+        """Return what PV answers more to OP in part of the samples, gain and level, (n, 2)."""
+        objective = self.predicts.objective
+        values = objective.space.values(self.best)
+        inputs = there.astype(np.float64), np.where(there, self.moves, 0.0)
+        return np.column_stack([objective.layout.response(each, values) for each in inputs])
+
+    def unlikely(self, columns: FloatArray) -> float:
+        """Return minus twice the logarithm of the likelihood with columns at their best beside the rest.
+
+        Less a constant.
+        """
+        predicts = self.predicts
+        white = predicts.noise.filtered(np.hstack((self.rest, columns)))[predicts.kept]
+        white -= predicts.basis @ (predicts.basis.T @ white)
+        left = predicts.pv - white @ np.linalg.lstsq(white, predicts.pv, rcond=None)[0]
+        return float(len(left) * math.log(left @ left))
+
+    def gains(self, beside: FloatArray, columns: FloatArray) -> bool:
+        """Return whether the record is very much likelier with columns beside others (Schwarz)."""
+        price = columns.shape[1] * math.log(len(self.predicts.pv))
+        gained = self.unlikely(beside) - self.unlikely(np.hstack((beside, columns)))
+        return bool(gained - price > VERY_STRONG)
+
+
+def _event(predicts: Predictor, best: FloatArray) -> _Event:
+    objective, values = predicts.objective, predicts.space.values(best)
+    record, effect = objective.record, objective.model.effects[-1]
+    last = np.array([owner == effect.name for owner in objective.layout.owners(record.op, values)])
+    columns, position = objective.columns(best), objective.layout.position(record.op, values)
+    return _Event(
+        predicts,
+        best,
+        values[instants_of(predicts, effect.name)].tolist(),
+        np.asarray(record.facts.ts * np.arange(len(record)), dtype=np.float64),
+        columns[:, ~last],
+        columns[:, last],
+        position - position.mean(),
+    )

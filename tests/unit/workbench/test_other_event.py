@@ -1,0 +1,79 @@
+"""A gain that changes is told from a load that steps and from another answer at another level of OP."""
+
+import numpy as np
+import pytest
+from test_closed_loop import N, answered_more, free_run, loop
+
+from agent.analysis.recording import LoopWindow
+from agent.physics.bases import Fopdt
+from agent.physics.effects.gain_change import GainChange
+from agent.physics.effects.load_step import LoadStep
+from agent.physics.loop_model import LoopModel
+from agent.workbench.event_scan import instants_seen
+from agent.workbench.fit import fit, nested_fit
+from agent.workbench.other_event import is_another_gain, is_only_another_level
+from agent.workbench.prediction_search import predictor
+from agent.workbench.record import bare_record
+
+LATER = np.arange(N) > 1000
+
+
+def told(effect, op, pv):
+    """The model with an effect, where it predicts best."""
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
+    base = fit(LoopModel(Fopdt()), record, record.weight)
+    larger = nested_fit(base, LoopModel(Fopdt(), (effect,)), record)
+    smaller = predictor(base, record)
+    return predictor(larger, record, smaller, instants_seen(*smaller, effect))
+
+
+def open_loop(levels, seed=0):
+    """OP at these levels, as long each, and PV of a slow load."""
+    rng = np.random.default_rng(seed)
+    op = np.repeat(np.array(levels, dtype=float), N // len(levels)) + 0.2 * rng.standard_normal(N)
+    load = np.zeros(N)
+    for t in range(1, N):
+        load[t] = 0.97 * load[t - 1] + 0.02 * rng.standard_normal()
+    return op, free_run(op, 0.0) + load + 0.01 * rng.standard_normal(N)
+
+
+def stepped_pv(pv, *heights):
+    """PV with loads behind a lag of ten samples, (sample, height)."""
+    return pv + sum(free_run(np.where(np.arange(N) > at, height, 0.0), 0.0) for at, height in heights)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_load_that_steps_is_no_other_gain(seed):
+    op, pv = loop(seed, slack=0.0)
+    assert is_only_another_level(*told(GainChange(), op, stepped_pv(pv, (1000, 5.0))))
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_another_gain_is_more_than_another_level(seed):
+    op, pv = loop(seed, slack=0.0)
+    assert not is_only_another_level(*told(GainChange(), op, pv + answered_more(op, LATER)))
+
+
+def test_another_answer_from_a_level_on_that_op_comes_to_once_is_no_other_gain():
+    op, pv = open_loop((-3, -5, -2, -4, -1, 2, 5, 1, 4, 3))
+    assert is_only_another_level(*told(GainChange(), op, pv + answered_more(op, op > 0.5)))
+
+
+def test_another_gain_is_told_where_op_moves_at_the_same_levels_before_and_after():
+    op, pv = open_loop((-3, 5, -2, 4, -1, 2, -5, 1, -4, 3))
+    assert not is_only_another_level(*told(GainChange(), op, pv + answered_more(op, LATER)))
+
+
+@pytest.mark.parametrize("heights", [[(1000, 3.0)], [(600, 3.0), (1250, -4.0)]])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_load_that_steps_is_told_as_one(seed, heights):
+    op, pv = loop(seed, slack=0.0)
+    assert not is_another_gain(*told(LoadStep(), op, stepped_pv(pv, *heights)))
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_steps_where_op_moved_once_before_the_gain_changed_are_another_gain(seed):
+    """A step of the load hides that one move."""
+    op, pv = open_loop((0, 0, 4, 4, 4, 0, -2, -2, 3, 1), seed)
+    pv += 2.0 * answered_more(op, LATER)
+    assert is_another_gain(*told(LoadStep(), op, pv))
