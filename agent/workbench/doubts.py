@@ -144,7 +144,7 @@ class Doubts:
         return less if less and self.null_p_of(self.models[name].fit) < LEVEL else []
 
     def _is_slow_noise(self, name: str) -> bool:
-        """Whether what goes on all the time, and was searched for, is a wave that slow noise makes as well."""
+        """Whether what goes on all the time, and was searched for, is a wave that slow noise makes, too."""
         evidence, predicts = self.found[name], self.smaller.predicts
         if evidence.answers or evidence.once or predicts is None:
             return False
