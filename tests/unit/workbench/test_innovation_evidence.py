@@ -21,6 +21,7 @@ from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 from agent.workbench.trial import Tried
 from agent.workbench.valve_scan import VALVES
+from benchmarks.decoy import Decoy
 
 CANDIDATES = 14
 VALUES = 7
@@ -65,6 +66,16 @@ def test_a_step_of_a_loop_without_one_is_chance():
     op, pv = loop(2, slack=0.0)
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
     assert evidence(LoadStep(), model_on(record), record).by_chance > 0.05
+
+
+@pytest.mark.parametrize(("height", "there"), [(0.0, False), (3.0, True)])
+def test_a_walk_must_show_in_the_innovations(height, there):
+    """Under a slow load walks go along with it by chance; a load that was measured does so sample by sample."""
+    walk = Decoy(4)
+    op, pv = loop(5, slack=0.0)
+    load = height * walk.columns(np.arange(N), op, np.zeros(0))[:, 0]
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv + load))
+    assert evidence(walk, model_on(record), record).more is there
 
 
 @pytest.mark.parametrize(("height", "seen"), [(0.0, False), (1.0, True)])
