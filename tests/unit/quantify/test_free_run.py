@@ -172,8 +172,7 @@ def test_nor_do_long_gaps_in_one_of_the_two(name, which):
     }
 
 
-@pytest.mark.parametrize("which", ["both", "pv"])
-@pytest.mark.parametrize("start", [300, 900])
+@pytest.mark.parametrize(("start", "which"), [(300, "both"), (900, "pv")])
 def test_one_gap_leaves_s_as_it_is(start, which):
     _, window = plant("fic101_stick_slip")
     op, pv = window.op.copy(), window.pv.copy()

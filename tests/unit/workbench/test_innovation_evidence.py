@@ -70,7 +70,7 @@ def test_a_step_of_a_loop_without_one_is_chance():
 
 @pytest.mark.parametrize(("height", "there"), [(0.0, False), (3.0, True)])
 def test_a_walk_must_show_in_the_innovations(height, there):
-    """Under a slow load walks go along with it by chance; a load that was measured does so sample by sample."""
+    """Walks go along with a slow load by chance; a load that was measured does so sample by sample."""
     walk = Decoy(4)
     op, pv = loop(5, slack=0.0)
     load = height * walk.columns(np.arange(N), op, np.zeros(0))[:, 0]
