@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from agent.workbench.step import Step
 
 
-ASKED = 75
-"""How often one staircase asks for something that happened once: 15 candidates, five steps."""
+ASKED = 10
+"""How often one staircase asks for something that happened once: a load step and another gain, five steps."""
 
 
 @dataclass(slots=True)
