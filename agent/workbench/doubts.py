@@ -16,9 +16,12 @@ from agent.workbench.other_event import is_another_gain, is_only_another_level
 from agent.workbench.state_dependence import fails, state_dependence, still_fails
 
 if TYPE_CHECKING:
+    from agent.analysis.recording import FloatArray
     from agent.workbench.decision import Decision
     from agent.workbench.evidence import Evidence
     from agent.workbench.fit import Fit
+    from agent.workbench.line_spectrum import LineSpectrum
+    from agent.workbench.predictor import Predictor
     from agent.workbench.state_dependence import Dependence
     from agent.workbench.step import Step
     from agent.workbench.trial import Tried
@@ -112,9 +115,7 @@ class Doubts:
         predicts = self.models[name].predicts
         if predicts is None:
             return False
-        left = predicts[0].left(predicts[1])
-        record = predicts[0].objective.record
-        lines = line_spectrum(left, record.op, record.facts.ts)
+        lines = _lines_left(*predicts)
         return lines is not None and any(each.part > CERTAIN_PART for each in lines.from_outside)
 
     def _is_another_event(self, name: str) -> bool:
@@ -151,7 +152,7 @@ class Doubts:
         record, effect = predicts[0].objective.record, self.models[name].fit.model.effects[-1]
         if not effect.parameters(record.facts):
             return False
-        lines = line_spectrum(predicts[0].left(predicts[1]), record.op, record.facts.ts)
+        lines = _lines_left(*predicts)
         wave = contributions(self.models[name].fit, record)[effect.name]
         return lines is not None and lines.may_be_slow_noise(wave, record.facts.ts)
 
@@ -181,3 +182,9 @@ class Doubts:
             predicts = self.models[name].predicts
             self._told[name] = {} if predicts is None else state_dependence(*predicts)
         return self._told[name]
+
+
+def _lines_left(predicts: Predictor, best: FloatArray) -> LineSpectrum | None:
+    """Return the lines in what a model leaves of PV where it predicts best."""
+    record = predicts.objective.record
+    return line_spectrum(predicts.left(best), record.op, record.facts.ts)

@@ -76,7 +76,8 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
     if larger.fit.model.base.linear and (answers or once or very_strong(criterion, candidates)):
         chance = by_chance(before, after, added, candidates * _scanned(effect, record))
-    more = tells_more(before, after, searched if answers else 0 if once else added)
+    lasting = 0 if once else added
+    more = tells_more(before, after, searched if answers else lasting)
     return Evidence(more, chance, criterion, effect.family, answers, once)
 
 

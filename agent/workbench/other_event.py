@@ -59,9 +59,8 @@ def is_another_gain(predicts: Predictor, best: FloatArray) -> bool:
     """
     event = _event(predicts, best)
     least = event.unlikely(event.own)
-    time = event.time
     for instant in event.instants:
-        step, gain = event.steps(instant), event.answer(time > instant)
+        step, gain = event.steps(instant), event.answer(event.time > instant)
         if event.gains(step, gain) and event.unlikely(np.hstack((step, gain))) - least <= VERY_STRONG:
             return True
     return False
@@ -72,7 +71,8 @@ class _Event:
     """What the last effect of a model does, and what others may do in its place."""
 
     predicts: Predictor
-    best: FloatArray
+    values: FloatArray
+    """Of the model, own units, (k,)."""
     instants: list[float]
     """Of the effect, s."""
     time: FloatArray
@@ -91,20 +91,17 @@ class _Event:
 
     def answer(self, there: NDArray[np.bool_]) -> FloatArray:
         """Return what PV answers more to OP in part of the samples, gain and level, (n, 2)."""
-        objective = self.predicts.objective
-        values = objective.space.values(self.best)
+        layout = self.predicts.objective.layout
         inputs = there.astype(np.float64), np.where(there, self.moves, 0.0)
-        return np.column_stack([objective.layout.response(each, values) for each in inputs])
+        return np.column_stack([layout.response(each, self.values) for each in inputs])
 
     def unlikely(self, columns: FloatArray) -> float:
         """Return minus twice the logarithm of the likelihood with columns at their best beside the rest.
 
         Less a constant.
         """
-        predicts = self.predicts
-        white = predicts.noise.filtered(np.hstack((self.rest, columns)))[predicts.kept]
-        white -= predicts.basis @ (predicts.basis.T @ white)
-        left = predicts.pv - white @ np.linalg.lstsq(white, predicts.pv, rcond=None)[0]
+        pv, white = self.predicts.pv, self.predicts.whitened(np.hstack((self.rest, columns)))
+        left = pv - white @ np.linalg.lstsq(white, pv, rcond=None)[0]
         return float(len(left) * math.log(left @ left))
 
     def gains(self, beside: FloatArray, columns: FloatArray) -> bool:
@@ -121,7 +118,7 @@ def _event(predicts: Predictor, best: FloatArray) -> _Event:
     columns, position = objective.columns(best), objective.layout.position(record.op, values)
     return _Event(
         predicts,
-        best,
+        values,
         values[instants_of(predicts, effect.name)].tolist(),
         np.asarray(record.facts.ts * np.arange(len(record)), dtype=np.float64),
         columns[:, ~last],

@@ -81,6 +81,11 @@ class Predictor:
         at_bound = objective.space.at_bound(values)
         return Fit(objective.model, values, coefficients, float(missed @ missed), pv, at_bound)
 
+    def whitened(self, columns: FloatArray) -> FloatArray:
+        """Return columns (n, k) behind the filter, where PV counts, less level and drift, (m, k)."""
+        white = self.noise.filtered(columns)[self.kept]
+        return np.asarray(white - self.basis @ (self.basis.T @ white), dtype=np.float64)
+
     def derivative(self, at: FloatArray) -> FloatArray:
         """Return the derivatives of the innovations by the coordinates, PV units, (m, k)."""
         columns = np.empty((len(self.pv), len(at)))
@@ -110,8 +115,7 @@ class Predictor:
         columns = self.objective.columns(at)
         if not np.isfinite(columns).all():
             return np.zeros(columns.shape[1]), np.full(len(self.pv), np.nan)
-        white = self.noise.filtered(columns)[self.kept]
-        white -= self.basis @ (self.basis.T @ white)
+        white = self.whitened(columns)
         solved = np.asarray(np.linalg.lstsq(white, self.pv, rcond=VANISHES)[0], dtype=np.float64)
         return solved, self.pv - white @ solved
 

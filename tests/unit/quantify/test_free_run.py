@@ -172,7 +172,15 @@ def test_nor_do_long_gaps_in_one_of_the_two(name, which):
     }
 
 
-@pytest.mark.parametrize(("start", "which"), [(300, "both"), (900, "pv")])
+@pytest.mark.parametrize(
+    ("start", "which"),
+    [
+        (300, "both"),
+        (900, "pv"),
+        pytest.param(300, "pv", marks=pytest.mark.bench),
+        pytest.param(900, "both", marks=pytest.mark.bench),
+    ],
+)
 def test_one_gap_leaves_s_as_it_is(start, which):
     _, window = plant("fic101_stick_slip")
     op, pv = window.op.copy(), window.pv.copy()
