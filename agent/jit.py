@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from hashlib import blake2b
 from pathlib import Path
 from typing import TypeVar, cast
@@ -15,7 +16,43 @@ from numba.core import event
 F = TypeVar("F", bound=Callable[..., object])
 
 PACKAGE = Path(__file__).parent
+PACKAGES = ("agent", "simulators")
 FOLDER = "kernels-"
+
+
+IMPORT = re.compile(r"^[ \t]*(?:from ([\w.]+) import (\([^)]*\)|[^\n]*)|import ([\w.]+))", re.MULTILINE)
+COMPILES = f"from {__name__} import"
+
+
+def sources_of_kernels(root: Path) -> list[Path]:
+    """Return the files of kernels below ``root``, and all that they import from there, directly or not.
+
+    Only these decide what is compiled: an edit elsewhere need not compile everything anew.
+    """
+    text = {
+        file: file.read_text(encoding="utf-8")
+        for folder in PACKAGES
+        for file in sorted((root / folder).rglob("*.py"))
+    }
+    waiting = [file for file, content in text.items() if COMPILES in content]
+    found: set[Path] = set()
+    while waiting:
+        file = waiting.pop()
+        if file in found:
+            continue
+        found.add(file)
+        waiting += [each for each in _imported(text[file], root) if each in text]
+    return sorted(found)
+
+
+def _imported(content: str, root: Path) -> Iterator[Path]:
+    """Yield the files that the imports of a module may mean; some do not exist."""
+    for package, names, module in IMPORT.findall(content):
+        path = root.joinpath(*(package or module).split("."))
+        yield path.with_suffix(".py")
+        yield path / "__init__.py"
+        for name in re.findall(r"\w+", names):
+            yield (path / name).with_suffix(".py")
 
 
 def digest(sources: Iterable[Path]) -> str:
@@ -36,8 +73,7 @@ def use_cache_of_this_source() -> None:
     cache = Path(os.environ.get("NUMBA_CACHE_DIR", PACKAGE / "__pycache__"))
     if not os.access(next(each for each in (cache, *cache.parents) if each.is_dir()), os.W_OK):
         return  # numba's own choice: a folder of the user
-    sources = sorted([*PACKAGE.rglob("*.py"), *(PACKAGE.parent / "simulators").rglob("*.py")])
-    folder = cache / f"{FOLDER}{digest(sources)}"
+    folder = cache / f"{FOLDER}{digest(sources_of_kernels(PACKAGE.parent))}"
     if not folder.is_dir():
         for outdated in cache.glob(f"{FOLDER}*"):
             shutil.rmtree(outdated, ignore_errors=True)

@@ -24,7 +24,7 @@ from benchmarks import (
     table_one,
     wrong_cases,
 )
-from benchmarks.options import Options
+from benchmarks.cases.options import Options
 
 BENCHMARKS = {
     "real_recordings": real_recordings.run,

@@ -14,13 +14,13 @@ from rich.progress import track
 
 from agent.analysis.diagnose import DEFAULT_QUANTIFIER
 from agent.analysis.stiction import DETECTORS
-from agent.runtime.process_pool import process_pool
-from benchmarks.diagnosed_loop import DiagnosedLoop, diagnosed_loop
-from benchmarks.markdown import table, words
-from benchmarks.options import Options
-from benchmarks.quantiles import number, percent, quantile
-from benchmarks.random_loop import KINDS, MOVED, STEADY, AnyKind
+from agent.runtime.loop.process_pool import process_pool
+from benchmarks.cases.diagnosed_loop import DiagnosedLoop, diagnosed_loop
+from benchmarks.cases.options import Options
+from benchmarks.cases.random_loop import KINDS, MOVED, STEADY, AnyKind
 from benchmarks.simulated import get_ready
+from benchmarks.tables.markdown import table, words
+from benchmarks.tables.quantiles import number, percent, quantile
 
 FIRST_SEED = 4000
 LOOPS, LOOPS_FULL = 20, 100

@@ -1,4 +1,4 @@
-"""The weights of the evidence, from simulated loops: prints what `agent/analysis/evidence_weights.py` holds.
+"""The weights of the evidence, from simulated loops: prints what `agent/analysis/evidence/weights.py` holds.
 
 Logistic regression with a small penalty; no weight may be below zero. The seeds are used for nothing else.
 """
@@ -15,15 +15,15 @@ from rich.progress import track
 from scipy.optimize import minimize
 
 from agent.analysis.diagnose import with_likelihood
-from agent.analysis.evidence import SAYS, features
+from agent.analysis.evidence.weighing import SAYS, features
 from agent.analysis.gates import gates
 from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.quantify import quantifier
-from agent.analysis.recording import FloatArray, LoopWindow
+from agent.analysis.record.recording import FloatArray, LoopWindow
 from agent.analysis.results import MethodResult
 from agent.analysis.stiction import DETECTORS, detect_stiction
-from benchmarks.options import Options
-from benchmarks.random_loop import KINDS, AnyKind, RandomLoop, random_loop
+from benchmarks.cases.options import Options
+from benchmarks.cases.random_loop import KINDS, AnyKind, RandomLoop, random_loop
 
 SEEDS = range(3000, 3014)
 MORE_SEEDS = range(3040, 3065)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.markdown import table
-from benchmarks.options import Options
+from benchmarks.cases.options import Options
+from benchmarks.tables.markdown import table
 from tests.faults.matrix import BUSES, LASTS, measured
 
 ALLOWED = 5.0

@@ -12,18 +12,18 @@ from rich.console import Console
 from rich.progress import track
 
 from agent.analysis.diagnose import without_impossible
-from agent.analysis.recording import LoopHints
-from agent.cli.recordings import loop_window
+from agent.analysis.record.recording import LoopHints
+from agent.cli.common.recordings import loop_window
 from agent.plots.axes import MEASURED, MODEL, VALVE, legend_above, tidy
 from agent.plots.time_units import time_of
-from agent.runtime.process_pool import process_pool
+from agent.report.comparison_text import verdict_words
+from agent.runtime.loop.process_pool import process_pool
 from agent.workbench.comparison import Comparison
-from agent.workbench.comparison_text import verdict_words
 from agent.workbench.session import Workbench
-from benchmarks.markdown import table
-from benchmarks.options import Options
-from benchmarks.page import put
-from benchmarks.recordings_folder import ROOT, indexed, recordings_folder
+from benchmarks.cases.options import Options
+from benchmarks.cases.recordings_folder import ROOT, indexed, recordings_folder
+from benchmarks.tables.markdown import table
+from benchmarks.tables.page import put
 from connectors.recording import read_recording
 
 SHOWN = (

@@ -17,13 +17,13 @@ import numpy as np
 from rich.console import Console
 from rich.progress import track
 
-from agent.runtime.process_pool import process_pool
-from benchmarks.hidden_case import HiddenCase, judge
-from benchmarks.markdown import table
-from benchmarks.options import Options
-from benchmarks.quantiles import number, percent, quantile
-from benchmarks.targets import Target, share
-from simulators.hidden_effects import NOTHING, TRUTHS, HiddenTruth
+from agent.runtime.loop.process_pool import process_pool
+from benchmarks.cases.hidden_case import HiddenCase, judge
+from benchmarks.cases.options import Options
+from benchmarks.tables.markdown import table
+from benchmarks.tables.quantiles import number, percent, quantile
+from benchmarks.tables.targets import Target, share
+from simulators.draws.hidden_effects import NOTHING, TRUTHS, HiddenTruth
 
 FIRST_SEED = 5377
 LOOPS, LOOPS_FULL = 8, 30

@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.bounded_search import grid
-from agent.analysis.quantify.output_error import FIRST_ORDER, SECOND_ORDER, output_errors
-from agent.analysis.quantify.valve_law import HE
-from benchmarks.cpu_time import seconds
-from benchmarks.markdown import table
-from benchmarks.options import Options
+from agent.analysis.quantify.processes.output_error import FIRST_ORDER, SECOND_ORDER, output_errors
+from agent.analysis.quantify.valves.bounded_search import grid
+from agent.analysis.quantify.valves.valve_law import HE
+from benchmarks.cases.cpu_time import seconds
+from benchmarks.cases.options import Options
 from benchmarks.table_one import MEANS
+from benchmarks.tables.markdown import table
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 from tests.reference.lee2008_numpy import map_at_once, map_by_candidate
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 DELAYS = np.arange(1, 11)
 ORDERS = {FIRST_ORDER: "order 1", SECOND_ORDER: "order 2"}

@@ -1,7 +1,7 @@
 """Several recordings of one valve: what they say alone and together, on simulated valves.
 
-The kinds are those that are hard to judge alone (`benchmarks/random_group.py`). Seeds 9000 to 9003 were used
-to choose how evidence is taken together; those from 9004 on for nothing else.
+The kinds are those that are hard to judge alone (`benchmarks/cases/random_group.py`). Seeds 9000 to 9003 were
+used to choose how evidence is taken together; those from 9004 on for nothing else.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from rich.console import Console
 from rich.progress import track
 
 from agent.analysis.diagnose import SURE, diagnose
-from agent.analysis.joint_evidence import weigh_together
+from agent.analysis.evidence.together import weigh_together
 from agent.analysis.one_valve import judged_together
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Diagnosis, Verdict
-from agent.runtime.process_pool import process_pool
-from benchmarks.markdown import table
-from benchmarks.options import Options
-from benchmarks.random_group import GROUP_KINDS, random_group
-from benchmarks.random_loop import STICKING, AnyKind
+from agent.runtime.loop.process_pool import process_pool
+from benchmarks.cases.options import Options
+from benchmarks.cases.random_group import GROUP_KINDS, random_group
+from benchmarks.cases.random_loop import STICKING, AnyKind
+from benchmarks.tables.markdown import table
 
 SEEDS = range(9004, 9010)
 MORE_SEEDS = range(9004, 9020)

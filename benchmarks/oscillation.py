@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from agent.analysis.oscillation import DETECTORS, detect_oscillation
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
-from benchmarks.markdown import table
-from benchmarks.options import Options
-from benchmarks.recordings_folder import recordings_folder
+from benchmarks.cases.options import Options
+from benchmarks.cases.recordings_folder import recordings_folder
+from benchmarks.tables.markdown import table
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,9 +15,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.markdown import table, words
-from benchmarks.options import Options
-from benchmarks.recordings_folder import indexed, recordings_folder
+from benchmarks.cases.options import Options
+from benchmarks.cases.recordings_folder import indexed, recordings_folder
+from benchmarks.tables.markdown import table, words
 
 RUNS = {
     "`free_run`, alone": ("free_run", "--each"),

@@ -8,13 +8,13 @@ from rich.console import Console
 from rich.progress import track
 
 from agent.analysis.diagnose import DEFAULT_QUANTIFIER
-from agent.analysis.quantify.output_error import FIRST_ORDER
-from agent.analysis.recording import LoopWindow
-from benchmarks.cpu_time import diagnosis_seconds, quantifier_seconds
+from agent.analysis.quantify.processes.output_error import FIRST_ORDER
+from agent.analysis.record.recording import LoopWindow
+from benchmarks.cases.cpu_time import diagnosis_seconds, quantifier_seconds
+from benchmarks.cases.options import Options
 from benchmarks.lee2008_map import numpy_seconds, sticking_loop
-from benchmarks.markdown import table
-from benchmarks.options import Options
 from benchmarks.table_one import MEANS
+from benchmarks.tables.markdown import table
 from tests.reference.lee2008_numpy import map_by_candidate
 
 LENGTHS = (500, 1000, 1500, 2000, 5000, 10_000, 20_000)

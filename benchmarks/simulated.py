@@ -16,8 +16,11 @@ from rich.progress import track
 
 from agent.analysis.diagnose import DEFAULT_QUANTIFIER
 from agent.analysis.quantify import QUANTIFIERS
-from agent.runtime.process_pool import process_pool
-from benchmarks.accuracy_tables import (
+from agent.runtime.loop.process_pool import process_pool
+from benchmarks.cases.case import Case, judge, warm
+from benchmarks.cases.case_file import append_cases, read_cases
+from benchmarks.cases.options import Options
+from benchmarks.tables.accuracy_tables import (
     KINDS,
     coverage,
     errors_by_method,
@@ -25,11 +28,8 @@ from benchmarks.accuracy_tables import (
     evidence,
     verdicts,
 )
-from benchmarks.case import Case, judge, warm
-from benchmarks.case_file import append_cases, read_cases
-from benchmarks.options import Options
-from benchmarks.targets import targets
-from simulators.random_plants import Kind
+from benchmarks.tables.targets import targets
+from simulators.draws.random_plants import Kind
 
 FIRST_SEED = 1000
 STICKING, STICKING_FULL = 200, 600

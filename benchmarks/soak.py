@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from agent.cli.config_folder import config_folder
-from benchmarks.markdown import table
-from benchmarks.options import Options
+from agent.cli.common.config_folder import config_folder
+from benchmarks.cases.options import Options
+from benchmarks.tables.markdown import table
 from simulators.clock import Clock
 from simulators.player import play
 from simulators.scenario import Scenario, load_scenario

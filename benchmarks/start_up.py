@@ -13,12 +13,12 @@ from statistics import median
 import numpy as np
 
 from agent.analysis.diagnose import DEFAULT_QUANTIFIER
-from agent.analysis.recording import LoopHints
-from agent.cli.recordings import loop_window
-from benchmarks.cpu_time import diagnosis_seconds
+from agent.analysis.record.recording import LoopHints
+from agent.cli.common.recordings import loop_window
+from benchmarks.cases.cpu_time import diagnosis_seconds
+from benchmarks.cases.options import Options
 from benchmarks.lee2008_map import sticking_loop
-from benchmarks.markdown import table
-from benchmarks.options import Options
+from benchmarks.tables.markdown import table
 from connectors.recording import read_recording
 
 SAMPLES = 1500

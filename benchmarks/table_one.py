@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from agent.analysis.quantify import quantifier
-from agent.analysis.recording import LoopHints, LoopWindow
-from agent.cli.recordings import loop_window
+from agent.analysis.record.recording import LoopHints, LoopWindow
+from agent.cli.common.recordings import loop_window
 from agent.units import FrictionBands
-from benchmarks.cpu_time import quantifier_seconds
-from benchmarks.markdown import table
-from benchmarks.options import Options
-from benchmarks.printed_valve import times_the_least
-from benchmarks.recordings_folder import recordings_folder
+from benchmarks.cases.cpu_time import quantifier_seconds
+from benchmarks.cases.options import Options
+from benchmarks.cases.printed_valve import times_the_least
+from benchmarks.cases.recordings_folder import recordings_folder
+from benchmarks.tables.markdown import table
 from connectors.recording import read_recording
 
 PRINTED = {"CHEM10": (12.9, 15.4), "CHEM11": (14.0, 19.5), "CHEM12": (23.4, 54.3)}

@@ -15,19 +15,19 @@ from rich.progress import track
 from agent.analysis.diagnose import diagnose, without_impossible
 from agent.analysis.one_valve import judged_together
 from agent.analysis.oscillation.acf_zero_crossings import autocorrelation
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Diagnosis
-from agent.cli.one_valve import valves
-from agent.cli.recordings import loop_window
+from agent.cli.common.one_valve import valves
+from agent.cli.common.recordings import loop_window
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
 from agent.plots.time_units import time_of
-from agent.runtime.process_pool import process_pool
-from benchmarks.markdown import table, words
-from benchmarks.options import Options
+from agent.runtime.loop.process_pool import process_pool
+from benchmarks.cases.options import Options
+from benchmarks.cases.recordings_folder import ROOT, indexed, recordings_folder
 from benchmarks.oscillation import Flagged, flagged
-from benchmarks.page import put
 from benchmarks.real_recordings import NOT_SCORED, is_right
-from benchmarks.recordings_folder import ROOT, indexed, recordings_folder
+from benchmarks.tables.markdown import table, words
+from benchmarks.tables.page import put
 from connectors.recording import read_recording
 
 PAGE = ROOT / "docs" / "wrong_cases.md"

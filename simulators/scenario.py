@@ -15,6 +15,7 @@ from pydantic import Field, PositiveFloat, ValidationError, model_validator
 
 from connectors.base import ConfigError
 from simulators.disturbance import at_time
+from simulators.draws.stability import peak_sensitivity
 from simulators.parameters import (
     ControllerParameters,
     Drift,
@@ -30,7 +31,6 @@ from simulators.parameters import (
     ValveParameters,
     Wander,
 )
-from simulators.stability import peak_sensitivity
 
 TIGHT = 4.0
 """Peak sensitivity beyond which a loop swings by itself: its gain margin is then 1.33 or less."""

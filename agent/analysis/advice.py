@@ -10,7 +10,7 @@ from agent.units import FrictionBands
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import Cause, Oscillation, StictionClass, StictionEstimate, Verdict
 
 REPAIRS: dict[StictionClass, str] = {

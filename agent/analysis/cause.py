@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.recording import FloatArray, LoopWindow
+from agent.analysis.record.recording import FloatArray, LoopWindow
 from agent.analysis.results import CauseShare, Oscillation, Quantification
 
 EXPLAINED = 0.8
@@ -24,7 +24,7 @@ COHERENT = 0.8
 """Part of PV's variance in one wave of constant phase that only a source outside keeps up.
 
 Between what simulated loops show: at most 0.65 in 40 tightly tuned ones, at least 0.93 in 40 with a
-sinusoidal load (``simulators.random_plants``, 2000 samples).
+sinusoidal load (``simulators.draws.random_plants``, 2000 samples).
 """
 COHERENT_REST = 0.4
 """The same of what a sticking valve's model leaves, to blame a disturbance beside it.

@@ -10,14 +10,14 @@ import numpy as np
 
 from agent.analysis.advice import advice
 from agent.analysis.cause import cause_without_stiction, causes_with_stiction
-from agent.analysis.evidence import weigh
+from agent.analysis.evidence.weighing import weigh
 from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
 from agent.analysis.innovations import log_likelihood_ratio
 from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.quantify import Quantifier
 from agent.analysis.quantify import quantifier as quantifier_named
 from agent.analysis.reasons import bands_of, reasons
-from agent.analysis.recording import FloatArray, LoopWindow
+from agent.analysis.record.recording import FloatArray, LoopWindow
 from agent.analysis.results import (
     CauseShare,
     Diagnosis,
@@ -30,7 +30,7 @@ from agent.analysis.stiction import detect_stiction
 from agent.analysis.stiction_class import stiction_class
 
 if TYPE_CHECKING:
-    from agent.analysis.evidence import Weighed
+    from agent.analysis.evidence.weighing import Weighed
     from agent.analysis.gates import GateFault
 
 LARGEST = 1e15

@@ -10,15 +10,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from agent.analysis.diagnose import SURE, verdict_of, with_verdict
-from agent.analysis.evidence import weigh
-from agent.analysis.joint_evidence import weigh_together
-from agent.analysis.same_event import one_of_each
+from agent.analysis.evidence.together import weigh_together
+from agent.analysis.evidence.weighing import weigh
+from agent.analysis.record.same_event import one_of_each
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.analysis.evidence import Weighed
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.evidence.weighing import Weighed
+    from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import Diagnosis
 
 CONTRARY = "it keeps its own verdict, for a valve may be repaired, or wear, between two recordings"

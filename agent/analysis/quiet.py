@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import CauseShare, Diagnosis, MethodResult, Oscillation
 
 CONFIDENCE = 0.5

@@ -12,9 +12,9 @@ from agent.units import FrictionBands
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from agent.analysis.evidence import Weighed
+    from agent.analysis.evidence.weighing import Weighed
     from agent.analysis.gates import GateFault
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import (
         MethodKind,
         Oscillation,

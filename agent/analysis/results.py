@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.units import FrictionBands
 
 Verdict = Literal["stiction", "no_stiction", "undecided", "not_testable"]

@@ -14,10 +14,10 @@ from agent.cli.alarms import alarms
 from agent.cli.browse import browse
 from agent.cli.certificates import certificates
 from agent.cli.check import check
+from agent.cli.common.errors import BAD_INPUT, complain
 from agent.cli.compare import compare
 from agent.cli.demo import demo
 from agent.cli.diagnose import diagnose
-from agent.cli.errors import BAD_INPUT, complain
 from agent.cli.history import history
 from agent.cli.registers import registers
 from agent.cli.replay import replay

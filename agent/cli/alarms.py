@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from agent.cli.state_file import ConfigPath, StatePath, opened, state_file
+from agent.cli.common.state_file import ConfigPath, StatePath, opened, state_file
 
 if TYPE_CHECKING:
     from agent.alarms import Alarm
-    from agent.runtime.store import Store
+    from agent.runtime.store.store import Store
 
 TAKEN_WITHIN = 3.0
 """s; a running agent takes a command within half a second."""
@@ -92,7 +92,7 @@ def return_to_service(loop: Loop, state: StatePath = None, config: ConfigPath = 
 
 def _store(state: Path | None, config: Path | None) -> AbstractContextManager[Store]:
     """Open the agent's file; raises ConfigError where there is none."""
-    from agent.runtime.store import Store
+    from agent.runtime.store.store import Store
 
     return opened(state_file(state, config), functools.partial(Store, create=False), "when it runs")
 

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from agent.cli.columns import aligned
+from agent.cli.common.columns import aligned
 from connectors.base import ConfigError, ConnectionLostError
 
 if TYPE_CHECKING:
-    from agent.runtime.loop_search import LoopSearch
+    from agent.runtime.commission.loop_search import LoopSearch
     from connectors.opcua.browse import Bounds
     from connectors.opcua.options import OpcUaOptions
 
@@ -113,7 +113,7 @@ def browse(
 
 
 def _searched(options: OpcUaOptions, bounds: Bounds, root: str, patterns: Mapping[str, str]) -> LoopSearch:
-    from agent.runtime.loop_search import find_loops
+    from agent.runtime.commission.loop_search import find_loops
 
     try:
         with _progress() as tell:

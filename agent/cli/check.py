@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from agent.cli.columns import aligned
-from agent.cli.errors import BAD_INPUT
+from agent.cli.common.columns import aligned
+from agent.cli.common.errors import BAD_INPUT
 
 if TYPE_CHECKING:
-    from agent.runtime.probe import Finding
+    from agent.runtime.commission.probe import Finding
     from agent.settings import LoopSettings, Settings
 
 
@@ -54,7 +54,7 @@ def check(
 def _probed(settings: Settings, within: float, watch: float) -> tuple[Finding, ...]:
     from rich.console import Console
 
-    from agent.runtime.probe import probe
+    from agent.runtime.commission.probe import probe
 
     logging.getLogger("connectors").setLevel(logging.CRITICAL)  # the report tells it, with loop and tag
     tags = sum(len(loop.roles) for loop in settings.loops)
@@ -129,7 +129,7 @@ def _report(settings: Settings, findings: Sequence[Finding]) -> list[str]:
 
 
 def _tag_row(finding: Finding) -> list[str]:
-    from agent.runtime.plausibility import duration
+    from agent.runtime.commission.plausibility import duration
 
     reading = finding.reading
     if reading is None:

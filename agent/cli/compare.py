@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from agent.cli import recordings as option
-from agent.cli.compilation import announce_compilation
-from agent.cli.errors import BAD_INPUT, complain
+from agent.cli.common import recordings as option
+from agent.cli.common.compilation import announce_compilation
+from agent.cli.common.errors import BAD_INPUT, complain
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
     from agent.workbench.comparison import Comparison
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.session import Workbench
@@ -95,11 +95,11 @@ def compare(
     if report is not None:
         written.append(_report(bench, found, report))
     if as_json:
-        from agent.workbench.comparison_json import comparison_json
+        from agent.report.comparison_json import comparison_json
 
         text = json.dumps(comparison_json(found, recording.name), allow_nan=False)
     else:
-        from agent.workbench.comparison_text import comparison_lines
+        from agent.report.comparison_text import comparison_lines
 
         text = "\n".join(comparison_lines(found))
     print(text, flush=True)  # noqa: T201 - this is the command's output
@@ -122,7 +122,7 @@ def _check_names(base: str, names: Iterable[str]) -> None:
 
 def _window(path: Path, columns: Columns) -> LoopWindow:
     from agent.analysis.diagnose import without_impossible
-    from agent.analysis.recording import LoopHints
+    from agent.analysis.record.recording import LoopHints
     from connectors.recording import read_recording
 
     return without_impossible(option.loop_window(read_recording(path, columns), LoopHints()))
@@ -189,7 +189,7 @@ def _pool() -> Iterator[Map]:
         announce_compilation(threading.Event())
         yield map
         return
-    from agent.runtime.process_pool import CONTEXT, process_pool
+    from agent.runtime.loop.process_pool import CONTEXT, process_pool
 
     CONTEXT.set_forkserver_preload(["agent.workbench.session"])  # imports once
     told = CONTEXT.Event()

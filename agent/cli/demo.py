@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from agent.analysis.results import Diagnosis
-    from agent.cli.stage import Stage
-    from agent.runtime.status import LoopStatus
+    from agent.cli.common.stage import Stage
+    from agent.runtime.operate.status import LoopStatus
     from simulators.scenario import Scenario
 
 
@@ -63,7 +63,7 @@ def demo(
     del no_web  # there is no page yet
     from rich.console import Console
 
-    from agent.cli.errors import BAD_INPUT, complain
+    from agent.cli.common.errors import BAD_INPUT, complain
 
     console = Console(stderr=as_json)
     try:
@@ -91,9 +91,9 @@ async def _play(seconds: float, console: Console) -> tuple[list[DemoLoop], float
     import yaml
     from rich.live import Live
 
-    from agent.cli.config_folder import config_folder
-    from agent.cli.stage import LOOK, on_stage
-    from agent.runtime.workers import PoolExecutor
+    from agent.cli.common.config_folder import config_folder
+    from agent.cli.common.stage import LOOK, on_stage
+    from agent.runtime.loop.workers import PoolExecutor
     from simulators.scenario import load_scenario
     from simulators.source import PlantSource
 

@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from agent.cli import recordings as option
-from agent.cli.compilation import announce_compilation
-from agent.cli.errors import BAD_INPUT, complain
-from agent.cli.one_valve import together, valves
-from agent.cli.pictures import draw, picture_files
+from agent.cli.common import recordings as option
+from agent.cli.common.compilation import announce_compilation
+from agent.cli.common.errors import BAD_INPUT, complain
+from agent.cli.common.one_valve import together, valves
+from agent.cli.common.pictures import draw, picture_files
 
 if TYPE_CHECKING:
     from agent.analysis.quantify import Quantifier
-    from agent.analysis.recording import LoopHints, LoopWindow
+    from agent.analysis.record.recording import LoopHints, LoopWindow
     from agent.analysis.results import Diagnosis
     from connectors.recording import Columns
 
@@ -120,7 +120,7 @@ def diagnose(
     What is undecided alone may so be decided; what is firm alone stays. What
     they say together is the first reason of each.
     """
-    from agent.analysis.recording import LoopHints
+    from agent.analysis.record.recording import LoopHints
     from connectors.recording import Columns
 
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
@@ -193,7 +193,7 @@ def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
         announce_compilation(threading.Event())
         yield from map(work_out, tasks)
         return
-    from agent.runtime.process_pool import CONTEXT, process_pool
+    from agent.runtime.loop.process_pool import CONTEXT, process_pool
 
     CONTEXT.set_forkserver_preload(["agent.analysis.diagnose"])  # imports once
     told = CONTEXT.Event()
@@ -228,11 +228,11 @@ def _progress(total: int) -> Iterator[Callable[[], None]]:
 
 def _say(diagnosis: Diagnosis, path: Path, *, as_json: bool) -> None:
     if as_json:
-        from agent.analysis.diagnosis_json import diagnosis_json
+        from agent.report.diagnosis_json import diagnosis_json
 
         text = json.dumps(diagnosis_json(diagnosis, path.name), allow_nan=False)
     else:
-        from agent.analysis.diagnosis_text import diagnosis_lines
+        from agent.report.diagnosis_text import diagnosis_lines
 
         text = "\n".join(diagnosis_lines(diagnosis))
     print(text, flush=True)  # noqa: T201 - this is the command's output

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from agent.cli.state_file import ConfigPath, StatePath, opened, state_file
+from agent.cli.common.state_file import ConfigPath, StatePath, opened, state_file
 
 if TYPE_CHECKING:
-    from agent.runtime.history_file import Entry
+    from agent.runtime.store.history_file import Entry
 
 LAST = 50
 """Entries that are shown unless told otherwise."""
@@ -31,7 +31,7 @@ def history(
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object a line.")] = False,
 ) -> None:
     """Show verdicts and changes of alarms, the oldest first. It may run beside the agent."""
-    from agent.runtime.history_file import HistoryFile, history_path
+    from agent.runtime.store.history_file import HistoryFile, history_path
 
     path, start = history_path(state_file(state, config)), None if since is None else _time(since)
     with opened(path, functools.partial(HistoryFile, create=False), "with its first verdict") as file:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from agent.cli.columns import aligned
+from agent.cli.common.columns import aligned
 from connectors.base import ConfigError
 
 if TYPE_CHECKING:

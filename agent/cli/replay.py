@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from agent.cli import recordings as option
-from agent.cli.errors import BAD_INPUT, complain
+from agent.cli.common import recordings as option
+from agent.cli.common.errors import BAD_INPUT, complain
 
 if TYPE_CHECKING:
     from agent.analysis.results import Diagnosis
-    from agent.cli.stage import Stage
-    from agent.runtime.workers import Executor
+    from agent.cli.common.stage import Stage
+    from agent.runtime.loop.workers import Executor
     from connectors.recording import Columns, RecordedLoop
 
 TELL = 10.0
@@ -87,7 +87,7 @@ async def _replay_all(
     paths: list[Path], columns: Columns, bus: Bus, speed: float | None, *, as_json: bool
 ) -> bool:
     """Play one recording after the other; return whether any failed."""
-    from agent.runtime.workers import PoolExecutor
+    from agent.runtime.loop.workers import PoolExecutor
     from connectors.base import ConfigError
     from connectors.recording import read_recording
 
@@ -112,8 +112,8 @@ async def _replay_all(
 async def _play(recording: RecordedLoop, bus: Bus, speed: float | None, executor: Executor) -> Played:
     from dataclasses import replace
 
-    from agent.analysis.recording import LoopHints
-    from agent.cli.stage import on_stage, until
+    from agent.analysis.record.recording import LoopHints
+    from agent.cli.common.stage import on_stage, until
     from simulators.source import RecordingSource
 
     started = wall.monotonic()
@@ -154,7 +154,7 @@ async def _with_progress(stage: Stage, loop: str, recording: RecordedLoop) -> No
 
 
 def _say(recording: RecordedLoop, bus: Bus, played: Played, *, as_json: bool) -> None:
-    from agent.analysis.diagnosis_json import stiction_json
+    from agent.report.diagnosis_json import stiction_json
 
     diagnosis = played.diagnosis
     verdict = diagnosis.verdict if diagnosis else "not_testable"

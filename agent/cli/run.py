@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from agent.cli.logs import LogFormat, LogLevel, set_up
+from agent.cli.common.logs import LogFormat, LogLevel, set_up
 
 if TYPE_CHECKING:
     from agent.analysis.results import Diagnosis
@@ -33,8 +33,8 @@ def run(
 
     SIGHUP reads the configuration anew; what did not change goes on.
     """
-    from agent.runtime.heap import keep_one_heap
-    from agent.runtime.lock import only_agent_of
+    from agent.runtime.operate.heap import keep_one_heap
+    from agent.runtime.store.lock import only_agent_of
     from agent.settings import load_settings
 
     settings = load_settings(config)
@@ -46,11 +46,11 @@ def run(
 
 async def _until_told(config: Path, settings: Settings) -> None:
     from agent.runtime.agent import Agent
-    from agent.runtime.notify import ServiceManager
-    from agent.runtime.reload import Reloader
+    from agent.runtime.loop.workers import PoolExecutor
+    from agent.runtime.operate.notify import ServiceManager
+    from agent.runtime.operate.reload import Reloader
+    from agent.runtime.operate.watchdog import watch
     from agent.runtime.supervisor import Health
-    from agent.runtime.watchdog import watch
-    from agent.runtime.workers import PoolExecutor
 
     told, changed, manager = asyncio.Event(), asyncio.Event(), ServiceManager.of()
     for number, event in ((signal.SIGTERM, told), (signal.SIGINT, told), (signal.SIGHUP, changed)):
@@ -80,8 +80,8 @@ async def _until_told(config: Path, settings: Settings) -> None:
 
 def _serve_http(agent: Agent, settings: HttpSettings) -> None:
     """Tell health and metrics while the agent works."""
-    from agent.runtime.http import serve
-    from agent.runtime.metrics import Metrics
+    from agent.runtime.operate.http import serve
+    from agent.runtime.operate.metrics import Metrics
     from agent.runtime.supervisor import Health
 
     metrics, health = Metrics(agent.overview), Health(f"http server on {settings.host} port {settings.port}")

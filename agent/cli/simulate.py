@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from agent.cli.errors import BAD_INPUT, complain
+from agent.cli.common.errors import BAD_INPUT, complain
 
 
 def simulate(

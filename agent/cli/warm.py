@@ -6,7 +6,7 @@ import time
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
 
 
 def warm() -> None:
@@ -15,8 +15,8 @@ def warm() -> None:
 
     from agent.analysis.diagnose import diagnose
     from agent.analysis.quantify import QUANTIFIERS
-    from agent.analysis.recording import LoopHints, LoopWindow
-    from agent.runtime.trigger import trigger
+    from agent.analysis.record.recording import LoopHints, LoopWindow
+    from agent.runtime.loop.trigger import trigger
 
     print("slipjump: compiling the numerical kernels, once ...", flush=True)  # noqa: T201 - the command's output
     started = time.perf_counter()

@@ -9,14 +9,14 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
-from agent.analysis.quantify.error_map import ALIKE
+from agent.analysis.quantify.valves.error_map import ALIKE
 from agent.plots.axes import MODEL, tidy
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from agent.analysis.quantify.error_map import ErrorMap
+    from agent.analysis.quantify.valves.error_map import ErrorMap
     from agent.analysis.results import Quantification, StictionEstimate
 
 LEVELS = (1.0, 1.05, ALIKE, 1.2, 1.4, 1.8, 2.5, 4.0, 7.0, 12.0, 25.0, 60.0)

@@ -12,7 +12,7 @@ from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, ti
 from agent.plots.time_units import time_of
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.analysis.results import Diagnosis, Quantification
 
 

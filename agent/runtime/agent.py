@@ -13,21 +13,21 @@ from typing import Any
 from agent.alarms import Announcement
 from agent.analysis.diagnose import diagnose
 from agent.analysis.results import Diagnosis
-from agent.runtime.connection import Connection
 from agent.runtime.crew import Crew
-from agent.runtime.history import History
-from agent.runtime.history_file import history_path
-from agent.runtime.journal import Journal
-from agent.runtime.operators import Operators
-from agent.runtime.orders import Orders
-from agent.runtime.outbox import Outbox
-from agent.runtime.pipeline import Diagnose, Judged, Observer
-from agent.runtime.plan import AT_START, difference
-from agent.runtime.status import AgentStatus, LoopStatus, connection_status, loop_status
+from agent.runtime.link.connection import Connection
+from agent.runtime.link.outbox import Outbox
+from agent.runtime.link.withdrawal import leaving, withdraw
+from agent.runtime.loop.pipeline import Diagnose, Judged, Observer
+from agent.runtime.loop.workers import Executor
+from agent.runtime.operate.operators import Operators
+from agent.runtime.operate.orders import Orders
+from agent.runtime.operate.plan import AT_START, difference
+from agent.runtime.operate.status import AgentStatus, LoopStatus, connection_status, loop_status
+from agent.runtime.store.history import History
+from agent.runtime.store.history_file import history_path
+from agent.runtime.store.journal import Journal
 from agent.runtime.supervisor import Health
 from agent.runtime.wiring import Wiring
-from agent.runtime.withdrawal import leaving, withdraw
-from agent.runtime.workers import Executor
 from agent.settings import Settings, connectors_of
 from connectors.base import Connector
 

@@ -8,16 +8,16 @@ import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 from agent.alarms import Alarm
-from agent.runtime.change import Change
-from agent.runtime.connection import Connection
-from agent.runtime.journal import Journal
-from agent.runtime.orders import Orders
-from agent.runtime.outbox import Outbox
-from agent.runtime.pipeline import Diagnose, LoopPipeline, Observer
-from agent.runtime.plan import connection_plans
-from agent.runtime.source_clock import SourceClock
+from agent.runtime.link.connection import Connection
+from agent.runtime.link.outbox import Outbox
+from agent.runtime.loop.pipeline import Diagnose, LoopPipeline, Observer
+from agent.runtime.loop.source_clock import SourceClock
+from agent.runtime.loop.workers import Executor
+from agent.runtime.operate.orders import Orders
+from agent.runtime.operate.plan import connection_plans
+from agent.runtime.store.change import Change
+from agent.runtime.store.journal import Journal
 from agent.runtime.supervisor import Health
-from agent.runtime.workers import Executor
 from agent.settings import LoopSettings, Settings
 from connectors.base import Connector, Publication, Sample
 

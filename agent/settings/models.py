@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from agent.alarms import Priority
-from agent.analysis.recording import LoopHints
+from agent.analysis.record.recording import LoopHints
 from agent.settings.service import HistorySettings, HttpSettings
 from connectors.options import Options, Seconds, Target
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from agent.workbench.decision import LEAST_PERCENT, Decision, judge
 from agent.workbench.doubts import Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
-from agent.workbench.holm import LEVEL
 from agent.workbench.likeliest import is_strong, outdone, plain
-from agent.workbench.state_dependence import LEVEL as FOLLOWED
-from agent.workbench.state_dependence import resolves, state_dependence
+from agent.workbench.residual.holm import LEVEL
+from agent.workbench.residual.state_dependence import LEVEL as FOLLOWED
+from agent.workbench.residual.state_dependence import resolves, state_dependence
 from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
     from agent.physics.effect import Effect, Facts
     from agent.workbench.fit import Fit
-    from agent.workbench.line_spectrum import LineSpectrum
     from agent.workbench.record import Record
+    from agent.workbench.residual.line_spectrum import LineSpectrum
+    from agent.workbench.residual.where import Failure
     from agent.workbench.trial import Tried
-    from agent.workbench.where import Failure
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from scipy.stats import combine_pvalues
 from agent.workbench.instant_order import instants_of
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.predictor import Predictor
 
 BEFORE = 2

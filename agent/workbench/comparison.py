@@ -9,9 +9,9 @@ from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
     from agent.workbench.decision import Candidate
-    from agent.workbench.line_spectrum import Line
-    from agent.workbench.noise_floor import NoiseFloor
-    from agent.workbench.where import Failure
+    from agent.workbench.residual.line_spectrum import Line
+    from agent.workbench.residual.noise_floor import NoiseFloor
+    from agent.workbench.residual.where import Failure
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from agent.workbench.holm import LEVEL, holm
 from agent.workbench.likeliest import less_likely
 from agent.workbench.paired_blocks import reduction, sign_flip_p
+from agent.workbench.residual.holm import LEVEL, holm
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping

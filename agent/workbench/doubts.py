@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING
 from agent.workbench.coincidence import LEVEL as COINCIDENT
 from agent.workbench.coincidence import coincidence_p
 from agent.workbench.fit import contributions
-from agent.workbench.holm import LEVEL
 from agent.workbench.likeliest import VERY_STRONG, is_strong, less_likely
-from agent.workbench.line_spectrum import CERTAIN_PART, line_spectrum
 from agent.workbench.other_event import is_another_gain, is_only_another_level
-from agent.workbench.state_dependence import fails, state_dependence, still_fails
+from agent.workbench.residual.holm import LEVEL
+from agent.workbench.residual.line_spectrum import CERTAIN_PART, line_spectrum
+from agent.workbench.residual.state_dependence import fails, state_dependence, still_fails
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.decision import Decision
     from agent.workbench.evidence import Evidence
     from agent.workbench.fit import Fit
-    from agent.workbench.line_spectrum import LineSpectrum
     from agent.workbench.predictor import Predictor
-    from agent.workbench.state_dependence import Dependence
+    from agent.workbench.residual.line_spectrum import LineSpectrum
+    from agent.workbench.residual.state_dependence import Dependence
     from agent.workbench.step import Step
     from agent.workbench.trial import Tried
 

@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
-from agent.analysis.stiction.phase_surrogates import surrogates
+from agent.analysis.stiction.shapes.phase_surrogates import surrogates
 from agent.physics.loop_model import LoopModel
+from agent.workbench.residual.state_dependence import directions, left_of_start
 from agent.workbench.search import hypercube
 from agent.workbench.space import space_of
-from agent.workbench.state_dependence import directions, left_of_start
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import DisturbanceEffect, Effect
     from agent.workbench.predictor import Predictor
 

@@ -16,7 +16,7 @@ from agent.workbench.likeliest import VERY_STRONG, very_strong
 from agent.workbench.valve_scan import VALVES
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
     from agent.workbench.innovations import Innovations
     from agent.workbench.predictor import Predictor

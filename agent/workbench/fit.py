@@ -25,7 +25,7 @@ from agent.workbench.search import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.physics.loop_model import LoopModel
     from agent.workbench.innovations import Innovations
     from agent.workbench.projection import Solved, Target

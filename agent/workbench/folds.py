@@ -21,7 +21,7 @@ from agent.workbench.record import FEW_CYCLES
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.innovations import Innovations
     from agent.workbench.record import Record
 

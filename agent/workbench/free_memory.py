@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.state_dependence import directions, past_of
+from agent.workbench.residual.state_dependence import directions, past_of
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.predictor import Predictor
 
 

@@ -28,13 +28,13 @@ from agent.workbench.likelihood_profile import (
     likelihood_profile,
 )
 from agent.workbench.paired_blocks import CONFIDENCE
+from agent.workbench.residual.state_dependence import Dependence, state_dependence
 from agent.workbench.space import space_of
-from agent.workbench.state_dependence import Dependence, state_dependence
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.folds import HeldOut
     from agent.workbench.record import Record
     from agent.workbench.space import Space

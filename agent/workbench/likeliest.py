@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from agent.workbench.holm import LEVEL
+from agent.workbench.residual.holm import LEVEL
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping

@@ -17,14 +17,14 @@ from agent.workbench.paired_blocks import CONFIDENCE
 from agent.workbench.search import lowered_by_simplex
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.predictor import Predictor
 
 WIDER = 1.1
 """Intervals of what answers OP over those of the books, which take OP for given; in closed loop it holds the
-noise. Of 148 parameters of six effects (``simulators.hidden_effects``, seeds 5145 to 5171) those of the books
-hold 85 %, a fifth wider 91; of 118 that were named (5342 to 5369) a fifth wider hold 97, of 24 others (5349
-to 5352) a tenth wider 79 (docs/decisions/0046)."""
+noise. Of 148 parameters of six effects (``simulators.draws.hidden_effects``, seeds 5145 to 5171) those of
+the books hold 85 %, a fifth wider 91; of 118 that were named (5342 to 5369) a fifth wider hold 97, of 24
+others (5349 to 5352) a tenth wider 79 (docs/decisions/0046)."""
 QUANTILE = float(stats.norm.ppf(0.5 + CONFIDENCE / 2))
 """Half of an interval of the books, standard deviations."""
 CLEARLY = (WIDER * QUANTILE) ** 2

@@ -9,7 +9,7 @@ import numpy as np
 
 from agent.workbench.fit import QUICK_ROUNDS, Fit, nested_fit, refit
 from agent.workbench.library import happens_once
-from agent.workbench.resampling import resampled
+from agent.workbench.residual.resampling import resampled
 
 if TYPE_CHECKING:
     from agent.workbench.record import Record

@@ -11,7 +11,7 @@ from agent.workbench.record import Record, bare_record, closed_by, record_of
 from agent.workbench.trials import Trials
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
     from agent.physics.bases import Base
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.trial import Tried

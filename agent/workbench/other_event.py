@@ -20,7 +20,7 @@ from agent.workbench.likeliest import VERY_STRONG
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.predictor import Predictor
 
 LAGS = (0.0, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0)

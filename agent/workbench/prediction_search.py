@@ -31,7 +31,7 @@ from agent.workbench.search import (
 from agent.workbench.valve_scan import MOVED, valves
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.fit import Fit
     from agent.workbench.hooks import Map
     from agent.workbench.predictor import Predictor

@@ -19,7 +19,7 @@ from agent.workbench.search import Objective, whitened
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.search import Whitened
     from agent.workbench.space import Space
 

@@ -14,7 +14,7 @@ from agent.workbench.normal_equations import gain_and_lowered
 from agent.workbench.nuisance import nuisance
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.record import Record
 
 VANISHES = 1e-9

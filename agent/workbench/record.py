@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.controller_action import process_gain_sign
 from agent.analysis.gates import gates
+from agent.analysis.loop.controller_action import process_gain_sign
 from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.quantify.free_run.problem import (
     BURN,
@@ -17,11 +17,11 @@ from agent.analysis.quantify.free_run.problem import (
     dominant_period,
     smooth_speed,
 )
-from agent.analysis.reversals import significant_reversals
+from agent.analysis.record.reversals import significant_reversals
 from agent.physics.effect import Facts
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 FEWEST_REVERSALS = 8
 """Of OP, beyond its noise: a valve shows itself where it turns (``missing_effect.md`` section 4, step 0)."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Facts
     from agent.physics.loop_model import LoopModel
     from agent.workbench.fit import Fit

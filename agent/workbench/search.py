@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.physics.loop_model import Layout, LoopModel
     from agent.workbench.innovations import Innovations
     from agent.workbench.record import Record

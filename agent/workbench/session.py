@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from agent.physics.effects import effects as known_effects
+from agent.report.comparison_json import comparison_json
 from agent.workbench import views
 from agent.workbench.automatic import add_all_confirmed
 from agent.workbench.candidates import naming, verdict_of
-from agent.workbench.comparison_json import comparison_json
 from agent.workbench.fit import contributions, residual_of
 from agent.workbench.hooks import Map, Progress, silent
 from agent.workbench.library import applies, base_named, effect_named, library, missing
@@ -19,16 +19,16 @@ from agent.workbench.saved_model import saved
 from agent.workbench.step import Step, Verdict, step_of
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
     from agent.workbench.comparison import Comparison
     from agent.workbench.decision import Decision
     from agent.workbench.folds import Folds
-    from agent.workbench.line_spectrum import LineSpectrum
     from agent.workbench.record import Record
+    from agent.workbench.residual.line_spectrum import LineSpectrum
+    from agent.workbench.residual.where import Failure
     from agent.workbench.trial import Tried
     from agent.workbench.trials import Trials
-    from agent.workbench.where import Failure
 
 
 class Workbench:

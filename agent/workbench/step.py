@@ -11,7 +11,7 @@ from agent.workbench.intervals import Estimate, FittedParameter, estimated
 from agent.workbench.validation import rmse_on
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.fit import Fit
     from agent.workbench.folds import HeldOut
     from agent.workbench.predictor import Predictor

@@ -16,7 +16,7 @@ from agent.workbench.prediction_search import predictor
 from agent.workbench.valve_starts import ValveStart, with_valve
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
     from agent.physics.loop_model import LoopModel
     from agent.workbench.predictor import Predictor

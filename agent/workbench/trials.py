@@ -14,16 +14,16 @@ from agent.workbench.candidates import AllTried, judged
 from agent.workbench.decision import judge
 from agent.workbench.event_scan import instant_p, instants_seen
 from agent.workbench.fit import fit
-from agent.workbench.holm import LEVEL
 from agent.workbench.library import happens_once, missing
 from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
 from agent.workbench.prediction_search import with_valve_anew
+from agent.workbench.residual.holm import LEVEL
 from agent.workbench.simulated_null import simulated_null_p
 from agent.workbench.trial import Trial, Tried, predicted, screened, tried
 from agent.workbench.valve_starts import ValveStart, valve_starts
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
     from agent.workbench.fit import Fit
     from agent.workbench.folds import Folds

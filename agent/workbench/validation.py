@@ -14,7 +14,7 @@ from agent.workbench.space import space_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.fit import Fit
     from agent.workbench.record import Record
 

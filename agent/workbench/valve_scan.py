@@ -15,7 +15,7 @@ from agent.workbench.growing_horizon import followed
 from agent.workbench.search import of_effect, spread_about
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.search import Whitened
 
 VALVES = 16000

@@ -30,7 +30,7 @@ from agent.physics.valves.damped_stem import DampedStem
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 MOST = 8
 """Valves that are handed on."""

@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.axes import physical_axes
 from agent.workbench.candidates import verdict_of
 from agent.workbench.comparison import Comparison, not_testable
 from agent.workbench.folds import block_losses
-from agent.workbench.line_spectrum import LineSpectrum, line_spectrum
-from agent.workbench.noise_floor import NoiseFloor, noise_floor
-from agent.workbench.power import smallest_reduction
-from agent.workbench.where import Failure, beside, where_it_fails
+from agent.workbench.residual.axes import physical_axes
+from agent.workbench.residual.line_spectrum import LineSpectrum, line_spectrum
+from agent.workbench.residual.noise_floor import NoiseFloor, noise_floor
+from agent.workbench.residual.power import smallest_reduction
+from agent.workbench.residual.where import Failure, beside, where_it_fails
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.record import Record
     from agent.workbench.session import Workbench
     from agent.workbench.step import Step

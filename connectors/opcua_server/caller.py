@@ -12,7 +12,7 @@ from asyncua.common.utils import ServiceError
 from asyncua.server.internal_server import InternalServer
 from asyncua.server.internal_session import InternalSession
 
-from connectors.opcua_server.where import Where
+from connectors.opcua_server.alarm.where import Where
 
 CALLER: ContextVar[CallerSession] = ContextVar("caller")
 """Whose method call is being worked on."""

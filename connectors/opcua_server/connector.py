@@ -12,16 +12,16 @@ from asyncua import Server, ua
 from connectors.base import WITHDRAWN, Order, Publication, Session, TargetReport
 from connectors.cancellation import obey_cancellation
 from connectors.malformed import Malformed
-from connectors.opcua_server.agent_view import AgentView
-from connectors.opcua_server.commands import Commands
-from connectors.opcua_server.condition import Condition
-from connectors.opcua_server.events import Events
+from connectors.opcua_server.alarm.commands import Commands
+from connectors.opcua_server.alarm.condition import Condition
+from connectors.opcua_server.alarm.events import Events
 from connectors.opcua_server.listening import listening, look_after, prepared
-from connectors.opcua_server.loop_nodes import add_alarm_type
-from connectors.opcua_server.loop_view import LoopView
-from connectors.opcua_server.names import NAMESPACE, Names
-from connectors.opcua_server.nodes import add_object, add_reference
 from connectors.opcua_server.options import OpcUaServerOptions, OpcUaServerTarget
+from connectors.opcua_server.space.agent_view import AgentView
+from connectors.opcua_server.space.loop_nodes import add_alarm_type
+from connectors.opcua_server.space.loop_view import LoopView
+from connectors.opcua_server.space.names import NAMESPACE, Names
+from connectors.opcua_server.space.nodes import add_object, add_reference
 from connectors.options import LoopTags, NoTag
 
 logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # passwords at DEBUG, and every client's faults

@@ -11,8 +11,8 @@ from agent.physics.bases.two_tanks import TwoTanks
 from agent.physics.effect import Effect, Facts
 from agent.physics.loop_model import LoopModel
 from agent.plots.axes import MEASURED, MODEL, VALVE, legend_above, tidy
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 
 EFFECT_VALUES: dict[str, tuple[float, ...]] = {
     "deadband": (0.5, 0.3, 0.1),

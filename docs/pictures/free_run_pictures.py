@@ -27,7 +27,7 @@ from agent.analysis.quantify.free_run.search import best_stiction
 from agent.analysis.quantify.free_run.shooting import track_for
 from agent.analysis.quantify.free_run.shooting_search import STAGES
 from agent.analysis.quantify.free_run.starts import STEMS
-from agent.analysis.recording import FloatArray, LoopHints, LoopWindow
+from agent.analysis.record.recording import FloatArray, LoopHints, LoopWindow
 from agent.plots.axes import MEASURED, MODEL, VALVE, tidy
 from simulators.parameters import ValveParameters
 from simulators.plant import simulate

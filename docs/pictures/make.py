@@ -19,10 +19,10 @@ from agent.analysis.oscillation.acf_zero_crossings import autocorrelation
 from agent.analysis.oscillation.signals import detrended
 from agent.analysis.oscillation.spectrum import spectrum
 from agent.analysis.quantify import quantifier
-from agent.analysis.quantify.error_map import error_map
-from agent.analysis.recording import FloatArray, LoopHints, LoopWindow
+from agent.analysis.quantify.valves.error_map import error_map
+from agent.analysis.record.recording import FloatArray, LoopHints, LoopWindow
 from agent.analysis.stiction import DETECTORS, StictionDetector
-from agent.cli.recordings import loop_window
+from agent.cli.common.recordings import loop_window
 from agent.physics.effects import EFFECTS
 from agent.physics.processes import PROCESSES
 from agent.physics.valves import LAWS, StictionLaw
@@ -37,11 +37,11 @@ from agent.plots.workbench.residual_panels import residual_panels_figure
 from agent.units import FrictionBands
 from agent.workbench.session import Workbench
 from connectors.recording import read_recording
+from simulators.draws.random_moves import random_moved
+from simulators.draws.random_plants import Kind, random_plant
 from simulators.parameters import ProcessParameters, ValveParameters
 from simulators.plant import simulate
 from simulators.process import Process as SimulatedProcess
-from simulators.random_moves import random_moved
-from simulators.random_plants import Kind, random_plant
 from simulators.valve import STEP, Valve
 
 HERE = Path(__file__).parent
@@ -50,7 +50,7 @@ RECORDINGS = Path(os.environ.get("SLIPJUMP_DATA", ROOT.parent / "shared" / "data
 DPI = 100
 BANDS = FrictionBands(f_s=5.0, f_d=2.0)
 STUCK_AND_FREE: tuple[tuple[Kind, int], ...] = (("stiction", 13), ("sinusoid", 1))
-"""Loops of ``simulators.random_plants`` for the pictures of the stiction detectors: kind and seed."""
+"""Loops of ``simulators.draws.random_plants`` for the pictures of the stiction detectors: kind and seed."""
 MANY_PERIODS: tuple[tuple[Kind, int], ...] = (("stiction", 37), ("sinusoid", 1))
 """The same with periods enough for the tests of nonlinearity."""
 OF_NONLINEARITY = ("bicoherence", "choudhury_ellipse", "choudhury_cmeans", "thornhill_surrogates")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.workbench.session import Workbench
 
 NOT_TRIED = ("valve_hysteresis", "valve_characteristic", "valve_speed", "extra_lag", "disturbance", "gain")

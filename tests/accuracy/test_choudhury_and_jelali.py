@@ -3,8 +3,8 @@
 import pytest
 
 from agent.analysis.quantify import quantifier
-from agent.analysis.recording import LoopHints
-from agent.cli.recordings import loop_window
+from agent.analysis.record.recording import LoopHints
+from agent.cli.common.recordings import loop_window
 from connectors.recording import read_recording
 
 

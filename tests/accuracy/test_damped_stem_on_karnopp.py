@@ -8,9 +8,9 @@ import pytest
 from agent.physics.valves.damped_stem import damped_stem, damped_stem_by_direction
 from agent.physics.valves.he2007 import he2007
 from agent.physics.valves.two_state import two_state
-from simulators.hidden_effects import hidden_effect_plant
+from simulators.draws.hidden_effects import hidden_effect_plant
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 from simulators.valve import STEP, Valve
 
 UNEXPLAINED = 0.001

@@ -2,8 +2,8 @@
 
 import pytest
 
-from benchmarks.diagnosed_loop import diagnosed_loop
-from benchmarks.random_loop import MOVED, STEADY
+from benchmarks.cases.diagnosed_loop import diagnosed_loop
+from benchmarks.cases.random_loop import MOVED, STEADY
 
 SEEDS = (5000,)
 

@@ -2,13 +2,13 @@
 
 import pytest
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.effects import EFFECTS
 from agent.workbench.decision import LEAST_PERCENT
 from agent.workbench.session import Workbench
-from benchmarks.decoy import Decoy
-from benchmarks.hidden_case import floor_of, judge
-from simulators.hidden_effects import hidden_effect_plant
+from benchmarks.cases.decoy import Decoy
+from benchmarks.cases.hidden_case import floor_of, judge
+from simulators.draws.hidden_effects import hidden_effect_plant
 
 pytestmark = pytest.mark.timeout(300)  # a loaded machine takes its time
 NOT_TRIED = {each.family for each in EFFECTS} - {"valve_hysteresis", "valve_limits"}

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify import quantifier
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 
 SEEDS = range(100, 120)
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.stiction import DETECTORS
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 
 BY_NAME = {each.name: each for each in DETECTORS}
 

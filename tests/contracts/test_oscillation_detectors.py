@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agent.analysis.oscillation import DETECTORS
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 
 N = 1000
 T = np.arange(N)

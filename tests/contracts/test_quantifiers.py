@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify import QUANTIFIERS, quantifier
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.physics.processes import PROCESSES
 from tests.unit.quantify.loops import loop, swinging_op
 

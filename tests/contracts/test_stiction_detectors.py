@@ -13,11 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import MethodKind, MethodVerdict, Oscillation
 from agent.analysis.stiction import DETECTORS
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 
 EACH = pytest.mark.parametrize("member", DETECTORS, ids=lambda member: member.name)
 LOOPS = pytest.mark.parametrize("kind", ["stiction", "sinusoid", "tuning"])

@@ -15,12 +15,12 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from types import SimpleNamespace
 
-from agent.runtime.connection import Connection
-from agent.runtime.journal import Journal
-from agent.runtime.outbox import Outbox
-from agent.runtime.pipeline import LoopPipeline
+from agent.runtime.link.connection import Connection
+from agent.runtime.link.outbox import Outbox
+from agent.runtime.loop.pipeline import LoopPipeline
+from agent.runtime.loop.workers import InlineExecutor
+from agent.runtime.store.journal import Journal
 from agent.runtime.supervisor import keep_alive
-from agent.runtime.workers import InlineExecutor
 from connectors.base import ConnectionLostError
 from connectors.mqtt.connector import MqttConnector
 from connectors.mqtt.options import MqttOptions, MqttTarget

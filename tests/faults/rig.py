@@ -13,7 +13,7 @@ import numpy as np
 from aiomqtt import Client, MqttError
 
 from agent.runtime.agent import Agent
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AlarmSettings, ConnectionSettings, WindowSettings, settings_of
 from agent.settings.load import connectors_of
 from connectors.base import Sample

@@ -3,7 +3,7 @@
 import asyncio
 import time
 
-from agent.runtime.change import Change, Waiting
+from agent.runtime.store.change import Change, Waiting
 from connectors.base import Publication
 from tests.faults import proxy as faults
 from tests.faults.peer import TURN

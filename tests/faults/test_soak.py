@@ -16,7 +16,7 @@ from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.results import Diagnosis
 from agent.analysis.stiction.he_curve_fit import HeCurveFit
 from agent.runtime.agent import Agent
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, Settings
 from connectors.base import ConnectionLostError, Quality, Sample
 from connectors.options import Options, Target

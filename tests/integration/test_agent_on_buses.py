@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from agent.runtime.agent import Agent
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import settings_of
 from simulators.clock import Clock
 from simulators.plant import Row

@@ -10,8 +10,8 @@ from asyncua import Client, Server, ua
 
 from agent.cli import main
 from agent.cli.browse import _write
-from agent.runtime.loop_search import FoundLoop, LoopSearch
-from agent.runtime.probe import probe
+from agent.runtime.commission.loop_search import FoundLoop, LoopSearch
+from agent.runtime.commission.probe import probe
 from agent.settings import load_settings
 from connectors.base import ConnectionLostError
 from connectors.opcua.browse import Bounds, walk

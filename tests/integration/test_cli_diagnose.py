@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Diagnosis, Profile, Quantification
-from agent.analysis.stiction.nearest_neighbours import prediction_error
-from agent.analysis.stiction.time_warping import warped_distances
+from agent.analysis.stiction.shapes.nearest_neighbours import prediction_error
+from agent.analysis.stiction.shapes.time_warping import warped_distances
 from agent.cli import main
-from agent.cli.compilation import COMPILING
-from agent.cli.pictures import draw
+from agent.cli.common.compilation import COMPILING
+from agent.cli.common.pictures import draw
 
 SLIPJUMP = Path(sys.executable).with_name("slipjump")
 KEYS = [

@@ -11,7 +11,7 @@ from pymodbus.client import AsyncModbusTcpClient, AsyncModbusTlsClient
 from secure_peers import HOST, make_keys
 
 from agent.runtime.agent import Agent
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, ConnectionSettings, Settings
 from connectors.base import AccessDeniedError, ConnectionLostError, Order, Publication
 from connectors.modbus.codec import decode

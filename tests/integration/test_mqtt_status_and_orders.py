@@ -13,8 +13,8 @@ from buses import Reading, connector_of, mosquitto_broker, until
 
 from agent.alarms import State
 from agent.runtime.agent import Agent
-from agent.runtime.probe import probe
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.commission.probe import probe
+from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import settings_of
 from connectors.base import Order, Publication, RefusedError
 from tests.unit.runtime.test_agent import judged

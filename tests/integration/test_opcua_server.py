@@ -15,7 +15,7 @@ from opcua_clients import alarm_list, alarms_at, session_around_the_endpoints
 from secure_peers import PASSWORD, make_keys
 
 from agent.runtime.agent import Agent
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, ConnectionSettings, Settings
 from connectors.base import ConnectionLostError, Order
 from connectors.opcua_server.connector import OpcUaServerConnector

@@ -15,7 +15,7 @@ from jsonschema import Draft202012Validator
 
 from agent.alarms import Command, Event
 from agent.runtime.agent import Agent
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import settings_of
 from connectors.mqtt.orders import OrderMessage
 from tests.conftest import ROOT

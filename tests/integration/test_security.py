@@ -11,7 +11,7 @@ from buses import Reading, connector_of, free_port, until
 from secure_peers import HOST, PASSWORD, make_keys, secure_broker, secure_device, secure_server
 
 from agent.runtime.agent import Agent
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import settings_of
 from connectors.base import AccessDeniedError, ConnectionLostError, Publication
 

@@ -9,7 +9,7 @@ import zipfile
 
 import pytest
 
-from agent.cli.compilation import COMPILING
+from agent.cli.common.compilation import COMPILING
 from simulators.plant import rows
 from simulators.record_file import write_rows
 from simulators.scenario import load_scenario

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from agent.analysis.quantify.armax import HALVINGS, SWEEPS
-from agent.analysis.quantify.output_error import FIRST_ORDER, INTEGRATOR
+from agent.analysis.quantify.processes.armax import HALVINGS, SWEEPS
+from agent.analysis.quantify.processes.output_error import FIRST_ORDER, INTEGRATOR
 
 
 def shifted(values, lag):

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from agent.analysis.quantify.output_error import FEWEST_ROWS, INTEGRATOR, SECOND_ORDER
-from agent.analysis.quantify.valve_law import CHOUDHURY, HE, KANO
+from agent.analysis.quantify.processes.output_error import FEWEST_ROWS, INTEGRATOR, SECOND_ORDER
+from agent.analysis.quantify.valves.valve_law import CHOUDHURY, HE, KANO
 from tests.reference.he2007_flow_chart import he2007_flow_chart
 from tests.reference.two_state_branches import two_state_branches
 

@@ -7,7 +7,7 @@ paper's workflow reads; ``map_at_once`` takes all together and loops over time (
 import numpy as np
 from scipy.signal import lfilter
 
-from agent.analysis.quantify.output_error import SECOND_ORDER
+from agent.analysis.quantify.processes.output_error import SECOND_ORDER
 
 
 def map_by_candidate(op, pv, bands, delays, structure):

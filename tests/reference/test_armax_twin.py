@@ -2,8 +2,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.analysis.quantify.armax import fit_armax
-from agent.analysis.quantify.output_error import FIRST_ORDER, INTEGRATOR, SECOND_ORDER
+from agent.analysis.quantify.processes.armax import fit_armax
+from agent.analysis.quantify.processes.output_error import FIRST_ORDER, INTEGRATOR, SECOND_ORDER
 from tests.reference.armax_by_hand import armax
 
 DELAY = 3

@@ -29,7 +29,7 @@ from agent.analysis.quantify.free_run.objective import (
 )
 from agent.analysis.quantify.free_run.problem import from_blocks, high_pass, pose, to_blocks
 from agent.analysis.quantify.free_run.starts import STEMS
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow
 from tests.reference.damped_stem_branches import damped_stem_in_small_steps

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from agent.analysis.quantify.output_error import FIRST_ORDER, SECOND_ORDER, output_errors
-from agent.analysis.quantify.valve_law import HE
+from agent.analysis.quantify.processes.output_error import FIRST_ORDER, SECOND_ORDER, output_errors
+from agent.analysis.quantify.valves.valve_law import HE
 from tests.reference.lee2008_numpy import map_at_once, map_by_candidate
 
 DELAYS = np.array([1, 3, 7])

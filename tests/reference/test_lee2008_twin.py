@@ -3,8 +3,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.analysis.quantify.output_error import FIRST_ORDER, INTEGRATOR, SECOND_ORDER, output_errors
-from agent.analysis.quantify.valve_law import CHOUDHURY, HE, KANO
+from agent.analysis.quantify.processes.output_error import (
+    FIRST_ORDER,
+    INTEGRATOR,
+    SECOND_ORDER,
+    output_errors,
+)
+from agent.analysis.quantify.valves.valve_law import CHOUDHURY, HE, KANO
 from tests.reference.lee2008_by_hand import output_error
 
 DELAYS = np.array([1, 2, 5])

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.analysis.stiction.nearest_neighbours import prediction_error
+from agent.analysis.stiction.shapes.nearest_neighbours import prediction_error
 from tests.reference import nearest_neighbours_by_hand
 
 

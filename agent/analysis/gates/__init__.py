@@ -12,7 +12,7 @@ from agent.analysis.gates.record import record_faults, too_short
 from agent.analysis.gates.rhythm import rhythm_faults
 from agent.analysis.gates.skew import skew_faults
 from agent.analysis.gates.transmission import transmission_faults
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 
 __all__ = ["ALL_KINDS", "GateFault", "closed_kinds", "gates"]

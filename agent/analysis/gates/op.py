@@ -8,10 +8,10 @@ import numpy as np
 
 from agent.analysis.gates.fault import SHAPE, GateFault
 from agent.analysis.gates.values import constant, quantised
-from agent.analysis.reversals import significant_reversals
+from agent.analysis.record.reversals import significant_reversals
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 MAX_SATURATED_SHARE = 0.3
 MIN_SPAN_OF_RANGE = 0.002

@@ -10,7 +10,7 @@ from agent.analysis.gates.fault import GateFault
 from agent.analysis.gates.values import constant, quantised
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 MAX_FROZEN_SHARE = 0.3
 """Longest time that PV may stand at one value, part of the record."""

@@ -9,7 +9,7 @@ import numpy as np
 from agent.analysis.gates.fault import GateFault
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
 
 MIN_SAMPLES = 100
 """Valid samples below this number cannot carry a valve and a process model."""

@@ -9,7 +9,7 @@ import numpy as np
 from agent.analysis.gates.fault import LIMIT_CYCLE, GateFault
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import Oscillation
 
 FEWEST_PERIODS = 5.0

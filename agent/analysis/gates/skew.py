@@ -14,11 +14,11 @@ import numpy as np
 
 from agent.analysis.gates.fault import SHAPE, GateFault
 from agent.analysis.gates.transmission import FEWEST_SCANS
-from agent.analysis.pi_controller import pi_controller
+from agent.analysis.loop.pi_controller import pi_controller
 
 if TYPE_CHECKING:
-    from agent.analysis.pi_controller import PiController
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.loop.pi_controller import PiController
+    from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import Oscillation
 
 MOST = 5

@@ -15,7 +15,7 @@ from agent.analysis.gates.fault import ALL_KINDS, SHAPE, GateFault
 from agent.analysis.gates.values import ROUND_OFF, constant
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.analysis.results import Oscillation
 
 FEWEST_CHANGES = 20

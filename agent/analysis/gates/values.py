@@ -9,7 +9,7 @@ import numpy as np
 from agent.analysis.gates.fault import ALL_KINDS, SHAPE, GateFault
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 MIN_LEVELS = 8
 """Distinct values below which the steps of the converter look like a sticking valve."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray, LoopHints, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopHints, LoopWindow
     from agent.analysis.results import Quantification
 
 LEAST_S = 0.02

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 EVALUATIONS = 25
 LEAST_ENERGY = 0.05

@@ -17,7 +17,7 @@ from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
 
 MEMORIES = (0.4, 1.5, 5.0, 15.0, 50.0)
 """Time constants of the filters, blocks. One more is as long as the record: it takes a slow drift off."""

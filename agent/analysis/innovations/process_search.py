@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.innovations.whitened import Fit
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray, LoopHints
+    from agent.analysis.record.recording import FloatArray, LoopHints
 
 SECONDS = {FOPDT: (0.0,), SOPDT: (-0.2, -1.0, -2.5), INTEGRATOR: (0.0,)}
 """Logs of the second time constant over the first that are tried. A second lag that the model without a

@@ -20,7 +20,7 @@ from agent.physics.valves.damped_stem import stem_at, stem_motion, strokes
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 ALIKE = 1e-3
 """Positions, over f_S, by which two stems may differ after a quarter and half of the record and at its end

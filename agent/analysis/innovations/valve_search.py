@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray, LoopHints
+    from agent.analysis.record.recording import FloatArray, LoopHints
 
 S_SHARES = np.geomspace(0.02, 1.0, 18)
 """S of the grid, OP spans."""

@@ -23,7 +23,7 @@ from agent.analysis.quantify.free_run.residuals import residuals
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 AXES = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY), INTEGRATOR: (DELAY,)}
 """What is searched of a process; the second pole keeps its ratio."""

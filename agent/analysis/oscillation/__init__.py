@@ -10,7 +10,7 @@ from agent.analysis.oscillation.forsman_stattin import ForsmanStattin, ForsmanSt
 from agent.analysis.oscillation.hagglund import HagglundIae, HagglundMonitor
 from agent.analysis.oscillation.miao_seborg import MiaoSeborg
 from agent.analysis.oscillation.spectral import SpectralPeak
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 
 __all__ = [

@@ -25,13 +25,13 @@ from agent.analysis.oscillation.acf_zero_crossings import (
 )
 from agent.analysis.oscillation.signals import detrended
 from agent.analysis.oscillation.spectrum import Spectrum, bridged, spectrum
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 FEWEST_PERIODS = 4
 """The autocorrelation needs so many in the record."""
@@ -39,7 +39,7 @@ LEAST_SHARE = 0.01
 """Part of the power below which a component is ignored (Thornhill 2003)."""
 LEAST_PROMINENCE = 5.0
 """Density of power of a peak over that of its surroundings. With 5 one in a hundred of 640 simulated
-records of noise, drift and sound loops (``simulators.random_plants``, seeds 0 to 39) passes both tests;
+records of noise, drift and sound loops (``simulators.draws.random_plants``, seeds 0 to 39) passes both tests;
 with 4 twice as many."""
 WIDTH = 1.7
 """Edges of the band-pass, in parts of the frequency of the peak: a factor to each side. With 1.4 short

@@ -14,11 +14,11 @@ import numpy as np
 from scipy import fft
 
 from agent.analysis.oscillation.signals import detrended, regularity
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 CROSSINGS = 11
 """Zero crossings that are looked at (Thornhill 2003)."""

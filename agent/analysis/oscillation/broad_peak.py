@@ -16,11 +16,11 @@ import numpy as np
 from agent.analysis.oscillation.acf_zero_crossings import MIN_SAMPLES_PER_PERIOD
 from agent.analysis.oscillation.signals import detrended
 from agent.analysis.oscillation.spectrum import bridged, spectrum
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 CORE = (2**-0.5, 2**0.5)
 """The peak, in parts of its frequency: an octave."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from agent.analysis.oscillation.hagglund import MIN_PERIODS, NOISE_SIGMAS, HalfCycle, HalfCycles
 from agent.analysis.oscillation.signals import detrended, noise_level, regularity
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 
 ALPHA = 0.6

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 
 from agent.analysis.oscillation.signals import detrended, noise_level, regularity
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 
 LOADS = 10

@@ -19,11 +19,11 @@ from agent.analysis.oscillation.acf_zero_crossings import (
     swing_of_noise,
 )
 from agent.analysis.oscillation.signals import detrended
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 EXCESSIVE = 0.5
 """Decay ratio above which a loop oscillates excessively (Miao and Seborg 1999)."""

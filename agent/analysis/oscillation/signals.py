@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 ROUND_OFF = 1e-9
 """Movement below this part of the largest value is the arithmetic's, not the signal's."""

@@ -14,15 +14,15 @@ import numpy as np
 from agent.analysis.oscillation.acf_zero_crossings import MIN_SAMPLES_PER_PERIOD
 from agent.analysis.oscillation.signals import detrended
 from agent.analysis.oscillation.spectrum import bridged, spectrum
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 LEAST_SHARE = 0.7
 """Share of the power from which one peak is an oscillation. Noise of any colour up to a random walk exceeds
-it in at most 5 % of 480 simulated records, 95 % of the sticking loops of ``simulators.random_plants``
+it in at most 5 % of 480 simulated records, 95 % of the sticking loops of ``simulators.draws.random_plants``
 (seeds 0 to 39) do."""
 CYCLES = 2
 """More cycles than this must be in the record."""

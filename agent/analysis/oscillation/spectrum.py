@@ -12,7 +12,7 @@ import numpy as np
 from scipy import fft, signal
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 CORE = 2**0.25
 """A peak reaches a quarter of an octave to each side."""

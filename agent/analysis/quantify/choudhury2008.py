@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import ndimage
 
-from agent.analysis.ellipse import apparent_stiction
-from agent.analysis.quantify.bounded_search import bands, within
-from agent.analysis.quantify.joint_fit import (
+from agent.analysis.loop.ellipse import apparent_stiction
+from agent.analysis.quantify.valves.bounded_search import bands, within
+from agent.analysis.quantify.valves.joint_fit import (
     NO_STICTION,
     Record,
     answer,
@@ -26,11 +26,11 @@ from agent.analysis.quantify.joint_fit import (
     lack,
     structures_to_try,
 )
-from agent.analysis.quantify.valve_law import CHOUDHURY
+from agent.analysis.quantify.valves.valve_law import CHOUDHURY
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.bounded_search import Objective
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.quantify.valves.bounded_search import Objective
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.analysis.results import Quantification
 
 THRESHOLD = 1.4

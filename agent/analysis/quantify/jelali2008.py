@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from agent.analysis.delay import estimate_delay
-from agent.analysis.ellipse import apparent_stiction
-from agent.analysis.quantify.bounded_search import bands, pattern_search, within
-from agent.analysis.quantify.genetic_search import genetic_search
-from agent.analysis.quantify.joint_fit import (
+from agent.analysis.loop.delay import estimate_delay
+from agent.analysis.loop.ellipse import apparent_stiction
+from agent.analysis.quantify.valves.bounded_search import bands, pattern_search, within
+from agent.analysis.quantify.valves.genetic_search import genetic_search
+from agent.analysis.quantify.valves.joint_fit import (
     NO_STICTION,
     Record,
     answer,
@@ -27,11 +27,11 @@ from agent.analysis.quantify.joint_fit import (
     lack,
     structures_to_try,
 )
-from agent.analysis.quantify.valve_law import CHOUDHURY
+from agent.analysis.quantify.valves.valve_law import CHOUDHURY
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.bounded_search import Objective
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.quantify.valves.bounded_search import Objective
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.analysis.results import Quantification
 
 THRESHOLD = 1.4

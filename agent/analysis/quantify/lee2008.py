@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from agent.analysis.quantify.bounded_search import grid_search, random_search
-from agent.analysis.quantify.joint_fit import (
+from agent.analysis.quantify.valves.bounded_search import grid_search, random_search
+from agent.analysis.quantify.valves.joint_fit import (
     NO_STICTION,
     Record,
     answer,
@@ -26,7 +26,7 @@ from agent.analysis.quantify.joint_fit import (
 )
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.analysis.results import Quantification
 
 THRESHOLD = 1.4

@@ -15,19 +15,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.cause import COHERENT, coherent_share, line_power, swing_explained
-from agent.analysis.controller_action import process_gain_sign
+from agent.analysis.loop.controller_action import process_gain_sign
+from agent.analysis.loop.pi_controller import PiController, pi_controller
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.pi_controller import PiController, pi_controller
-from agent.analysis.quantify.armax import Armax, fit_armax
-from agent.analysis.quantify.output_error import plausible
-from agent.analysis.quantify.valve_law import valve_position
+from agent.analysis.quantify.processes.armax import Armax, fit_armax
+from agent.analysis.quantify.processes.output_error import plausible
+from agent.analysis.quantify.valves.valve_law import valve_position
 from agent.analysis.results import CauseShare
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.quantify.joint_fit import Record
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.quantify.valves.joint_fit import Record
+    from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import Quantification
     from agent.physics.processes.arx import Arx
 

@@ -14,14 +14,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.armax_model import best_valves, better, without_stiction
-from agent.analysis.quantify.bounded_search import RESOLUTION
-from agent.analysis.quantify.joint_fit import Record, answer, failed, free_delays, lack, structures_to_try
-from agent.analysis.quantify.least_fit import undecided_below_least_fit
-from agent.analysis.quantify.valve_law import HE
+from agent.analysis.quantify.processes.armax_model import best_valves, better, without_stiction
+from agent.analysis.quantify.valves.bounded_search import RESOLUTION
+from agent.analysis.quantify.valves.joint_fit import (
+    Record,
+    answer,
+    failed,
+    free_delays,
+    lack,
+    structures_to_try,
+)
+from agent.analysis.quantify.valves.least_fit import undecided_below_least_fit
+from agent.analysis.quantify.valves.valve_law import HE
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.analysis.results import Quantification
 
 THRESHOLD = 1.3

@@ -19,7 +19,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.joint_fit import (
+from agent.analysis.quantify.mode_sequence import mode_sequence
+from agent.analysis.quantify.processes.model_error import mean_squared_error
+from agent.analysis.quantify.processes.output_error import fit_process, plausible
+from agent.analysis.quantify.srinivasan2005 import one_parameter
+from agent.analysis.quantify.valves.joint_fit import (
     NO_STICTION,
     Model,
     Record,
@@ -29,19 +33,15 @@ from agent.analysis.quantify.joint_fit import (
     lack,
     structures_to_try,
 )
-from agent.analysis.quantify.least_fit import undecided_below_least_fit
-from agent.analysis.quantify.mode_sequence import mode_sequence
-from agent.analysis.quantify.model_error import mean_squared_error
-from agent.analysis.quantify.output_error import fit_process, plausible
-from agent.analysis.quantify.srinivasan2005 import one_parameter
-from agent.analysis.quantify.valve_law import HE
+from agent.analysis.quantify.valves.least_fit import undecided_below_least_fit
+from agent.analysis.quantify.valves.valve_law import HE
 from agent.physics.processes.arx import simulate_arx
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.analysis.results import Quantification
 
 THRESHOLD = 2.0

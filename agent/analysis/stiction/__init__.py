@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from agent.analysis.gates import GateFault
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import Oscillation
 
 __all__ = ["DETECTORS", "StictionDetector", "detect_stiction"]

@@ -22,12 +22,12 @@ from scipy import fft, signal
 
 from agent.analysis.oscillation.signals import ROUND_OFF, detrended
 from agent.analysis.results import MethodKind, MethodResult, MethodVerdict, Oscillation
-from agent.analysis.stiction.stretch import longest_stretch, period_of
-from agent.analysis.stiction.third_harmonic import ThirdHarmonic, third_harmonic
+from agent.analysis.stiction.shapes.stretch import longest_stretch, period_of
+from agent.analysis.stiction.shapes.third_harmonic import ThirdHarmonic, third_harmonic
 from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 SEGMENT, LINES = 64, 128
 """Samples in a segment, and of its zero-padded transform (published)."""

@@ -16,10 +16,10 @@ import numpy as np
 
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
 from agent.analysis.stiction.bicoherence import error_bicoherence
-from agent.analysis.stiction.op_pv_cycles import LEAST_WIDTH, Cycles, op_pv_cycles, span_of
+from agent.analysis.stiction.shapes.op_pv_cycles import LEAST_WIDTH, Cycles, op_pv_cycles, span_of
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 STRIP = 0.25
 """Half width of the strip about the mean of PV, standard deviations of PV."""

@@ -4,7 +4,7 @@ Source: M. A. A. S. Choudhury, S. L. Shah, N. F. Thornhill and D. S. Shook, "Aut
 quantification of stiction in control valves", Control Engineering Practice 14 (2006) 1395; reconstructed
 from reference ``methods.md`` 3.8. The paper asks for a good fit without a number; ours is
 ``LARGEST_MISFIT``. A loop with another nonlinearity than the valve's draws an ellipse too, and the width is
-no measure of S: controller and process widen it (``agent.analysis.ellipse``).
+no measure of S: controller and process widen it (``agent.analysis.loop.ellipse``).
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.ellipse import Ellipse, fit_ellipse
+from agent.analysis.loop.ellipse import Ellipse, fit_ellipse
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
 from agent.analysis.stiction.bicoherence import error_bicoherence
-from agent.analysis.stiction.op_pv_cycles import LEAST_WIDTH, Cycles, op_pv_cycles, span_of
+from agent.analysis.stiction.shapes.op_pv_cycles import LEAST_WIDTH, Cycles, op_pv_cycles, span_of
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
 
 LARGEST_MISFIT = 0.3
 """Distance of the points from the ellipse, rms over its radius. Points spread evenly over a rectangle have
-0.35, a Gaussian cloud 0.47; no simulated sticking loop has more than 0.2 (``simulators.random_plants``, kind
-stiction, seeds 0 to 39)."""
+0.35, a Gaussian cloud 0.47; no simulated sticking loop has more than 0.2
+(``simulators.draws.random_plants``, kind stiction, seeds 0 to 39)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from scipy import special
 
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
-from agent.analysis.stiction.stem import Stem, stem_of
-from agent.analysis.stiction.stuck import LEAST_BAND
+from agent.analysis.stiction.shapes.stem import Stem, stem_of
+from agent.analysis.stiction.shapes.stuck import LEAST_BAND
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 BoolArray = NDArray[np.bool_]
 

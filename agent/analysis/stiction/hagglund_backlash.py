@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.pi_controller import PiController, pi_controller
+from agent.analysis.loop.pi_controller import PiController, pi_controller
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
-from agent.analysis.stiction.fitted_half_cycles import FEWEST_HALF_CYCLES, shape_signal
-from agent.analysis.stiction.stretch import half_cycles, longest_stretch
+from agent.analysis.stiction.shapes.fitted_half_cycles import FEWEST_HALF_CYCLES, shape_signal
+from agent.analysis.stiction.shapes.stretch import half_cycles, longest_stretch
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 LEAST_EXPLAINED = 0.8
 """Share of the increments of OP that a PI law must explain before its gains are believed."""

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
-from agent.analysis.stiction.fitted_half_cycles import FittedHalfCycles, shape_half_cycles
-from agent.analysis.stiction.half_cycle_shapes import POINTS, T
-from agent.analysis.stiction.stretch import longest_stretch
+from agent.analysis.stiction.shapes.fitted_half_cycles import FittedHalfCycles, shape_half_cycles
+from agent.analysis.stiction.shapes.half_cycle_shapes import POINTS, T
+from agent.analysis.stiction.shapes.stretch import longest_stretch
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 
 def shapes_of_same_area(half_cycles: FloatArray) -> tuple[FloatArray, FloatArray]:

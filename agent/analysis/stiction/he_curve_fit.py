@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
-from agent.analysis.stiction.fitted_half_cycles import FittedHalfCycles, shape_half_cycles
-from agent.analysis.stiction.half_cycle_shapes import SINE, TRIANGLE, fit
-from agent.analysis.stiction.stretch import longest_stretch
+from agent.analysis.stiction.shapes.fitted_half_cycles import FittedHalfCycles, shape_half_cycles
+from agent.analysis.stiction.shapes.half_cycle_shapes import SINE, TRIANGLE, fit
+from agent.analysis.stiction.shapes.stretch import longest_stretch
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 SINE_UP_TO, TRIANGLE_FROM = 0.4, 0.6
 

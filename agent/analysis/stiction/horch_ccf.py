@@ -13,10 +13,10 @@ import numpy as np
 from scipy import signal
 
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
-from agent.analysis.stiction.stretch import longest_stretch
+from agent.analysis.stiction.shapes.stretch import longest_stretch
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 ODD_RHO, ODD_TAU = 1 / 3, 2 / 3
 """Beyond both the correlation is odd: the phase is within pi/6 of pi/2."""

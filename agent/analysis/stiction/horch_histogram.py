@@ -17,10 +17,10 @@ from scipy import optimize, signal
 
 from agent.analysis.oscillation.signals import noise_level
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
-from agent.analysis.stiction.stretch import half_cycles, longest_stretch, period_of, smoothed
+from agent.analysis.stiction.shapes.stretch import half_cycles, longest_stretch, period_of, smoothed
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 CUT_OFF = 3.0
 """Cut-off of the low-pass, frequencies of the oscillation (Horch 2000)."""
@@ -32,7 +32,7 @@ LARGEST_NOISE = 0.5
 LARGEST_SPREAD = 0.25
 """Standard deviation over mean of the heights of the derivative's half cycles. A wave that noise drives has a
 Gaussian derivative without any valve. Of 40 such simulated loops none is below 0.28, of 40 with a sticking
-valve 37 are (``simulators.random_plants``, kinds tuning and stiction, seeds 0 to 39)."""
+valve 37 are (``simulators.draws.random_plants``, kinds tuning and stiction, seeds 0 to 39)."""
 DEAD_ZONE = float(np.log(1.1))
 """An index nearer to 0 decides nothing (``methods.md`` 3.2)."""
 TWO_HUMPS = 1.0 / 1.78

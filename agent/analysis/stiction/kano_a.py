@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
-from agent.analysis.stiction.stem import stem_of
-from agent.analysis.stiction.stuck import stuck_intervals
+from agent.analysis.stiction.shapes.stem import stem_of
+from agent.analysis.stiction.shapes.stuck import stuck_intervals
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
 
 STICKS = 0.25
 """Part of the time stuck, above which the valve sticks."""

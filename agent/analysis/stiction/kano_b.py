@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
-from agent.analysis.stiction.stem import stem_of
-from agent.analysis.stiction.stuck import StuckIntervals, stuck_intervals
+from agent.analysis.stiction.shapes.stem import stem_of
+from agent.analysis.stiction.shapes.stuck import StuckIntervals, stuck_intervals
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 FEWEST = 3
 """Sides of the parallelogram each way."""

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.stiction import hagglund_shape, he_curve_fit, rossi_scali
-from agent.analysis.stiction.fitted_half_cycles import FEWEST_HALF_CYCLES
-from agent.analysis.stiction.half_cycle_stream import HalfCycleStream
+from agent.analysis.stiction.shapes.fitted_half_cycles import FEWEST_HALF_CYCLES
+from agent.analysis.stiction.shapes.half_cycle_stream import HalfCycleStream
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 MEMORY = 10
 """Half cycles over which an index is taken."""

@@ -13,10 +13,10 @@ import numpy as np
 from scipy import signal, special
 
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
-from agent.analysis.stiction.stretch import half_cycles, longest_stretch, period_of, smoothed
+from agent.analysis.stiction.shapes.stretch import half_cycles, longest_stretch, period_of, smoothed
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 FEWEST_HALF_CYCLES = 10
 FEWEST_SAMPLES = 20.0

@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agent.analysis.results import MethodKind, MethodResult, MethodVerdict, Oscillation
-from agent.analysis.stiction.fitted_half_cycles import shape_signal
-from agent.analysis.stiction.half_cycle_shapes import T
-from agent.analysis.stiction.stretch import longest_stretch
-from agent.analysis.stiction.time_warping import warped_distances
+from agent.analysis.stiction.shapes.fitted_half_cycles import shape_signal
+from agent.analysis.stiction.shapes.half_cycle_shapes import T
+from agent.analysis.stiction.shapes.stretch import longest_stretch
+from agent.analysis.stiction.shapes.time_warping import warped_distances
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 BAND = 5
 """Points of 100 that the warping may shift: as much as a sine is off a triangle of the same height."""

@@ -19,14 +19,14 @@ import numpy as np
 
 from agent.analysis.oscillation.signals import detrended
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
-from agent.analysis.stiction.nearest_neighbours import prediction_error
-from agent.analysis.stiction.phase_surrogates import ends_matched, surrogates
-from agent.analysis.stiction.stretch import longest_stretch, period_of
-from agent.analysis.stiction.third_harmonic import third_harmonic
+from agent.analysis.stiction.shapes.nearest_neighbours import prediction_error
+from agent.analysis.stiction.shapes.phase_surrogates import ends_matched, surrogates
+from agent.analysis.stiction.shapes.stretch import longest_stretch, period_of
+from agent.analysis.stiction.shapes.third_harmonic import third_harmonic
 from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 FEWEST_SAMPLES, MOST_SAMPLES = 7.0, 25.0
 """Samples a period (published); slower waves are averaged in blocks."""
@@ -34,7 +34,7 @@ FEWEST_PERIODS = 14.0
 """Twelve (published), and what is cut off to match the ends."""
 MARGIN = 3.0
 """Most periods that are cut off at each end for it. Of 40 loops with a swinging load the index is above 1
-in 10 with a margin of 1, in 2 with 3 (``simulators.random_plants``, kind sinusoid, seeds 0 to 39)."""
+in 10 with a margin of 1, in 2 with 3 (``simulators.draws.random_plants``, kind sinusoid, seeds 0 to 39)."""
 MOST_BLOCKS = 1000
 """Of longer records the end is taken: the work grows with the square."""
 NEIGHBOURS, COUNT = 8, 50

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
-from agent.analysis.stiction.stem import Stem, stem_of
+from agent.analysis.stiction.shapes.stem import Stem, stem_of
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 CHANCE = 0.25
 """Both indices must be above it: two of the eight pairs of symbols other than SS are IS and DS."""

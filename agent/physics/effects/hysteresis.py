@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 S_BY_LAW, J_BY_LAW = 0.10, 0.33
 """``Parameter.by_law`` of S, and of what tells static from kinetic friction. A Stribeck curve and a stem of
-bristles move alike with bands that differ so much: nine in ten of 13 loops of ``simulators.hidden_effects``,
-seeds 7100 to 7113, are within both (12 and 12 of 13)."""
+bristles move alike with bands that differ so much: nine in ten of 13 loops of
+``simulators.draws.hidden_effects``, seeds 7100 to 7113, are within both (12 and 12 of 13)."""
 MOTION = ("damping", "supply", "rest", "give")
 """Parameters of ``motion_of``."""
 STIFF = MOTION[:3]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from agent.analysis.stiction.half_cycle_shapes import T
+from agent.analysis.stiction.shapes.half_cycle_shapes import T
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from agent.analysis.stiction.fitted_half_cycles import FittedHalfCycles
+    from agent.analysis.stiction.shapes.fitted_half_cycles import FittedHalfCycles
 
 COLOURS = {"sine": MODEL, "triangle": VALVE, "square": VALVE, "relay": "#8256a8"}
 MOST = 40

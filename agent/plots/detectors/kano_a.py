@@ -11,8 +11,8 @@ from agent.plots.axes import MEASURED, MODEL, VALVE
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from agent.analysis.recording import FloatArray
-    from agent.analysis.stiction.stuck import StuckIntervals
+    from agent.analysis.record.recording import FloatArray
+    from agent.analysis.stiction.shapes.stuck import StuckIntervals
 
 SHOWN = 100
 """Samples of the stem in the picture, in widths of its moving mean: five periods."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from agent.analysis.stiction.half_cycle_shapes import T
+from agent.analysis.stiction.shapes.half_cycle_shapes import T
 from agent.analysis.stiction.srinivasan_dtw import TEMPLATES
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, tidy
 from agent.workbench.decision import LEAST_PERCENT
-from agent.workbench.holm import LEVEL
+from agent.workbench.residual.holm import LEVEL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

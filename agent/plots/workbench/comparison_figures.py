@@ -13,11 +13,11 @@ from agent.plots.workbench.overlay import overlay_figure
 from agent.plots.workbench.residual_panels import residual_panels_figure
 from agent.plots.workbench.spectrum import spectrum_figure
 from agent.plots.workbench.staircase import Stair, staircase_figure
-from agent.workbench.comparison_text import step_name
-from agent.workbench.independence import independence
-from agent.workbench.line_spectrum import line_spectrum
+from agent.report.comparison_text import step_name
 from agent.workbench.paired_blocks import error_interval
-from agent.workbench.whiteness import whiteness
+from agent.workbench.residual.independence import independence
+from agent.workbench.residual.line_spectrum import line_spectrum
+from agent.workbench.residual.whiteness import whiteness
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

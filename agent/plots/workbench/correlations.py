@@ -13,7 +13,7 @@ from agent.plots.workbench.palette import BAND, FAILS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from agent.workbench.whiteness import Correlogram
+    from agent.workbench.residual.whiteness import Correlogram
 
 
 def correlations_figure(loop: str, white: Correlogram | None, independent: Correlogram | None) -> Figure:

@@ -9,15 +9,15 @@ from matplotlib.figure import Figure
 
 from agent.plots.axes import MEASURED, tidy
 from agent.plots.workbench.palette import BAND, FAILS
-from agent.workbench.axes import UNITS
-from agent.workbench.state_dependence import LEVEL
+from agent.workbench.residual.axes import UNITS
+from agent.workbench.residual.state_dependence import LEVEL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
 
-    from agent.workbench.where import Failure
+    from agent.workbench.residual.where import Failure
 
 COLUMNS = 3
 

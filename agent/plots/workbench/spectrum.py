@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
 
 if TYPE_CHECKING:
-    from agent.workbench.line_spectrum import Line, LineSpectrum
+    from agent.workbench.residual.line_spectrum import Line, LineSpectrum
 
 COLOUR = {"locked": MODEL, "coherent": VALVE, "either": "#7b4fa3"}
 WORDS = {"locked": "keeps step with OP", "coherent": "comes from outside", "either": "cannot be told"}

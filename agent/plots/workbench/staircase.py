@@ -14,7 +14,7 @@ from agent.plots.workbench.palette import BAND
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.workbench.noise_floor import NoiseFloor
+    from agent.workbench.residual.noise_floor import NoiseFloor
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import pytest
 
-from agent.analysis.diagnosis_json import diagnosis_json
-from agent.analysis.diagnosis_text import diagnosis_lines
 from agent.analysis.results import (
     CauseShare,
     Diagnosis,
@@ -15,6 +13,8 @@ from agent.analysis.results import (
     Quantification,
     StictionEstimate,
 )
+from agent.report.diagnosis_json import diagnosis_json
+from agent.report.diagnosis_text import diagnosis_lines
 from agent.units import FrictionBands
 
 SURE = StictionEstimate(

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from agent.analysis.ellipse import apparent_stiction, fit_ellipse
+from agent.analysis.loop.ellipse import apparent_stiction, fit_ellipse
 from tests.unit.quantify.loops import loop, swinging_op
 
 PHASE = np.linspace(0, 40, 700)

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agent.analysis.grid import uniform_grid
+from agent.analysis.record.grid import uniform_grid
 
 UTC = 1.7e9
 

@@ -5,13 +5,13 @@ import pytest
 from scipy import optimize
 
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Oscillation
 from agent.analysis.stiction import hagglund_shape, he_curve_fit, rossi_scali
 from agent.analysis.stiction.hagglund_shape import HagglundShape
-from agent.analysis.stiction.half_cycle_shapes import POINTS, RELAY, SINE, TRIANGLE, T, fit, resampled
 from agent.analysis.stiction.he_curve_fit import HeCurveFit
 from agent.analysis.stiction.rossi_scali import RossiScali
+from agent.analysis.stiction.shapes.half_cycle_shapes import POINTS, RELAY, SINE, TRIANGLE, T, fit, resampled
 
 SHAPES = {"sine": np.sin(np.pi * T), "triangle": 1 - np.abs(2 * T - 1), "square": np.ones(POINTS)}
 TIME = np.arange(1200) / 100 + 0.013

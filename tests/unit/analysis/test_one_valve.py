@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.diagnose import SURE, diagnose
-from agent.analysis.joint_evidence import SEARCH, joined, majority, weigh_together
+from agent.analysis.evidence.together import SEARCH, joined, majority, weigh_together
 from agent.analysis.one_valve import judged_together, odds
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import MethodResult, Quantification, StictionEstimate
 from agent.units import FrictionBands
 

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.stiction import DETECTORS
-from agent.analysis.stiction.half_cycle_shapes import T
-from agent.analysis.stiction.half_cycle_stream import LONGEST, HalfCycleStream
 from agent.analysis.stiction.online import OnlineShapes, area_ratio, log_area_ratio
+from agent.analysis.stiction.shapes.half_cycle_shapes import T
+from agent.analysis.stiction.shapes.half_cycle_stream import LONGEST, HalfCycleStream
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 
 BATCH = {each.name: each for each in DETECTORS}
 

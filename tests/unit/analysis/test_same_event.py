@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from agent.analysis.recording import LoopWindow
-from agent.analysis.same_event import A_DATE, correlations, one_of_each, same_event
+from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.same_event import A_DATE, correlations, one_of_each, same_event
 
 N = 800
 DAY = 86_400.0

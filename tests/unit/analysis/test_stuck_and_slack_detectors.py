@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy import special, stats
 
+from agent.analysis.loop.pi_controller import PiController
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.pi_controller import PiController
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Oscillation
 from agent.analysis.stiction.damarla import WINDOW, Damarla, is_arranged, slope, varies
 from agent.analysis.stiction.hagglund_backlash import HagglundBacklash, dead_band
+from agent.analysis.stiction.shapes.time_warping import warped_distances
 from agent.analysis.stiction.srinivasan_dtw import TEMPLATES, SrinivasanDtw, labelled
-from agent.analysis.stiction.time_warping import warped_distances
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 from tests.reference.time_warping_recursive import warped_distance
 
 PERIOD = 100

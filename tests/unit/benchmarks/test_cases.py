@@ -3,11 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.case import Case, shape_of
-from benchmarks.case_file import append_cases, read_cases
+from benchmarks.cases.case import Case, shape_of
+from benchmarks.cases.case_file import append_cases, read_cases
 from benchmarks.simulated import jobs, left_of
-from benchmarks.strata import STRATA
-from benchmarks.targets import targets
+from benchmarks.tables.strata import STRATA
+from benchmarks.tables.targets import targets
 
 CASE = Case(
     kind="stiction",

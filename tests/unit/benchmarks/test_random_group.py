@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from agent.analysis.results import Diagnosis
+from benchmarks.cases.random_group import GROUP_KINDS, random_group
+from benchmarks.cases.random_loop import STICKING
 from benchmarks.one_valve import DiagnosedGroup, by_kind, by_valve
-from benchmarks.random_group import GROUP_KINDS, random_group
-from benchmarks.random_loop import STICKING
 
 SAID = Diagnosis("FIC101", "undecided", 0.0, "undecided", (), None, (), None, None)
 

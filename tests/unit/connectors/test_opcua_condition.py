@@ -5,7 +5,7 @@ from pydantic import ValidationError
 
 from agent.alarms import State
 from agent.settings import AlarmSettings
-from connectors.opcua_server.condition import SEVERITIES, STATES, Condition
+from connectors.opcua_server.alarm.condition import SEVERITIES, STATES, Condition
 from connectors.opcua_server.options import OpcUaServerOptions
 from tests.unit.connectors.alarm_messages import told
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.physics.processes.arx import Arx, simulate_arx
 from agent.physics.valves.he2007 import he2007
 

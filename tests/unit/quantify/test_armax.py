@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from agent.analysis.quantify.armax import fit_armax, free_run
-from agent.analysis.quantify.model_error import mean_squared_error
-from agent.analysis.quantify.output_error import FIRST_ORDER, fit_process, plausible
+from agent.analysis.quantify.processes.armax import fit_armax, free_run
+from agent.analysis.quantify.processes.model_error import mean_squared_error
+from agent.analysis.quantify.processes.output_error import FIRST_ORDER, fit_process, plausible
 from agent.physics.processes.arx import Arx, simulate_arx
 
 TRUE = Arx(0.9, 0.0, 0.15, 0.0, 0.0, 4)

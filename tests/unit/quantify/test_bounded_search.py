@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from agent.analysis.quantify.bounded_search import grid, grid_search, random_search
+from agent.analysis.quantify.valves.bounded_search import grid, grid_search, random_search
 
 
 def bowl(f_s, f_d):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from agent.analysis.delay import estimate_delay
+from agent.analysis.loop.delay import estimate_delay
 from agent.physics.valves.he2007 import he2007
 from tests.unit.quantify.loops import FIRST_ORDER, SECOND_ORDER, loop, swinging_op
 

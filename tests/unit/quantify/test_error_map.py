@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agent.analysis.quantify.error_map import ErrorMap, error_map
 from agent.analysis.quantify.lee2008 import Lee2008
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.quantify.valves.error_map import ErrorMap, error_map
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from tests.unit.quantify.loops import FIRST_ORDER, INTEGRATOR, SECOND_ORDER, loop, swinging_op
 
 OP = swinging_op()

@@ -16,11 +16,11 @@ from agent.analysis.quantify.free_run.problem import (
     pose,
     quiet_start,
 )
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.physics.processes.decimation import block_means
 from agent.physics.valves.damped_stem import damped_stem
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 from simulators.scenario import load_scenario
 from tests.conftest import ROOT
 from tests.reference.free_run_twins import first_order

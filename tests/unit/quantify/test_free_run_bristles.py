@@ -21,7 +21,7 @@ from agent.analysis.quantify.free_run.objective import (
 )
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.quantify.free_run.search import SURER, Found
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow
 

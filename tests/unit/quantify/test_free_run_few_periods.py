@@ -29,7 +29,7 @@ from agent.analysis.quantify.free_run.objective import (
 )
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.quantify.free_run.search import SURER, Found
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 
 PERIOD = 200
 HINTS = LoopHints(integrating=False, acting="reverse", order=1)

@@ -28,7 +28,7 @@ from agent.analysis.quantify.free_run.populations import (
 )
 from agent.analysis.quantify.free_run.residuals import LEAST_LAG
 from agent.analysis.quantify.free_run.search import Found
-from agent.analysis.recording import LoopHints
+from agent.analysis.record.recording import LoopHints
 from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once
 
 HINTS = LoopHints(False, 1)

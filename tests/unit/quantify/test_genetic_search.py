@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from agent.analysis.quantify.genetic_search import genetic_search
+from agent.analysis.quantify.valves.genetic_search import genetic_search
 from tests.unit.quantify.test_bounded_search import bowl
 
 START = np.array([12.0, 6.0])

@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from agent.analysis.quantify.jelali2008 import Jelali2008
-from agent.analysis.recording import LoopHints
+from agent.analysis.record.recording import LoopHints
 from agent.physics.valves.two_state import two_state
 from tests.unit.quantify.loops import SECOND_ORDER, loop, swinging_op
 

@@ -6,7 +6,7 @@ import pytest
 
 from agent.analysis.quantify import QUANTIFIERS, quantifier
 from agent.analysis.quantify.lee2008 import Lee2008
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from tests.unit.quantify.loops import FIRST_ORDER, INTEGRATOR, SECOND_ORDER, loop, swinging_op
 
 GRID, RANDOM = Lee2008("grid"), Lee2008("random")

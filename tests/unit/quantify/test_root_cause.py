@@ -3,13 +3,13 @@ import math
 import numpy as np
 import pytest
 
-from agent.analysis.pi_controller import PiController, pi_controller
+from agent.analysis.loop.pi_controller import PiController, pi_controller
 from agent.analysis.quantify import quantifier
 from agent.analysis.quantify.root_cause import own_swing
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.processes.arx import Arx
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 
 PROCESS = Arx(0.9, 0.0, 0.2, 0.0, 0.0, 5)
 

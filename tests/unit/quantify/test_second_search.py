@@ -21,7 +21,7 @@ from agent.analysis.quantify.free_run.second_search import (
     going_on,
     searched_again,
 )
-from agent.analysis.recording import LoopHints
+from agent.analysis.record.recording import LoopHints
 from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once
 
 

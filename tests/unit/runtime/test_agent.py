@@ -15,7 +15,7 @@ import pytest
 from agent.alarms import State
 from agent.analysis.results import Diagnosis, Oscillation
 from agent.runtime.agent import Agent
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, Settings
 from connectors.base import AccessDeniedError, ConnectionLostError, RefusedError
 from connectors.options import Options, Target

@@ -9,7 +9,7 @@ pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="gl
 
 THREADS = """
 import ctypes, threading
-from agent.runtime.heap import keep_one_heap
+from agent.runtime.operate.heap import keep_one_heap
 {call}
 together = threading.Barrier(4)
 def work():

@@ -11,12 +11,12 @@ from typer.testing import CliRunner
 
 from agent.alarms import Alarm, Delay
 from agent.cli import app, main
-from agent.runtime import history as module
 from agent.runtime.agent import Agent
-from agent.runtime.history import DAY, History
-from agent.runtime.history_file import Entry, HistoryFile, history_path
-from agent.runtime.pipeline import Judged
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.loop.pipeline import Judged
+from agent.runtime.loop.workers import InlineExecutor
+from agent.runtime.store import history as module
+from agent.runtime.store.history import DAY, History
+from agent.runtime.store.history_file import Entry, HistoryFile, history_path
 from agent.settings import AgentSettings, ConnectionSettings, HistorySettings, Settings
 from connectors.options import Options
 from tests.unit.alarms.test_alarm import diagnosis

@@ -11,8 +11,8 @@ import pytest
 import yaml
 from prometheus_client.parser import text_string_to_metric_families
 
-from agent.runtime.http import serve
-from agent.runtime.metrics import Metrics
+from agent.runtime.operate.http import serve
+from agent.runtime.operate.metrics import Metrics
 from agent.runtime.supervisor import Health, keep_alive
 from agent.settings import HttpSettings, settings_of
 from connectors.base import ConfigError

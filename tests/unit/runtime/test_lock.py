@@ -7,14 +7,14 @@ import sys
 
 import pytest
 
-from agent.runtime.lock import only_agent_of
+from agent.runtime.store.lock import only_agent_of
 from connectors.base import ConfigError
 from tests.conftest import ROOT
 
 HOLDER = """
 import subprocess, sys
 from pathlib import Path
-from agent.runtime.lock import only_agent_of
+from agent.runtime.store.lock import only_agent_of
 
 with only_agent_of(Path(sys.argv[1])):
     child = subprocess.Popen(["sleep", "60"], close_fds=False)

@@ -5,7 +5,7 @@ import socket
 
 import pytest
 
-from agent.runtime.notify import ServiceManager
+from agent.runtime.operate.notify import ServiceManager
 
 
 @pytest.fixture(params=["file", "abstract"])

@@ -2,8 +2,8 @@ import asyncio
 
 import pytest
 
-from agent.runtime.journal import Journal
-from agent.runtime.outbox import Outbox
+from agent.runtime.link.outbox import Outbox
+from agent.runtime.store.journal import Journal
 from connectors.base import Publication
 
 

@@ -2,10 +2,10 @@
 
 import pytest
 
-from agent.runtime.pipeline import LoopPipeline
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.loop.pipeline import LoopPipeline
+from agent.runtime.loop.workers import InlineExecutor
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 from tests.unit.runtime.loops import loop_settings, sample
 
 NAMES = {"he_curve_fit", "rossi_scali", "hagglund_shape", "singhal_salsbury"}

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from agent.runtime import probe as probing
-from agent.runtime.plausibility import Reading, duration, problems, remarks
-from agent.runtime.probe import probe
+from agent.runtime.commission import probe as probing
+from agent.runtime.commission.plausibility import Reading, duration, problems, remarks
+from agent.runtime.commission.probe import probe
 from agent.settings import settings_of
 from connectors.base import AccessDeniedError, ConnectionLostError, Quality, Sample, TargetReport
 from tests.unit.runtime.fake_bus import FakeBus

@@ -1,8 +1,8 @@
 """What a peer refuses stays in the store until it is taken, and leaves nothing behind then."""
 
-from agent.runtime import refusals
-from agent.runtime.journal import Journal
-from agent.runtime.outbox import Outbox
+from agent.runtime.link import refusals
+from agent.runtime.link.outbox import Outbox
+from agent.runtime.store.journal import Journal
 from connectors.base import RefusedError
 from tests.unit.runtime.test_outbox import event, state
 

@@ -7,8 +7,8 @@ import pytest
 
 from agent.alarms import Alarm, Delay, State
 from agent.runtime.agent import Agent
-from agent.runtime.plan import difference
-from agent.runtime.workers import InlineExecutor
+from agent.runtime.loop.workers import InlineExecutor
+from agent.runtime.operate.plan import difference
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, Settings, settings_of
 from connectors.base import WITHDRAWN, ConfigError, ConnectionLostError
 from connectors.options import Options, Target

@@ -5,9 +5,9 @@ import asyncio
 import pytest
 import yaml
 
-from agent.runtime import reload as module
-from agent.runtime.notify import ServiceManager
-from agent.runtime.reload import Reloader
+from agent.runtime.operate import reload as module
+from agent.runtime.operate.notify import ServiceManager
+from agent.runtime.operate.reload import Reloader
 from agent.settings import load_settings
 
 LOOP = {"name": "FIC101", "connection": "b", "ts": 1, "tags": {"pv": {"topic": "p"}, "op": {"topic": "o"}}}

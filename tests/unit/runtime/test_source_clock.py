@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from agent.runtime.source_clock import SourceClock
-from agent.runtime.window import RollingWindow
+from agent.runtime.loop.source_clock import SourceClock
+from agent.runtime.loop.window import RollingWindow
 from connectors.base import Quality
 from tests.unit.runtime.loops import START, loop_settings, sample
 

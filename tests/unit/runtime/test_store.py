@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.alarms import Alarm, Command, Delay, Event
-from agent.runtime.change import Change, Waiting
-from agent.runtime.journal import Journal
-from agent.runtime.outbox import Outbox
-from agent.runtime.store import Store, StoreError
+from agent.runtime.link.outbox import Outbox
+from agent.runtime.store.change import Change, Waiting
+from agent.runtime.store.journal import Journal
+from agent.runtime.store.store import Store, StoreError
 from connectors.base import Publication
 from tests.unit.alarms.test_alarm import play
 

@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.reversals import significant_reversals
 from agent.analysis.results import MethodResult
-from agent.analysis.reversals import significant_reversals
-from agent.runtime.trigger import trigger
+from agent.runtime.loop.trigger import trigger
 
 T = np.arange(1000)
 NOISE = np.random.default_rng(7).normal(size=T.size)
@@ -40,7 +40,7 @@ def test_it_does_not_fire_at_rest():
 def test_it_fires_where_a_detector_says_stiction(monkeypatch):
     resting = window(50 + T / 1000 + 0.002 * NOISE)
     accused = {"damarla": MethodResult("stiction", 0.4)}
-    monkeypatch.setattr("agent.runtime.trigger.detect_stiction", lambda *_: accused)
+    monkeypatch.setattr("agent.runtime.loop.trigger.detect_stiction", lambda *_: accused)
     assert trigger(resting).fires
 
 

@@ -5,9 +5,9 @@ import contextlib
 import functools
 import itertools
 
-from agent.runtime.notify import ServiceManager
+from agent.runtime.operate.notify import ServiceManager
+from agent.runtime.operate.watchdog import watch
 from agent.runtime.supervisor import Health
-from agent.runtime.watchdog import watch
 from connectors.base import RefusedError
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.test_agent import agent_of, stream, virtual

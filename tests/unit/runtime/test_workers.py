@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from agent.runtime.workers import InlineExecutor, PoolExecutor
+from agent.runtime.loop.workers import InlineExecutor, PoolExecutor
 from tests.conftest import ROOT
 
 
@@ -68,7 +68,7 @@ import asyncio
 import os
 import time
 
-from agent.runtime.workers import PoolExecutor
+from agent.runtime.loop.workers import PoolExecutor
 
 async def main():
     async with PoolExecutor(2) as pool:

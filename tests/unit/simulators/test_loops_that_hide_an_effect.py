@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from simulators.effect_draws import HIDE, SETTLING
+from simulators.draws.effect_draws import HIDE, SETTLING
+from simulators.draws.hidden_effects import NOTHING, SAMPLES, TRUTHS, hidden_effect_plant
 from simulators.field import response
-from simulators.hidden_effects import NOTHING, SAMPLES, TRUTHS, hidden_effect_plant
 from simulators.parameters import Drift, Noise, Quantisation, ValveParameters, Wander
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from simulators.other_recordings import other_recording, recordings_of, with_something_unknown
+from simulators.draws.other_recordings import other_recording, recordings_of, with_something_unknown
+from simulators.draws.random_cascades import random_cascade
+from simulators.draws.random_flows import random_flow
 from simulators.plant import simulate
-from simulators.random_cascades import random_cascade
-from simulators.random_flows import random_flow
 
 PLANT = ("process", "controller", "valve", "noise", "quantisation", "sensor_tau", "duration", "ts", "wander")
 

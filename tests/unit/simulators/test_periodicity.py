@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from simulators.periodicity import swing
+from simulators.draws.periodicity import swing
 
 
 @pytest.mark.parametrize("period", [20, 47, 150])

@@ -3,9 +3,9 @@ from typing import get_args
 import numpy as np
 import pytest
 
+from simulators.draws.random_cascades import CascadeKind, random_cascade
+from simulators.draws.random_moves import largest_rise
 from simulators.plant import simulate
-from simulators.random_cascades import CascadeKind, random_cascade
-from simulators.random_moves import largest_rise
 
 
 @pytest.mark.parametrize("kind", get_args(CascadeKind))

@@ -3,9 +3,9 @@ from typing import get_args
 import numpy as np
 import pytest
 
+from simulators.draws.random_flows import DURATION, FlowKind, random_draw_of_flow, random_flow
+from simulators.draws.random_moves import largest_rise
 from simulators.plant import simulate
-from simulators.random_flows import DURATION, FlowKind, random_draw_of_flow, random_flow
-from simulators.random_moves import largest_rise
 
 
 @pytest.mark.parametrize("kind", get_args(FlowKind))

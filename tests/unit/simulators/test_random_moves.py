@@ -3,8 +3,8 @@ from typing import get_args
 import numpy as np
 import pytest
 
+from simulators.draws.random_moves import DURATION, MovedKind, largest_rise, random_moved
 from simulators.plant import simulate
-from simulators.random_moves import DURATION, MovedKind, largest_rise, random_moved
 
 
 @pytest.mark.parametrize("kind", get_args(MovedKind))

@@ -3,10 +3,10 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from simulators import random_plants
-from simulators.periodicity import swing
+from simulators.draws import random_plants
+from simulators.draws.periodicity import swing
+from simulators.draws.random_plants import PERIODS, SHAPES, STEADY, Kind, random_draw, random_plant
 from simulators.plant import simulate
-from simulators.random_plants import PERIODS, SHAPES, STEADY, Kind, random_draw, random_plant
 
 CAUSES = {
     "stiction": "stiction",

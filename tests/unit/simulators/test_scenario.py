@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from connectors.base import ConfigError
-from simulators.periodicity import swing
+from simulators.draws.periodicity import swing
 from simulators.plant import simulate
 from simulators.scenario import load_scenario
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from simulators.draws.stability import peak_sensitivity
 from simulators.parameters import ControllerParameters, Noise, ProcessParameters, ValveParameters
 from simulators.plant import simulate
 from simulators.scenario import Scenario
-from simulators.stability import peak_sensitivity
 
 PROCESSES = [
     ProcessParameters(gain=1.5, tau=10.0, delay=6.0),

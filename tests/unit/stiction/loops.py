@@ -5,10 +5,10 @@ from functools import cache
 import numpy as np
 
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Oscillation
+from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.random_plants import random_plant
 
 REGULAR = 3.0
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from agent.analysis.ellipse import fit_ellipse
-from agent.analysis.recording import LoopHints
+from agent.analysis.loop.ellipse import fit_ellipse
+from agent.analysis.record.recording import LoopHints
 from agent.analysis.stiction.choudhury_cmeans import ChoudhuryCmeans, clusters, fuzzy_two_means
 from agent.analysis.stiction.choudhury_ellipse import LARGEST_MISFIT, ChoudhuryEllipse, OpPvEllipse
-from agent.analysis.stiction.op_pv_cycles import CYCLES, Cycles, most_regular
+from agent.analysis.stiction.shapes.op_pv_cycles import CYCLES, Cycles, most_regular
 from tests.unit.stiction.loops import detect, simulated
 
 BOTH = pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agent.analysis.recording import LoopHints
+from agent.analysis.record.recording import LoopHints
 from agent.analysis.stiction.horch_ccf import EVEN_RHO, HorchCcf, cross_correlation
 from tests.unit.stiction.loops import detect, sines
 

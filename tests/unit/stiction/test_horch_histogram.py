@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from agent.analysis.recording import LoopHints
+from agent.analysis.record.recording import LoopHints
 from agent.analysis.stiction.horch_histogram import (
     TWO_HUMPS,
     HorchHistogram,

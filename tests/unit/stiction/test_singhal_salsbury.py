@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agent.analysis.recording import LoopHints
+from agent.analysis.record.recording import LoopHints
 from agent.analysis.stiction.singhal_salsbury import SinghalSalsbury, peak_areas
 from tests.unit.stiction.loops import detect, simulated
 

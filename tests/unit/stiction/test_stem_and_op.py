@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from agent.analysis.recording import LoopHints
+from agent.analysis.record.recording import LoopHints
 from agent.analysis.results import Oscillation
 from agent.analysis.stiction.kano_a import KanoA
 from agent.analysis.stiction.kano_b import KanoB
-from agent.analysis.stiction.stem import Stem, stem_of, time_of_half_the_way
-from agent.analysis.stiction.stuck import standing
+from agent.analysis.stiction.shapes.stem import Stem, stem_of, time_of_half_the_way
+from agent.analysis.stiction.shapes.stuck import standing
 from agent.analysis.stiction.yamashita import Yamashita, qualitative_shape
 from agent.physics.valves.he2007 import He2007
 from agent.units import FrictionBands

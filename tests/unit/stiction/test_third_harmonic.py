@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from agent.analysis.stiction.third_harmonic import third_harmonic
+from agent.analysis.stiction.shapes.third_harmonic import third_harmonic
 
 PERIOD = 41.3
 PHASE = 2 * np.pi * np.arange(1500) / PERIOD

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from agent.analysis.stiction.nearest_neighbours import prediction_error
-from agent.analysis.stiction.phase_surrogates import ends_matched, surrogates
+from agent.analysis.stiction.shapes.nearest_neighbours import prediction_error
+from agent.analysis.stiction.shapes.phase_surrogates import ends_matched, surrogates
 from agent.analysis.stiction.thornhill_surrogates import (
     COUNT,
     NEIGHBOURS,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.loop_model import LoopModel

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_closed_loop import N, loop
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.load_step import STEPS, LoadStep
 from agent.physics.loop_model import LoopModel

@@ -5,8 +5,8 @@ import pytest
 from scipy import stats
 
 from agent.workbench.decision import judge
-from agent.workbench.holm import holm
 from agent.workbench.paired_blocks import reduction, sign_flip_p, stretches
+from agent.workbench.residual.holm import holm
 
 BLOCKS = 24
 FAMILIES = {

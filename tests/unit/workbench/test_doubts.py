@@ -9,7 +9,7 @@ from agent.workbench import doubts
 from agent.workbench.decision import Decision
 from agent.workbench.doubts import Doubts
 from agent.workbench.evidence import Evidence
-from agent.workbench.state_dependence import Dependence
+from agent.workbench.residual.state_dependence import Dependence
 
 FAILS = {"op_rate": Dependence(1e-9, 1.0)}
 RESOLVED = {"op_rate": Dependence(0.5, 0.0)}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_closed_loop import N, answered_more, free_run, loop
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.load_step import LoadStep

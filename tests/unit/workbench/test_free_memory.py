@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_closed_loop import free_run, loop
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import fit

@@ -7,7 +7,7 @@ import pytest
 
 from agent.analysis.quantify.free_run.evolution import SAME, Generation
 from agent.analysis.quantify.free_run.growing_horizon import KEPT
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
@@ -18,7 +18,7 @@ from agent.workbench.prediction_search import predictor
 from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record
 from agent.workbench.search import objective_of, whitened
-from simulators.hidden_effects import hidden_effect_plant
+from simulators.draws.hidden_effects import hidden_effect_plant
 
 
 @pytest.fixture(scope="module")

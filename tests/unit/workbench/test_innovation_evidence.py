@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 from test_closed_loop import N, answered_more, loop
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.gain_change import GainChange
@@ -21,7 +21,7 @@ from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 from agent.workbench.trial import Tried
 from agent.workbench.valve_scan import VALVES
-from benchmarks.decoy import Decoy
+from benchmarks.cases.decoy import Decoy
 
 CANDIDATES = 14
 VALUES = 7

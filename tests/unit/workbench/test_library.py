@@ -1,6 +1,6 @@
 from loops import moves
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.effects import EFFECTS
 from agent.workbench.library import acts_on_op, happens_once
 from agent.workbench.record import bare_record

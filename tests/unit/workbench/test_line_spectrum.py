@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from agent.workbench.line_spectrum import cycles_of, line_spectrum
+from agent.workbench.residual.line_spectrum import cycles_of, line_spectrum
 
 N = 2000
 

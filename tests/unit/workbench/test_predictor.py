@@ -5,7 +5,7 @@ import pytest
 from loops import S, slack
 from test_closed_loop import free_run, loop
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects import deadband
 from agent.physics.effects.deadband import Deadband
@@ -25,7 +25,7 @@ from agent.workbench.prediction_search import predictor, with_valve_anew
 from agent.workbench.projection import nuisance_part, target_of
 from agent.workbench.record import bare_record
 from agent.workbench.trial import Tried, predicted
-from simulators.hidden_effects import hidden_effect_plant
+from simulators.draws.hidden_effects import hidden_effect_plant
 
 TAU = -1 / np.log(0.9)
 BAND = 1.5

@@ -1,7 +1,7 @@
 import numpy as np
 from loops import made
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.workbench.record import FEWEST_REVERSALS, bare_record, record_of
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from agent.workbench.independence import independence
-from agent.workbench.noise_floor import noise_floor
-from agent.workbench.power import smallest_reduction
+from agent.workbench.residual.independence import independence
+from agent.workbench.residual.noise_floor import noise_floor
+from agent.workbench.residual.power import smallest_reduction
+from agent.workbench.residual.whiteness import LAGS, whiteness
 from agent.workbench.simulated_null import simulated_null_p
-from agent.workbench.whiteness import LAGS, whiteness
 
 N = 1500
 SEEDS = 200

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from loops import S, made, moves, slack
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.effects import EFFECTS
 from agent.physics.effects.hysteresis import S_BY_LAW
+from agent.report.comparison_text import comparison_lines, verdict_words
 from agent.workbench.candidates import ran_out
 from agent.workbench.comparison import not_testable
-from agent.workbench.comparison_text import comparison_lines, verdict_words
 from agent.workbench.session import Workbench
 from agent.workbench.step import Verdict
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agent.analysis.recording import LoopWindow
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.asymmetric_stiction import AsymmetricStiction
 from agent.physics.effects.stiction import Stiction
@@ -14,7 +14,7 @@ from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record
 from agent.workbench.search import objective_of, of_last_effect, searched, spread_about, whitened
 from agent.workbench.valve_scan import MOVED, valves
-from simulators.hidden_effects import hidden_effect_plant
+from simulators.draws.hidden_effects import hidden_effect_plant
 
 
 @pytest.fixture(scope="module", params=[AsymmetricStiction(), Stiction()], ids=lambda each: each.name)

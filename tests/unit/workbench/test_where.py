@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from agent.workbench.axes import UNITS, last_turns, physical_axes
 from agent.workbench.innovations import MOST_LAGS, innovations
-from agent.workbench.resampling import resampled
-from agent.workbench.where import bins_of, panel_of, where_it_fails
+from agent.workbench.residual.axes import UNITS, last_turns, physical_axes
+from agent.workbench.residual.resampling import resampled
+from agent.workbench.residual.where import bins_of, panel_of, where_it_fails
 
 N, BLOCK, PERIOD = 1500, 100, 60.0
 

@@ -40,11 +40,11 @@ from agent.analysis.quantify.free_run.problem import Problem, bridge, high_pass,
 from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
 from agent.analysis.quantify.free_run.search import Found, best_linear, best_stiction
 from agent.analysis.quantify.free_run.second_search import converged_search
-from agent.analysis.quantify.turns import turns
+from agent.analysis.quantify.valves.turns import turns
 from agent.analysis.results import MethodVerdict, ProcessEstimate, ProcessIntervals, Quantification
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 STICKS_ABOVE = 1.75
 """Evidence (linear over sticking error) above which the valve is said to stick."""

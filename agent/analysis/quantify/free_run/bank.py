@@ -15,7 +15,7 @@ from agent.analysis.quantify.free_run.problem import STROKE_TIME, Problem, first
 from agent.jit import kernel
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 
 class Bank(NamedTuple):

@@ -15,7 +15,7 @@ from agent.jit import fused_kernel, inlined_kernel, kernel, summing_kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 
 @summing_kernel

@@ -32,7 +32,7 @@ from agent.jit import kernel
 from agent.physics.valves.damped_stem import GIVE
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 DELAYS_AROUND = 3
 

@@ -34,7 +34,7 @@ from agent.physics.valves.damped_stem import Motion, stem_at, stem_motion, strok
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 LEVEL_STEP = 0.02
 """Step of the level of OP at the first slip, OP spans."""

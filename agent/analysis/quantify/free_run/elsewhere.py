@@ -29,7 +29,7 @@ from agent.analysis.quantify.free_run.objective import (
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 PLACES = 40
 """Of each value."""

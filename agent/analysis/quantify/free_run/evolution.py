@@ -36,7 +36,7 @@ from agent.physics.valves.damped_stem import GIVE
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 SMALLEST = 1.5
 """Decades from the largest standard deviation of a mutation to the smallest."""

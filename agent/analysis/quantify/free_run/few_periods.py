@@ -27,7 +27,7 @@ from agent.analysis.quantify.free_run.stem_scan import with_best_stems
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import LoopHints, LoopWindow
+    from agent.analysis.record.recording import LoopHints, LoopWindow
 
 FEW = 13
 """Periods below which a record has few (simulated loops, seeds 2000 to 2309)."""

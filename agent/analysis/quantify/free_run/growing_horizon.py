@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray, LoopHints
+    from agent.analysis.record.recording import FloatArray, LoopHints
 
 ISLANDS = 3
 """Populations that begin anywhere and know nothing of each other: one in three comes near the valve."""

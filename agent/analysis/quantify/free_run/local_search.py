@@ -26,7 +26,7 @@ from agent.jit import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 
 @kernel

@@ -16,7 +16,7 @@ from agent.jit import fused_kernel, inlined_kernel, kernel, summing_kernel
 from agent.physics.valves.damped_stem import DAMPING, GIVE, REST, SUPPLY, damped_stem
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 # Structures of the process.
 FOPDT, SOPDT, INTEGRATOR = 0, 1, 2

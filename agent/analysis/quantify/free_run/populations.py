@@ -19,7 +19,7 @@ from agent.analysis.quantify.free_run.second_search import CLEARLY_LESS, converg
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
-    from agent.analysis.recording import LoopHints
+    from agent.analysis.record.recording import LoopHints
 
 WHITE = 0.15
 """Autocorrelation of what is left, two blocks on, below which it is white (simulated loops, seeds 2200 to

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from agent.analysis.controller_action import process_gain_sign
+from agent.analysis.loop.controller_action import process_gain_sign
 from agent.jit import kernel
 from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 BLOCKS_PER_PERIOD = 40
 """Samples of a period that are kept; fewer would blur the slips."""

@@ -16,7 +16,7 @@ from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.analysis.recording import LoopWindow
+    from agent.analysis.record.recording import LoopWindow
 
 PASS_TIME = 0.1
 """Time constant of the filter, periods."""

@@ -16,7 +16,7 @@ from agent.jit import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 ROUNDS = 5
 """In which the shots of a start find their places."""

@@ -21,7 +21,7 @@ from agent.analysis.quantify.free_run.objective import (
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 PART = 1 / 8
 """Of a period, after which what is left of noise is small and an error of the valve still lasts."""

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import LoopHints
+    from agent.analysis.record.recording import LoopHints
 
 
 class Spread(NamedTuple):

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray, LoopHints
+    from agent.analysis.record.recording import FloatArray, LoopHints
 
 TO_A_BIN = 5
 """Candidates of a bin that the first horizon sees."""

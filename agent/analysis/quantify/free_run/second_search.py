@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
-    from agent.analysis.recording import FloatArray, LoopHints
+    from agent.analysis.record.recording import FloatArray, LoopHints
 
 JUMPS = np.array([0, 0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.14, 0.17, 0.2, 0.25, 0.3, 0.4, 0.6, 0.8, 0.97])
 

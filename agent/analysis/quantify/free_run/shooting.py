@@ -36,7 +36,7 @@ from agent.jit import fused_kernel, kernel
 from agent.physics.valves.damped_stem import Motion, stem_at, stem_motion, strokes
 
 if TYPE_CHECKING:
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 OFFSETS = np.array([0.05, 0.2, 0.6])
 """How far from its rest a stem is set off first, parts of S; then halfway between, three times."""

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 STEMS = np.array([(0.01, 0.01, 1e-8), (0.15, 0.1, 0.003), (0.3, 0.15, 0.01)])
 """Damping, supply and rest that a search starts from: He's valve, which stays as it is, and two that take

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.quantify.free_run.problem import Problem
-    from agent.analysis.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray
 
 TRIED = 100
 """Stems for each valve."""

@@ -1,0 +1,1 @@
+"""EVIDENCE: all methods weighed against each other, in one record or in several of one valve."""

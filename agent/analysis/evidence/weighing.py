@@ -1,0 +1,94 @@
+"""All methods weighed against each other: how probable is it that the valve sticks?
+
+Log odds: each witness adds its weight times what it says. The weights are a logistic regression on simulated
+loops, none below zero, so that no method counts against its own word (``evidence_weights``).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from agent.analysis.evidence.weights import (
+    BIAS,
+    DETECTORS,
+    FREE_RUN,
+    FREE_RUN_QUICK,
+    INNOVATIONS,
+    INNOVATIONS_OVER_TURNS,
+    WITH_STEM,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from agent.analysis.results import MethodResult, MethodVerdict, Quantification
+
+SAYS: dict[MethodVerdict, int] = {"stiction": 1, "no_stiction": -1}
+ENOUGH_EVIDENCE = math.e
+"""Evidence beyond which more does not count: how well a model fits is then a matter of noise."""
+ENOUGH_TURNS = 10
+"""Turns of the valve beyond which more do not count."""
+LITTLE_LIKELIHOOD, ENOUGH_LIKELIHOOD = 10.0, 100.0
+"""Log likelihood ratios (nats) up to which one grows as its worth, since a search among many valves finds
+some by chance; and beyond which more does not count."""
+MOST = math.log(99)
+"""Log odds beyond which the calibration has too few simulated loops to speak: 99 %."""
+
+
+@dataclass(frozen=True, slots=True)
+class Witness:
+    """A method that has something to say."""
+
+    name: str
+    log_odds: float
+    """What it adds to the log odds that the valve sticks."""
+
+
+@dataclass(frozen=True, slots=True)
+class Weighed:
+    """What all witnesses say together."""
+
+    probability: float
+    """That the valve sticks, calibrated on simulated loops."""
+    witnesses: tuple[Witness, ...]
+    """The strongest first; without those that add nothing."""
+
+
+def weigh(found: Quantification, methods: Mapping[str, MethodResult], *, stem_measured: bool) -> Weighed:
+    """Weigh the fit of ``free_run``, the innovations and the detectors.
+
+    Args:
+        found: Answer of ``free_run``, with evidence, quick evidence, turns and log likelihood ratio.
+        methods: Answers of the detectors by name; one that no weight is known of adds nothing.
+        stem_measured: Whether the window has MV, which tells more than PV can.
+    """
+    weights = DETECTORS | WITH_STEM if stem_measured else DETECTORS
+    said = [
+        Witness(name, weights.get(name, 0.0) * SAYS.get(each.verdict, 0)) for name, each in methods.items()
+    ]
+    evidence, quick, over_turns, likelihood = features(found)
+    said.append(Witness(found.quantifier, FREE_RUN * evidence + FREE_RUN_QUICK * quick))
+    said.append(Witness("innovations", INNOVATIONS_OVER_TURNS * over_turns + INNOVATIONS * likelihood))
+    log_odds = min(max(BIAS + sum(each.log_odds for each in said), -MOST), MOST)
+    told = sorted((each for each in said if each.log_odds), key=lambda each: -abs(each.log_odds))
+    return Weighed(1 / (1 + math.exp(-log_odds)), tuple(told))
+
+
+def features(found: Quantification) -> tuple[float, float, float, float]:
+    """Return what the models say, 0 to 1 each.
+
+    Over the turns of the valve, for the travel of one that never turns is also that of a load which the
+    controller cancels: evidence, quick evidence and log likelihood ratio; and the latter as it is.
+    """
+    turns = math.log1p(min(found.turns or 0, ENOUGH_TURNS)) / math.log1p(ENOUGH_TURNS)
+    ratio = min(max(found.log_likelihood_ratio or 0.0, 0.0), ENOUGH_LIKELIHOOD)
+    likelihood = math.log1p(ratio / LITTLE_LIKELIHOOD) / math.log1p(ENOUGH_LIKELIHOOD / LITTLE_LIKELIHOOD)
+    evidence, quick = capped(found.evidence), capped(found.quick_evidence)
+    return turns * evidence, turns * quick, turns * likelihood, likelihood
+
+
+def capped(evidence: float | None) -> float:
+    """Return the worth of an evidence, 0 to 1: its logarithm."""
+    return math.log(min(max(evidence or 1.0, 1.0), ENOUGH_EVIDENCE))

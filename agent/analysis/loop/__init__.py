@@ -1,0 +1,1 @@
+"""THE LOOP: what OP and PV say of controller, delay and apparent stiction."""

@@ -1,0 +1,1 @@
+"""Process models behind a valve: least squares, ARMAX, output error."""

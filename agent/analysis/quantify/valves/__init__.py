@@ -1,0 +1,1 @@
+"""Searches over the bounded space of valves, and what their fits share."""

@@ -1,0 +1,17 @@
+"""How often a valve turns: without a turn there is no stiction to see, for then any S is a process."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from agent.analysis.record.recording import FloatArray
+
+
+def turns(position: FloatArray) -> int:
+    """Count the changes of direction of a stem; position in OP units, (n,), without gaps."""
+    directions = np.sign(np.diff(position))
+    directions = directions[directions != 0]
+    return int(np.count_nonzero(np.diff(directions)))

@@ -1,0 +1,1 @@
+"""THE RECORD: one loop on a uniform time grid, its gaps, mode, reversals and events."""

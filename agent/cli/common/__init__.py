@@ -1,0 +1,1 @@
+"""What several commands share: recordings as arguments, pictures, errors, logs, the stage of the demo."""

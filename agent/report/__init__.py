@@ -1,0 +1,1 @@
+"""RESULTS FOR READERS: diagnosis and comparison as JSON, text, reasons and advice."""

@@ -1,0 +1,97 @@
+"""A comparison in words, for a terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from agent.workbench.residual.state_dependence import LEVEL
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from agent.workbench.comparison import Comparison
+    from agent.workbench.step import Step, Verdict
+
+PANELS = 3
+CANDIDATES = 5
+"""Lines that are shown of each."""
+
+
+def comparison_lines(found: Comparison) -> Iterator[str]:
+    """Yield the staircase as a table, where the model fails, what was tried, and the verdict."""
+    if not found.steps:
+        yield f"{found.loop}: not testable: {found.reason}"
+        return
+    validated = found.steps[0].rmse_validation is not None
+    yield f"{found.loop}: error of the free run from OP, RMSE in PV units"
+    yield f"  {'model':28}{'fit':>10}{'held out':>10}{'validation' if validated else '':>12}{'fit %':>8}"
+    for step in found.steps:
+        other = "" if step.rmse_validation is None else f"{step.rmse_validation:.4g}"
+        percent = f"{step.fit_percent:.1f}"
+        errors = f"{step.rmse_fit:>10.4g}{step.held_out.rmse:>10.4g}{other:>12}"
+        yield f"  {step_name(step):28}{errors}{percent:>8}"
+    if found.noise_floor is not None:
+        yield f"  noise floor between {found.noise_floor.low:.4g} and {found.noise_floor.high:.4g}"
+    yield "parameters, with 90 % intervals"
+    for each in found.steps[-1].parameters:
+        unit = "" if each.unit == "1" else f" {each.unit}"
+        bound = ", at the bound of its search" if each.at_bound else ""
+        yield f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g}){bound}"
+    yield "where this model fails: share of the residual, p"
+    for panel in found.where_it_fails[:PANELS]:
+        yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.3g}"
+    for line in found.lines[:PANELS]:
+        yield f"  a wave of {1 / line.frequency:.4g} s comes from outside: it keeps its own time"
+    if found.candidates:
+        yield "what would lower the held-out squared error"
+    for tried in found.candidates[:CANDIDATES]:
+        interval = f"({tried.low:.1f} to {tried.high:.1f})"
+        yield f"  {tried.effect:28}{tried.error_reduction_percent:>9.1f} %  {interval}  p = {tried.p:.3g}"
+    yield f"verdict: {verdict_words(found.verdict, found)}"
+
+
+def step_name(step: Step) -> str:
+    """Return what the step changed; of the base its name."""
+    if step.added is not None:
+        return f"+ {step.added}"
+    if step.dropped is not None:
+        return f"- {step.dropped}"
+    return " ".join((step.fit.model.base.name, *step.effects))
+
+
+def verdict_words(verdict: Verdict, found: Comparison) -> str:
+    """Return a verdict on the newest model as a sentence without its stop."""
+    others = " or ".join(verdict.indistinguishable)
+    if verdict.kind == "confirmed":
+        return f"{verdict.effect} is missing"
+    if verdict.kind == "family":
+        return f"{verdict.family} is missing: {verdict.effect}, or {others}, which this record does not tell"
+    if verdict.kind == "suggested":
+        beside = f"; {others} would explain it as well" if others else ""
+        for name in verdict.at_bound:
+            beside += f"; {name} ran into the bound of its search"
+        return f"perhaps {verdict.effect} is missing, but that is not certain{beside}"
+    if not found.candidates:
+        shown = "no further effect was tried"
+    elif found.smallest_percent is None:
+        shown = "the held-out stretches are too few to confirm any effect"
+    else:
+        shown = f"an effect of {found.smallest_percent:.0f} % of the squared error would have been confirmed"
+    if verdict.kind == "none_of_the_known":
+        return (
+            f"something is missing that none of the known effects explains: {_where(verdict, found)}; {shown}"
+        )
+    return f"no failure is visible; {shown}"
+
+
+def _where(verdict: Verdict, found: Comparison) -> str:
+    """Return where the newest model fails most clearly."""
+    worst = found.where_it_fails[0] if found.where_it_fails else None
+    if worst is not None and worst.p < LEVEL:
+        return f"{100 * worst.share:.0f} % of the residual goes with {worst.axis.replace('_', ' ')}"
+    if found.lines:
+        return f"a wave of {1 / found.lines[0].frequency:.4g} s from outside is left in the residual"
+    if verdict.at_bound:
+        slow = " and ".join(verdict.at_bound)
+        return f"{slow} ran into the bound of its search, as of a process that integrates"
+    return "a wave in step with OP is left in the residual"

@@ -1,0 +1,160 @@
+"""One connection's life: open, read, publish, and notice when the peer is silently dead."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import sys
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+
+from agent.runtime.link.outbox import Outbox
+from agent.runtime.link.silence import unless_silent
+from agent.runtime.supervisor import MARGIN, Health
+from connectors.base import (
+    ConnectionLostError,
+    Connector,
+    CountsMalformed,
+    OpensSlowly,
+    Order,
+    Publication,
+    RefusedError,
+    Sample,
+    Session,
+)
+from connectors.cancellation import obey_cancellation
+
+LOG = logging.getLogger(__name__)
+OPEN_WITHIN = 30.0
+"""s; connectors have shorter limits of their own, this is for those that fail to keep them."""
+PUBLISH_WITHIN = 30.0
+"""s; likewise."""
+CLOSE_WITHIN = 2.0
+"""s; a peer that doesn't answer must not hold up the end of the program."""
+
+
+class Connection:
+    """A connector at work. ``attempt`` is one session; whoever supervises it starts the next."""
+
+    def __init__(
+        self,
+        connector: Connector,
+        outbox: Outbox,
+        deliver: Callable[[Sample], None] | None,
+        interrupted: Callable[[], None],
+        data_age: float,
+        obey: Callable[[Order], Awaitable[None]] | None = None,
+    ) -> None:
+        """Make a connection.
+
+        Args:
+            connector: The bus.
+            outbox: What to publish there.
+            deliver: Takes each sample; None where nothing is read from this connection.
+            interrupted: Called when a session ends, as samples may be lost from then on.
+            data_age: Time without a sample after which the peer counts as gone, s.
+            obey: Does what a person asks; None where nobody can ask on this connection.
+        """
+        self.health = Health(f"connection {connector.name}", about={"connection": connector.name})
+        self._connector = connector
+        self._outbox = outbox
+        self._deliver = deliver
+        self._obey = obey
+        self._interrupted = interrupted
+        self._data_age = data_age
+        self._malformed_before = 0
+
+    def count_on(self, former: Connection) -> None:
+        """Let the counters go on from those of the connection that this one takes the place of."""
+        self.health.count_on(former.health)
+        self._malformed_before = former.malformed
+
+    @property
+    def malformed(self) -> int:
+        """Messages that could not be read, since the start; 0 on buses that have none of their own kind."""
+        now = self._connector.malformed if isinstance(self._connector, CountsMalformed) else 0
+        return self._malformed_before + now
+
+    async def attempt(self) -> None:
+        """Open a fresh session and use it until it fails."""
+        name = self._connector.name
+        within = OPEN_WITHIN
+        if isinstance(self._connector, OpensSlowly):
+            within = max(within, self._connector.opens_within)
+        self.health.expect("open", within + MARGIN)
+        try:
+            async with _opened(self._connector.session(), within) as session, asyncio.TaskGroup() as tasks:
+                self.health.expect("open", None)
+                tasks.create_task(self._publish(session), name=f"publish {name}")
+                if self._deliver is None:
+                    self.health.works()
+                if self._deliver is not None or self._obey is not None:
+                    tasks.create_task(self._read(session, self._deliver), name=f"read {name}")
+        finally:
+            self._interrupted()
+
+    async def _read(self, session: Session, deliver: Callable[[Sample], None] | None) -> None:
+        """Hand on what comes in. Orders are no sign of life of the data: people may be silent for months."""
+        self._expect_data()
+        try:
+            async with unless_silent(None if deliver is None else self._data_age) as sign_of_life:
+                async for each in session.samples():
+                    if isinstance(each, Order):
+                        if self._obey is not None:
+                            await self._obey(each)
+                    elif deliver is not None:
+                        sign_of_life()
+                        self._expect_data()
+                        self.health.works()
+                        deliver(each)
+                    obey_cancellation()
+        except TimeoutError as error:
+            raise ConnectionLostError(f"no data for {self._data_age:g} s") from error
+        raise ConnectionLostError("the stream of samples ended")
+
+    def _expect_data(self) -> None:
+        if self._deliver is not None:
+            self.health.expect("data", self._data_age + MARGIN)
+
+    async def _publish(self, session: Session) -> None:
+        refusals = self._outbox.refusals
+        while True:
+            try:
+                async with asyncio.timeout_at(refusals.due):
+                    publication = await self._outbox.first()
+            except TimeoutError:
+                publication = refusals.next()
+            await self._tell(session, publication)
+            obey_cancellation()
+
+    async def _tell(self, session: Session, publication: Publication) -> None:
+        self.health.expect("publish", PUBLISH_WITHIN + MARGIN)
+        try:
+            async with asyncio.timeout(PUBLISH_WITHIN):
+                await session.publish(publication)
+        except RefusedError as error:
+            self._outbox.refused(publication, error)
+        except TimeoutError as error:
+            raise ConnectionLostError(f"took nothing within {PUBLISH_WITHIN:.0f} s") from error
+        else:
+            self._outbox.taken(publication)
+        self.health.expect("publish", None)
+
+
+@asynccontextmanager
+async def _opened(session: AbstractAsyncContextManager[Session], within: float) -> AsyncIterator[Session]:
+    """Open and close within bounded times, which a plain ``async with`` cannot do apart."""
+    try:
+        async with asyncio.timeout(within):
+            opened = await session.__aenter__()
+    except TimeoutError as error:
+        raise ConnectionLostError(f"no answer within {within:.0f} s") from error
+    try:
+        obey_cancellation()
+        yield opened
+    finally:
+        try:
+            async with asyncio.timeout(CLOSE_WITHIN):
+                await session.__aexit__(*sys.exc_info())
+        except TimeoutError:
+            LOG.debug("a session did not close within %.0f s and is left to itself", CLOSE_WITHIN)

@@ -1,0 +1,108 @@
+"""Publications that a peer would not take, so that they hold up no others and are not forgotten either."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import OrderedDict
+from dataclasses import dataclass
+
+from agent.runtime.store.change import Change
+from agent.runtime.store.journal import Journal
+from connectors.base import Publication, RefusedError
+
+LOG = logging.getLogger(__name__)
+RETRY = 30.0
+"""s from one attempt to the next: a node that is missing mostly comes with a restart of its server."""
+LIMIT = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """One publication that was not taken, or not all of it."""
+
+    sequence: int
+    """Its number in the store."""
+    publication: Publication
+    problem: str
+    due: float
+    """When it is tried again, s of the event loop's clock."""
+
+
+class Refusals:
+    """What one connection would not take. A newer state of a subject takes the place of the former.
+
+    It stays in the store until it is taken; after a restart it waits in the outbox like all the rest.
+    """
+
+    def __init__(self, connection: str, journal: Journal) -> None:
+        self.count = 0
+        """Attempts that were refused."""
+        self.dropped = 0
+        """Publications that were never taken, because there were too many."""
+        self._connection = connection
+        self._journal = journal
+        self._waiting: OrderedDict[tuple[str, str], Refusal] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    @property
+    def due(self) -> float | None:
+        """When the next is to be tried again, s of the event loop's clock; None if nothing waits."""
+        return min((refusal.due for refusal in self._waiting.values()), default=None)
+
+    @property
+    def oldest(self) -> int | None:
+        """Least sequence number; None if nothing waits."""
+        return min((refusal.sequence for refusal in self._waiting.values()), default=None)
+
+    def next(self) -> Publication:
+        """Return the one that is due first."""
+        return min(self._waiting.values(), key=lambda refusal: refusal.due).publication
+
+    def add(self, sequence: int, publication: Publication, error: RefusedError) -> None:
+        """Keep it for later; logged when it was not kept yet, or for another reason."""
+        former = self._waiting.pop(publication.key, None)
+        if former is None or former.problem != str(error):
+            LOG.warning(
+                "connection %s refuses what is told of %s: %s",
+                self._connection,
+                publication.subject,
+                error,
+                extra={"event": "refused", "connection": self._connection, "loop": publication.subject},
+            )
+        if former is not None and former.sequence != sequence:
+            self._forget(former)
+        due = asyncio.get_running_loop().time() + RETRY
+        self._waiting[publication.key] = Refusal(sequence, publication, str(error), due)
+        if len(self._waiting) > LIMIT:
+            self._forget(self._waiting.popitem(last=False)[1])
+            self.dropped += 1
+
+    def again(self, publication: Publication, error: RefusedError) -> None:
+        """Keep on what was tried again in vain."""
+        former = self._waiting.get(publication.key)
+        if former is not None and former.publication.id == publication.id:
+            self.add(former.sequence, publication, error)
+
+    def settle(self, publication: Publication) -> None:
+        """Forget it: the peer took it, or a newer one."""
+        refusal = self._waiting.pop(publication.key, None)
+        if refusal is not None:
+            self._forget(refusal)
+            LOG.info(
+                "connection %s takes what is told of %s again",
+                self._connection,
+                publication.subject,
+                extra={"event": "taken", "connection": self._connection, "loop": publication.subject},
+            )
+
+    def emptied(self) -> dict[int, Publication]:
+        """Give back all that waits: sequence number -> publication."""
+        waiting = {refusal.sequence: refusal.publication for refusal in self._waiting.values()}
+        self._waiting.clear()
+        return waiting
+
+    def _forget(self, refusal: Refusal) -> None:
+        self._journal.note(Change(removed=frozenset({refusal.sequence})))

@@ -1,0 +1,1 @@
+"""ONE LOOP: samples in, windows out, diagnosed in worker processes, the alarm that follows."""

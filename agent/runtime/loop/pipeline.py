@@ -1,0 +1,212 @@
+"""One loop's way from sample to alarm: window, trigger, diagnosis, alarm, publication."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NoReturn, Protocol
+
+from agent.alarms import Alarm, Announcement, Command, Delay
+from agent.analysis.diagnose import diagnose
+from agent.analysis.quiet import quiet
+from agent.analysis.record.recording import LoopWindow
+from agent.analysis.results import Diagnosis
+from agent.analysis.stiction.online import OnlineShapes
+from agent.runtime.link.outbox import Outbox
+from agent.runtime.loop.source_clock import SourceClock
+from agent.runtime.loop.trigger import trigger
+from agent.runtime.loop.window import RollingWindow
+from agent.runtime.loop.workers import Executor
+from agent.runtime.store.change import Change
+from agent.runtime.store.journal import Journal
+from agent.settings import AlarmSettings, LoopSettings
+from connectors.base import Publication, Sample
+
+LOG = logging.getLogger(__name__)
+Diagnose = Callable[[LoopWindow], Diagnosis]
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A window that was judged."""
+
+    diagnosis: Diagnosis
+    end: float
+    """Of the window, s UTC."""
+    took: float
+    """Time from the window's end to its verdict, waiting for a worker included, s."""
+    fitted: bool
+    """Whether it got a full diagnosis, with a fit; else it was quiet."""
+
+
+class Observer(Protocol):
+    """Wants to know what becomes of loops; called in the event loop, so it must be quick."""
+
+    def judged(self, judged: Judged) -> None:
+        """Take the verdict on a window."""
+        ...
+
+    def announced(self, announcement: Announcement) -> None:
+        """Take a change of an alarm's state, as the buses are told."""
+        ...
+
+
+class LoopPipeline:
+    """All that the agent does for one loop.
+
+    ``push`` takes samples at any rate; ``run`` diagnoses the windows that come due, one at a time.
+    """
+
+    def __init__(
+        self,
+        settings: LoopSettings,
+        executor: Executor,
+        outboxes: Sequence[Outbox] = (),
+        observers: Sequence[Observer] = (),
+        diagnose: Diagnose = diagnose,
+        journal: Journal | None = None,
+        clock: SourceClock | None = None,
+    ) -> None:
+        self.settings = settings
+        self.clock = clock
+        """Which times are believed; None: all."""
+        self.window = RollingWindow(settings)
+        delay = Delay(settings.alarm.on_delay, settings.alarm.off_delay)
+        self.alarm = Alarm(settings.name, settings.alarm.priority, delay)
+        self.diagnosis: Diagnosis | None = None
+        """Of the newest window."""
+        self.superseded = 0
+        """Windows that were never diagnosed, because a newer one came due before their turn."""
+        self._shapes = OnlineShapes(integrating=settings.hints.integrating)
+        self._executor = executor
+        self._outboxes = outboxes
+        self._observers = observers
+        self._diagnose = diagnose
+        self._journal = journal or Journal()
+        self.heard: float | None = None
+        """Monotonic time at which anything arrived, also what was known already, s."""
+        self.began: float | None = None
+        """Monotonic time at which ``run`` began, s."""
+        self.judged_at: float | None = None
+        """Monotonic time of the newest verdict, s."""
+        self._waiting: LoopWindow | None = None
+        self._due_since = 0.0
+        self._judging = False
+        self._due = asyncio.Event()
+
+    def push(self, sample: Sample, arrival: float) -> None:
+        """Take a sample that arrived at ``arrival`` (monotonic, s)."""
+        self.heard = arrival
+        counts = sample if self.clock is None else self.clock.checked(sample, arrival)
+        window = None if counts is None else self.window.push(counts, arrival)
+        if window is None:
+            return
+        self._shapes.follow(window)
+        self.superseded += self._waiting is not None
+        self._waiting = window
+        self._due_since = arrival
+        self._due.set()
+
+    def resume(self, kept: Alarm | None) -> None:
+        """Go on from the alarm that the store kept; None where it kept none."""
+        self._follow(self.alarm if kept is None else self.alarm.resumed(kept), ())
+
+    def take_over(self, former: LoopPipeline) -> None:
+        """Go on from where a pipeline with other settings was.
+
+        Its alarm stays in any case, its window where the settings that it is made with are the same.
+        """
+        if _of_the_window(self.settings) == _of_the_window(former.settings):
+            self.window, self._shapes, self.clock = former.window, former._shapes, former.clock
+            self.diagnosis, self.superseded = former.diagnosis, former.superseded
+            self.heard, self.judged_at = former.heard, former.judged_at
+            self._waiting, self._due_since = former._waiting, former._due_since
+            if self._waiting is not None:
+                self._due.set()
+        self.resume(former.alarm)
+
+    def tell_again(self, now: float) -> None:
+        """Tell the state as it stands at ``now``, s UTC: a server of our own begins with nothing."""
+        self._follow(self.alarm, (Announcement("state", self.alarm, now),))
+
+    def obey(self, command: Command) -> None:
+        """Do what a person decided about the alarm; the next flush of the journal writes it."""
+        self._follow(*self.alarm.on_command(command))
+
+    def look_at_clock(self, now: float) -> None:
+        """End shelving when its time is over at ``now``, s UTC."""
+        if self.alarm.until is not None and now >= self.alarm.until:
+            self._follow(*self.alarm.on_clock(now))
+
+    @property
+    def indices(self) -> dict[str, float]:
+        """The newest index of each stiction detector that has an online form, by its name."""
+        return self._shapes.indices
+
+    @property
+    def busy(self) -> bool:
+        """Whether a window waits for its diagnosis or has it made."""
+        return self._judging or self._waiting is not None
+
+    async def run(self) -> NoReturn:
+        """Diagnose what comes due, until cancelled."""
+        if self.began is None:
+            self.began = asyncio.get_running_loop().time()
+        while True:
+            await self._due.wait()
+            self._due.clear()
+            window, self._waiting = self._waiting, None
+            if window is not None:
+                self._judging = True
+                try:
+                    await self._judge(window, self._due_since)
+                finally:
+                    self._judging = False
+
+    async def _judge(self, window: LoopWindow, due_since: float) -> None:
+        diagnosis, fitted = await self._diagnosis_of(window)
+        self.diagnosis = diagnosis
+        self.judged_at = asyncio.get_running_loop().time()
+        if diagnosis.oscillation is not None:
+            self.window.period = diagnosis.oscillation.period if diagnosis.oscillation.detected else None
+        end = float(window.time[-1])
+        self._follow(*self.alarm.on_diagnosis(diagnosis, end))
+        await self._journal.flush()
+        for observer in self._observers:
+            observer.judged(Judged(diagnosis, end, self.judged_at - due_since, fitted))
+
+    async def _diagnosis_of(self, window: LoopWindow) -> tuple[Diagnosis, bool]:
+        if self.settings.quantify != "always":
+            seen = await self._executor.run(trigger, window)
+            if not seen.fires:
+                return quiet(window, seen.oscillation, seen.methods), False
+        return await self._executor.run(self._diagnose, window), True
+
+    def _follow(self, alarm: Alarm, announcements: Sequence[Announcement]) -> None:
+        """Take the alarm that follows, noted together with its announcements: no crash comes between."""
+        self.alarm = alarm
+        self._journal.note(Change(alarms={alarm.loop: alarm}))
+        for announcement in announcements:
+            self._announce(announcement)
+
+    def _announce(self, announcement: Announcement) -> None:
+        if announcement.kind == "event":
+            LOG.info(
+                "%s: alarm is %s",
+                self.settings.name,
+                announcement.alarm.state,
+                extra={"event": "alarm", "loop": self.settings.name},
+            )
+            for observer in self._observers:
+                observer.announced(announcement)
+        for outbox in self._outboxes:
+            outbox.put(
+                Publication(self.settings.name, announcement.kind, announcement.id, announcement.fields())
+            )
+
+
+def _of_the_window(settings: LoopSettings) -> LoopSettings:
+    """Return the settings without those that only matter after the window was cut."""
+    return settings.model_copy(update={"alarm": AlarmSettings(), "quantify": "always", "publish": ()})

@@ -1,0 +1,222 @@
+"""Samples of one loop in, windows on a uniform grid out.
+
+Time is source time throughout; the clock of this machine only says how old the data are.
+
+What is a gap and what is not (``docs/architecture.md`` has the reasons):
+
+* A sample of bad quality is a gap until the next good one.
+* A role that is silent while others of its loop are told has not changed: its last value holds.
+* Silence of the whole loop is a gap where PV and OP are always told together (Modbus, one JSON message).
+  Where they are told when they change (OPC UA), it is one only after ``hold`` seconds.
+* What nobody heard because the connection was gone is a gap, however short.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.record.recording import LoopWindow
+from agent.runtime.loop.slots import FOREVER, NEVER, SlotRing, Taken
+from connectors.base import Quality, Sample
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from agent.analysis.record.recording import FloatArray
+    from agent.settings import LoopSettings
+
+LATEST = 150
+"""Samples a role may be behind the others before it counts as silent. A bus may send role after role, and an
+OPC UA server keeps 100 values a node between two notifications unless told otherwise."""
+CLOCK_SET_BACK = 60
+"""Samples in a row from the past after which the source's clock was set back, and time starts anew."""
+AT_PACE, FEWEST_AT_PACE = 1.0, 5
+"""It was set back as well if samples from the past tick on as the wall does, so long (s) and so many."""
+LAST_TIME = 1e11
+"""Source times beyond are no times, s UTC: the year 5138."""
+TOLD_TOGETHER = 1.5
+"""Samples without any report that make a gap where all roles are told together."""
+
+
+@dataclass(slots=True)
+class Counters:
+    """What came in, since the start."""
+
+    samples: int = 0
+    bad: int = 0
+    uncertain: int = 0
+    duplicates: int = 0
+    backward: int = 0
+    clock_steps: int = 0
+    missing: int = 0
+    """Grid points without PV or OP in the newest window."""
+
+
+class RollingWindow:
+    """The newest stretch of one loop, in memory that never grows."""
+
+    def __init__(self, settings: LoopSettings) -> None:
+        self._settings = settings
+        self._capacity = math.ceil(settings.window.longest / settings.ts) + LATEST + 2
+        self.counters = Counters()
+        self.period: float | None = None
+        """Period of the oscillation, s, where one is known: windows in periods follow it."""
+        self.arrival: float | None = None
+        """Monotonic time at which the newest sample arrived, s."""
+        self._duplicates_told = 0
+        self._rings: dict[str, SlotRing]
+        self._origin: float | None
+        """Time of slot 0: that of the first PV, so that the grid has its phase."""
+        self._before_pv: dict[str, Sample]
+        self._due_at: int | None
+        """Last slot of the next window; None before PV and OP are both known."""
+        self._backward_run: int
+        self._backward_from: tuple[float, float]
+        """Source time and arrival of the first of that run, s."""
+        self._start_anew()
+
+    @property
+    def newest(self) -> float | None:
+        """Newest source time of any role, s UTC; None before the first sample."""
+        newest = max(ring.time for ring in self._rings.values())
+        return newest if math.isfinite(newest) else None
+
+    def push(self, sample: Sample, arrival: float) -> LoopWindow | None:
+        """Take a sample that arrived at ``arrival`` (monotonic, s); return the window if one is due now."""
+        role = sample.tag.rpartition(".")[2]
+        ring = self._rings.get(role)
+        if ring is None or not abs(sample.time) <= LAST_TIME:  # nor NaN
+            return None
+        if sample.quality is Quality.BAD and ring.newest == NEVER:
+            # Servers give "no value yet" the time of their own clock, which need not be the plant's.
+            self.counters.bad += 1
+            return None
+        if self._origin is None:
+            if role != "pv":
+                self._before_pv[role] = sample
+                return None
+            self._origin = sample.time
+            for earlier in self._before_pv.values():
+                self.push(earlier, arrival)
+        time = sample.time
+        if sample.quality is Quality.BAD and time < ring.time and ring.known:
+            time = ring.time + self._settings.ts  # by another clock: nothing is known from now on
+        slot = round((time - self._origin) / self._settings.ts)
+        taken = ring.put(time, slot, self._value(sample))
+        if taken is not Taken.NEW:
+            return self._dropped(sample, taken, arrival)
+        self._backward_run = 0
+        self.arrival = arrival
+        self.counters.samples += 1
+        self.counters.bad += sample.quality is Quality.BAD
+        self.counters.uncertain += sample.quality is Quality.UNCERTAIN
+        return self._due()
+
+    def interrupt(self) -> None:
+        """The connection is gone: from here on nothing is known until it is told again."""
+        after = max(ring.newest for ring in self._rings.values()) + 1
+        for ring in self._rings.values():
+            ring.interrupt(after)
+
+    def _start_anew(self) -> None:
+        self._rings = {role: SlotRing(self._capacity) for role in self._settings.roles}
+        self._origin = None
+        self._before_pv = {}
+        self._due_at = None
+        self._backward_run = 0
+
+    def _dropped(self, sample: Sample, taken: Taken, arrival: float) -> LoopWindow | None:
+        if taken is Taken.DUPLICATE:
+            self.counters.duplicates += 1
+            return None
+        self.counters.backward += 1
+        if sample.quality is Quality.BAD:
+            return None  # it may have another clock than values have
+        if self._backward_run == 0:
+            self._backward_from = (sample.time, arrival)
+        self._backward_run += 1
+        if self._backward_run < CLOCK_SET_BACK and not self._ticks(sample, arrival):
+            return None
+        self.counters.clock_steps += 1
+        self._start_anew()
+        return self.push(sample, arrival)
+
+    def _ticks(self, sample: Sample, arrival: float) -> bool:
+        """Return whether the samples from the past tick on as the wall does: nobody sends history so."""
+        ticked, passed = sample.time - self._backward_from[0], arrival - self._backward_from[1]
+        enough = self._backward_run >= FEWEST_AT_PACE and passed >= AT_PACE
+        return enough and abs(ticked - passed) <= 0.5 * passed
+
+    def _value(self, sample: Sample) -> float:
+        if sample.quality is Quality.BAD:
+            return math.nan
+        if sample.tag.endswith(".mode"):
+            return float(self._settings.is_automatic(sample.value))
+        return float(sample.value) if not isinstance(sample.value, str) else math.nan
+
+    def _due(self) -> LoopWindow | None:
+        rings = self._rings.values()
+        told = [ring.newest for ring in rings if ring.newest != NEVER]
+        settled = min(slot for slot in told if slot >= max(told) - LATEST)
+        first = max(self._rings["pv"].first, self._rings["op"].first)
+        if self._due_at is None and first != FOREVER:
+            self._due_at = first + self._length(0) - 1
+        if self._due_at is None or settled < self._due_at:
+            return None
+        end = self._due_at if settled - self._due_at <= LATEST else settled
+        n = min(self._length(end - first + 1), end - first + 1)
+        self._due_at = end + math.ceil(n * self._settings.window.hop)
+        return self._window(end - n + 1, n)
+
+    def _length(self, there: int) -> int:
+        """Samples that a window should have where ``there`` have come in."""
+        window, ts = self._settings.window, self._settings.ts
+        wanted = there * ts if self.period is None else window.periods * self.period
+        return math.floor(min(max(wanted, window.shortest), window.longest) / ts + 1e-9)
+
+    def _window(self, first: int, n: int) -> LoopWindow:
+        settings = self._settings
+        columns = {role: ring.column(first, n) for role, ring in self._rings.items()}
+        silent = self._silent(first, n)
+        for column in columns.values():
+            column[silent] = np.nan
+        self.counters.missing = int(np.sum(np.isnan(columns["pv"]) | np.isnan(columns["op"])))
+        duplicates = self.counters.duplicates - self._duplicates_told
+        self._duplicates_told = self.counters.duplicates
+        mode = _known(columns, "mode")
+        return LoopWindow(
+            loop=settings.name,
+            start=(self._origin or 0.0) + first * settings.ts,
+            ts=settings.ts,
+            op=columns["op"],
+            pv=columns["pv"],
+            sp=_known(columns, "sp"),
+            mv=_known(columns, "mv"),
+            automatic=None if mode is None else mode == 1,
+            hints=settings.hints,
+            duplicates=duplicates,
+        )
+
+    def _silent(self, first: int, n: int) -> NDArray[np.bool_]:
+        """True at the grid points that lie in a silence of the whole loop, shape (n,)."""
+        settings = self._settings
+        start = (self._origin or 0.0) + first * settings.ts
+        end = start + (n - 0.5) * settings.ts
+        pv, op = ([t for t in self._rings[role].times() if start <= t < end] for role in ("pv", "op"))
+        longest = TOLD_TOGETHER * settings.ts if pv == op else settings.longest_silence
+        reports = np.unique(np.concatenate([ring.times() for ring in self._rings.values()]))
+        slots = np.rint((reports - start) / settings.ts).astype(np.int64)
+        silent = np.zeros(n, dtype=np.bool_)
+        for k in np.flatnonzero(np.diff(reports) > longest):
+            silent[max(slots[k] + 1, 0) : max(slots[k + 1], 0)] = True
+        return silent
+
+
+def _known(columns: Mapping[str, FloatArray], role: str) -> FloatArray | None:
+    column = columns.get(role)
+    return None if column is None or np.isnan(column).all() else column

@@ -1,0 +1,128 @@
+"""Where heavy calculations run: in other processes, or right here for tests in virtual time."""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+import signal
+from collections.abc import Callable
+from concurrent.futures.process import BrokenProcessPool
+from types import TracebackType
+from typing import TYPE_CHECKING, Protocol, Self, TypeVar
+
+from agent.runtime.loop.process_pool import CONTEXT, process_pool
+
+if TYPE_CHECKING:
+    from concurrent.futures import ProcessPoolExecutor
+
+T = TypeVar("T")
+WITHIN = 600.0
+"""s; a diagnosis takes seconds."""
+
+
+class Executor(Protocol):
+    """Runs a function of values and gives its value."""
+
+    @property
+    def queued(self) -> int:
+        """Calculations that wait for a worker."""
+        ...
+
+    async def run(self, function: Callable[..., T], *args: object) -> T:
+        """Return ``function(*args)``, or raise what it raises."""
+        ...
+
+
+class InlineExecutor:
+    """Runs in the event loop, which stands still meanwhile."""
+
+    queued = 0
+
+    async def run(self, function: Callable[..., T], *args: object) -> T:
+        """Return ``function(*args)``."""
+        return function(*args)
+
+
+class PoolExecutor:
+    """Runs in processes of its own. Functions and arguments are pickled, so functions are module-level ones.
+
+    For example::
+
+        async with PoolExecutor(workers=2) as executor:
+            diagnosis = await executor.run(diagnose, window)
+    """
+
+    def __init__(self, workers: int, within: float = WITHIN) -> None:
+        """Make it.
+
+        Args:
+            workers: Processes, one core each.
+            within: Longest time for one calculation, s; then its worker counts as hung.
+        """
+        self.queued = 0
+        self._workers = workers
+        self._within = within
+        self._free = asyncio.Semaphore(workers)
+        self._ended = False
+        self._pool = self._new_pool()
+
+    async def run(self, function: Callable[..., T], *args: object) -> T:
+        """Return ``function(*args)``; raises TimeoutError where that takes too long."""
+        self.queued += 1
+        try:
+            await self._free.acquire()
+        finally:
+            self.queued -= 1
+        try:
+            async with asyncio.timeout(self._within):
+                return await self._run(function, *args)
+        except TimeoutError:
+            self._end_workers()  # those of other calculations are started once more
+            raise
+        finally:
+            self._free.release()
+
+    async def _run(self, function: Callable[..., T], *args: object) -> T:
+        """Try once more where a worker died (out of memory, killed)."""
+        pool = self._pool
+        try:
+            return await asyncio.get_running_loop().run_in_executor(pool, function, *args)
+        except BrokenProcessPool:
+            if self._ended:
+                raise
+            if pool is self._pool:  # the first of those that waited for this pool
+                pool.shutdown(wait=False)
+                self._pool = self._new_pool()
+            return await asyncio.get_running_loop().run_in_executor(self._pool, function, *args)
+
+    async def __aenter__(self) -> Self:
+        """Start the workers, so that the first window doesn't wait for imports."""
+        await asyncio.gather(*(self.run(_import_analysis) for _ in range(self._workers)))
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """End the workers at once, whatever they do: nobody waits for their answers any more."""
+        self._ended = True
+        self._end_workers()
+        # Waits for the pool's own thread: the end of Python 3.11 would race it for a pipe that it is closing.
+        await asyncio.to_thread(self._pool.shutdown, cancel_futures=True)
+
+    @staticmethod
+    def _end_workers() -> None:
+        for process in multiprocessing.active_children():
+            if isinstance(process, CONTEXT.Process):
+                process.kill()
+
+    def _new_pool(self) -> ProcessPoolExecutor:
+        return process_pool(self._workers, _prepare)
+
+
+def _import_analysis() -> None:
+    import agent.analysis.diagnose  # noqa: F401, PLC0415  # here, so that only workers pay for it at start
+
+
+def _prepare() -> None:
+    """Ctrl-C goes to the whole group of processes; only the agent may act on it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

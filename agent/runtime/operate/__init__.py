@@ -1,0 +1,1 @@
+"""OPERATION: orders of people, health, metrics, a changed configuration, systemd, the watchdog."""

@@ -1,0 +1,139 @@
+"""Health and metrics over HTTP, for those who watch the watcher."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hmac
+import socket
+from collections.abc import Awaitable, Callable, Iterator
+
+import uvicorn
+from prometheus_client import CONTENT_TYPE_LATEST
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.routing import Route
+
+from agent.runtime.operate.health_json import health_json
+from agent.runtime.operate.metrics import Metrics
+from agent.runtime.operate.status import AgentStatus
+from agent.settings import HttpSettings
+from connectors.base import AccessDeniedError, ConnectionLostError
+
+MOST_CLIENTS = 20
+"""Connections at the same time; more get 503."""
+IDLE = 5
+"""Time after which a client that asks nothing is sent away, s."""
+Handler = Callable[[Request], Awaitable[Response]]
+
+
+class _Server(uvicorn.Server):
+    """uvicorn without its own signal handlers: signals are for the daemon."""
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        yield
+
+
+def application(overview: Callable[[], AgentStatus], metrics: Metrics, token: str | None) -> Starlette:
+    """Return the ASGI application.
+
+    /live says whether the program itself works, for who may start it anew; /health also whether the plant is
+    there. Both answer 200 or 503.
+
+    Args:
+        overview: Looks at the daemon.
+        metrics: Of the daemon.
+        token: What a client must show but for /live; None: nothing.
+    """
+
+    async def live(_: Request) -> Response:
+        hung = overview().hung
+        return PlainTextResponse("hung\n" if hung else "ok\n", 503 if hung else 200)
+
+    async def health(_: Request) -> Response:
+        status = overview()
+        return JSONResponse(health_json(status), 200 if status.ok else 503)
+
+    async def numbers(_: Request) -> Response:
+        return Response(metrics.text(), media_type=CONTENT_TYPE_LATEST)
+
+    def guarded(handler: Handler) -> Handler:
+        async def checked(request: Request) -> Response:
+            if token is None or _shows(request, token):
+                return await handler(request)
+            return PlainTextResponse(
+                "a token is needed: Authorization: Bearer TOKEN\n", 401, {"WWW-Authenticate": "Bearer"}
+            )
+
+        return checked
+
+    return Starlette(
+        routes=[
+            Route("/live", live),
+            Route("/health", guarded(health)),
+            Route("/metrics", guarded(numbers)),
+        ]
+    )
+
+
+async def serve(
+    settings: HttpSettings,
+    overview: Callable[[], AgentStatus],
+    metrics: Metrics,
+    listens: Callable[[], None],
+) -> None:
+    """Serve until cancelled; raises ConnectionLostError where the address cannot be had.
+
+    The token is read anew at each start; ``listens`` is called when clients can come.
+    """
+    token = None if settings.token is None else settings.token.read("agent.http.token")
+    if token == "":
+        raise AccessDeniedError("agent.http.token: is empty")
+    server = _Server(
+        uvicorn.Config(
+            application(overview, metrics, token),
+            log_config=None,
+            access_log=False,
+            lifespan="off",
+            http="h11",
+            ws="none",
+            server_header=False,
+            limit_concurrency=MOST_CLIENTS,
+            timeout_keep_alive=IDLE,
+            timeout_graceful_shutdown=1,
+        )
+    )
+    with _bound(settings.host, settings.port) as listener:
+        listens()
+        work = asyncio.create_task(server.serve(sockets=[listener]), name="http server")
+        try:
+            await asyncio.shield(work)
+        finally:
+            server.should_exit = True
+            await asyncio.wait({work})
+
+
+def _bound(host: str, port: int) -> socket.socket:
+    """Return a socket that listens; uvicorn itself would end the program where it cannot."""
+    try:
+        (family, kind, number, _, address), *_ = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )
+        listener = socket.socket(family, kind, number)
+        try:
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listener.bind(address)
+            listener.listen(MOST_CLIENTS)
+        except OSError:
+            listener.close()
+            raise
+    except OSError as error:
+        raise ConnectionLostError(f"cannot listen: {error.strerror}") from error
+    return listener
+
+
+def _shows(request: Request, token: str) -> bool:
+    shown = request.headers.get("authorization", "")
+    return hmac.compare_digest(shown.encode(), f"Bearer {token}".encode())

@@ -1,0 +1,144 @@
+"""What the daemon counts and measures, for Prometheus. docs/howto/monitoring.md lists all of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from importlib.metadata import version
+from typing import TypeVar
+
+from prometheus_client import CollectorRegistry, Counter, Histogram, ProcessCollector, generate_latest
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, InfoMetricFamily
+from prometheus_client.metrics_core import Metric
+from prometheus_client.registry import Collector
+
+from agent.alarms import Announcement, State
+from agent.runtime.loop.pipeline import Judged
+from agent.runtime.operate.status import AgentStatus, ConnectionStatus, LoopStatus
+
+S = TypeVar("S")
+BUCKETS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
+"""s"""
+LOOP_GAUGES: tuple[tuple[str, str, Callable[[LoopStatus], float | None]], ...] = (
+    ("data_age_seconds", "Time since the newest sample arrived", lambda s: s.data_age),
+    ("stale", "1 where nothing came in for too long", lambda s: s.data == "stale"),
+    ("gaps", "Grid points without PV or OP in the newest window", lambda s: s.gaps),
+    ("verdict_age_seconds", "Time since the newest verdict", lambda s: s.verdict_age),
+    ("waiting", "1 while a window waits for its verdict", lambda s: s.busy),
+    ("alarm_active", "1 while the alarm is active", lambda s: s.alarm.active),
+)
+LOOP_COUNTERS: tuple[tuple[str, str, Callable[[LoopStatus], float]], ...] = (
+    ("samples", "Samples taken", lambda s: s.samples),
+    ("bad_samples", "Samples of bad quality", lambda s: s.bad),
+    ("odd_times", "Samples whose source time was not believed", lambda s: s.odd_times),
+    ("superseded_windows", "Windows never judged because a newer one came due", lambda s: s.superseded),
+    ("faults", "Times the program failed on the loop", lambda s: s.faults),
+)
+CONNECTION_GAUGES: tuple[tuple[str, str, Callable[[ConnectionStatus], float | None]], ...] = (
+    ("up", "1 while it works", lambda s: s.up),
+    ("outbox_waiting", "Publications that wait for the peer", lambda s: s.waiting),
+    ("outbox_refused", "Publications that the peer would not take, tried again", lambda s: s.refused),
+    ("outbox_oldest_seconds", "Time that the oldest of these has waited", lambda s: s.oldest or 0.0),
+)
+CONNECTION_COUNTERS: tuple[tuple[str, str, Callable[[ConnectionStatus], float]], ...] = (
+    ("losses", "Times the peer was gone or did not answer; a new session follows each", lambda s: s.losses),
+    ("faults", "Times the program failed on the connection", lambda s: s.faults),
+    ("outbox_dropped", "Publications never told because there were too many", lambda s: s.dropped),
+    ("refusals", "Attempts to publish that the peer refused", lambda s: s.refusals),
+    ("malformed", "Messages that could not be read, orders among them", lambda s: s.malformed),
+)
+AGENT_COUNTERS: tuple[tuple[str, str, Callable[[AgentStatus], float]], ...] = (
+    ("faults", "Times the program failed on what is neither loop nor connection", lambda s: s.faults),
+    ("store_failures", "Times the disk did not take what it should keep", lambda s: s.store_failures),
+    ("history_dropped", "Entries that the history lost", lambda s: s.history_dropped),
+    ("orders_taken", "Orders of people over the buses that changed an alarm", lambda s: s.orders_taken),
+    (
+        "orders_refused",
+        "Orders of people over the buses that could not be obeyed",
+        lambda s: s.orders_refused,
+    ),
+)
+
+
+class Metrics(Collector):
+    """Reads the state of the daemon at each scrape, and counts verdicts as an observer of its loops."""
+
+    def __init__(self, overview: Callable[[], AgentStatus]) -> None:
+        """Make them.
+
+        Args:
+            overview: Looks at the daemon; called at each scrape.
+        """
+        self._overview = overview
+        self.registry = CollectorRegistry()
+        self._verdicts = Counter(
+            "slipjump_diagnoses", "Windows judged, by verdict", ["loop", "verdict"], registry=self.registry
+        )
+        self._changes = Counter(
+            "slipjump_alarm_changes", "Changes of alarms, by new state", ["state"], registry=self.registry
+        )
+        self._windows = Histogram(
+            "slipjump_window_seconds",
+            "Time from the end of a window to its verdict, waiting for a worker included",
+            buckets=BUCKETS,
+            registry=self.registry,
+        )
+        self._fits = Histogram(
+            "slipjump_fit_seconds",
+            "Time of a full diagnosis in its worker",
+            buckets=BUCKETS,
+            registry=self.registry,
+        )
+        self.registry.register(self)
+        ProcessCollector(registry=self.registry)
+
+    def text(self) -> bytes:
+        """Return all of it in Prometheus' text format."""
+        return generate_latest(self.registry)
+
+    def judged(self, judged: Judged) -> None:
+        """Count a verdict."""
+        self._verdicts.labels(judged.diagnosis.loop, judged.diagnosis.verdict).inc()
+        self._windows.observe(judged.took)
+        if judged.fitted:
+            self._fits.observe(judged.diagnosis.seconds)
+
+    def announced(self, announcement: Announcement) -> None:
+        """Count a change of an alarm."""
+        self._changes.labels(announcement.alarm.state.value).inc()
+
+    def describe(self) -> Iterable[Metric]:
+        """Return nothing: the daemon need not run yet when this is registered."""
+        return ()
+
+    def collect(self) -> Iterable[Metric]:
+        """Look at the daemon."""
+        now = self._overview()
+        yield InfoMetricFamily("slipjump_build", "This program", {"version": version("slipjump")})
+        yield GaugeMetricFamily("slipjump_hung", "Tasks that do not come back", len(now.hung))
+        yield GaugeMetricFamily("slipjump_worker_queue", "Calculations that wait for a worker", now.queued)
+        for name, told, of_agent in AGENT_COUNTERS:
+            yield CounterMetricFamily(f"slipjump_{name}", told, of_agent(now))
+        alarms = GaugeMetricFamily("slipjump_alarms", "Alarms, by state", labels=["state"])
+        for state in State:
+            alarms.add_metric([state.value], sum(each.alarm is state for each in now.loops))
+        yield alarms
+        yield from _families("loop", [(each.loop, each) for each in now.loops], LOOP_GAUGES, LOOP_COUNTERS)
+        connections = [(each.connection, each) for each in now.connections]
+        yield from _families("connection", connections, CONNECTION_GAUGES, CONNECTION_COUNTERS)
+
+
+def _families(
+    label: str,
+    members: Sequence[tuple[str, S]],
+    gauges: Sequence[tuple[str, str, Callable[[S], float | None]]],
+    counters: Sequence[tuple[str, str, Callable[[S], float]]],
+) -> Iterator[Metric]:
+    """One metric for each row, with a value for each member that has one."""
+    for family_of, rows in ((GaugeMetricFamily, gauges), (CounterMetricFamily, counters)):
+        for name, told, value_of in rows:
+            family = family_of(f"slipjump_{label}_{name}", told, labels=[label])
+            for member, status in members:
+                value = value_of(status)
+                if value is not None:
+                    family.add_metric([member], float(value))
+            yield family

@@ -1,0 +1,111 @@
+"""The file of what was: diagnoses and changes of alarms, in SQLite, the oldest going first.
+
+A file of its own beside the store: large, and of less worth. ``synchronous=NORMAL``: a power failure may cost
+the newest entries, and writing costs the disk little.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from agent.runtime.store.database import Database, Format
+
+TABLES = """
+CREATE TABLE entry (
+    number INTEGER PRIMARY KEY,
+    written REAL NOT NULL,
+    time REAL NOT NULL,
+    loop TEXT NOT NULL,
+    kind TEXT NOT NULL,
+    content TEXT NOT NULL
+);
+CREATE INDEX entry_time ON entry (loop, time);
+CREATE INDEX entry_written ON entry (written);
+"""
+"""``written``: when, by this machine's clock, s UTC; retention goes by it, as a source may have any.
+``content`` is JSON."""
+FORMAT = Format(application=0x736C6A68, version=1, tables=TABLES, synchronous="NORMAL")
+"""The application is "sljh"."""
+AT_ONCE = 0.05
+"""Part of the entries that goes where the file is too large."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One thing that happened to a loop."""
+
+    time: float
+    """End of the window, or time of the decision, s UTC."""
+    loop: str
+    kind: Literal["diagnosis", "alarm"]
+    content: dict[str, Any]
+    """As JSON: of `slipjump diagnose` without its methods, or what the buses were told of the alarm."""
+
+
+def history_path(state: Path) -> Path:
+    """Where the history of the agent is that keeps its alarms in ``state``."""
+    return state.with_suffix(".history.sqlite")
+
+
+class HistoryFile:
+    """An open file. Each method raises StoreError where it fails. To be used from one thread only."""
+
+    def __init__(self, path: Path, *, create: bool = True) -> None:
+        """Open ``path``; without ``create`` to read, and then without the check that takes long."""
+        self._database = Database(path, FORMAT, create=create, check=create)
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._database.close()
+
+    def write(self, entries: Sequence[Entry], now: float) -> None:
+        """Add entries, all or none, at ``now``, s UTC."""
+        rows = [
+            (now, each.time, each.loop, each.kind, json.dumps(each.content, separators=(",", ":")))
+            for each in entries
+        ]
+        with self._database.transaction("IMMEDIATE") as database:
+            database.executemany(
+                "INSERT INTO entry (written, time, loop, kind, content) VALUES (?, ?, ?, ?, ?)", rows
+            )
+
+    def forget(self, before: float, max_bytes: float) -> None:
+        """Drop what was written before a time (s UTC), and the oldest while the file is too large."""
+        with self._database.transaction("IMMEDIATE") as database:
+            database.execute("DELETE FROM entry WHERE written < ?", (before,))
+        while self._used() > max_bytes:
+            with self._database.transaction("IMMEDIATE") as database:
+                count = database.execute("SELECT count(*) FROM entry").fetchone()[0]
+                if count == 0:
+                    break
+                database.execute(
+                    "DELETE FROM entry WHERE number IN (SELECT number FROM entry ORDER BY number LIMIT ?)",
+                    (max(1, int(AT_ONCE * count)),),
+                )
+        with self._database.told() as database:
+            database.execute("PRAGMA incremental_vacuum").fetchall()
+
+    def read(
+        self, loop: str | None = None, since: float | None = None, limit: int | None = None
+    ) -> tuple[Entry, ...]:
+        """Return the newest ``limit`` entries, the oldest first: of one loop, from a time on (s UTC)."""
+        with self._database.transaction("DEFERRED") as database:
+            rows = database.execute(
+                "SELECT time, loop, kind, content FROM entry WHERE (?1 IS NULL OR loop = ?1) "
+                "AND (?2 IS NULL OR time >= ?2) ORDER BY time DESC, number DESC LIMIT ?3",
+                (loop, since, -1 if limit is None else limit),
+            ).fetchall()
+        return tuple(Entry(time, name, kind, json.loads(text)) for time, name, kind, text in reversed(rows))
+
+    def _used(self) -> int:
+        """Bytes of the file that hold something."""
+        with self._database.told() as database:
+            pages, free, size = (
+                database.execute(f"PRAGMA {name}").fetchone()[0]
+                for name in ("page_count", "freelist_count", "page_size")
+            )
+        return int((pages - free) * size)

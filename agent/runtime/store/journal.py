@@ -1,0 +1,128 @@
+"""Keeps the store up to date from the event loop, which never waits for the disk itself."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import TypeVar
+
+from agent.runtime.store.change import Change
+from agent.runtime.store.store import Kept, Store, StoreError, Told
+
+LOG = logging.getLogger(__name__)
+NOTHING = Change()
+T = TypeVar("T")
+
+
+class Journal:
+    """What changed and is not on disk yet, and the thread that writes it there.
+
+    ``note`` collects changes; ``flush`` writes all of them in one transaction. So an alarm and its
+    announcements, noted without a pause between them, are on disk together or not at all. What the disk would
+    not take stays noted, and every flush tries again.
+    """
+
+    def __init__(self, path: Path | None = None, clock: Callable[[], float] = time.time) -> None:
+        """Make a journal; nothing is opened yet.
+
+        Args:
+            path: Of the store; None keeps nothing.
+            clock: Gives the time, s UTC.
+        """
+        self.failures = 0
+        """Times the disk did not take what it should."""
+        self._path = path
+        self._clock = clock
+        self._pending = NOTHING
+        self._sequence = 0
+        self._problem = ""
+        self._store: Store | None = None
+        self._writing = asyncio.Lock()
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="store")
+
+    async def open(self) -> Kept:
+        """Return what the store kept; nothing, and told in the log, where it cannot be used."""
+        if self._path is None:
+            return Kept()
+        try:
+            kept = await self._in_thread(lambda: self._opened().read())
+        except StoreError as error:
+            self._failed(error)
+            return Kept()
+        self._sequence = kept.sequence
+        return kept
+
+    async def close(self) -> None:
+        """Write what is noted and let go of the file."""
+        await self.flush()
+        if self._store is not None:
+            await self._in_thread(self._store.close)
+        self._thread.shutdown(wait=False)
+
+    def next_sequence(self) -> int:
+        """Return a number above all before.
+
+        It counts from the ms since 1970, so that it rises even where a store was lost.
+        """
+        self._sequence = max(self._sequence + 1, int(1000 * self._clock()))
+        return self._sequence
+
+    def note(self, change: Change) -> None:
+        """Remember a change for the next flush."""
+        self._pending = self._pending.followed_by(change)
+
+    async def flush(self) -> None:
+        """Return when all that was noted before is on disk, or the disk would not take it."""
+        if self._path is None:
+            self._pending = NOTHING
+        elif self._pending != NOTHING or self._writing.locked():
+            # A task of its own: whoever is cancelled while he waits would not know what was written.
+            await asyncio.shield(asyncio.create_task(self._write(), name="store"))
+
+    async def _write(self) -> None:
+        async with self._writing:
+            change, self._pending = self._pending, NOTHING
+            if change == NOTHING:
+                return
+            try:
+                await self._in_thread(lambda: self._opened().write(change))
+            except StoreError as error:
+                self._pending = change.followed_by(self._pending)
+                self._failed(error)
+            else:
+                if self._problem:
+                    self._problem = ""
+                    LOG.info("%s is written again", self._path, extra={"event": "store"})
+
+    async def commands(self) -> tuple[Told, ...]:
+        """Return the commands that were not obeyed yet, the oldest first."""
+        if self._path is None:
+            return ()
+        try:
+            commands = await self._in_thread(lambda: self._opened().commands())
+        except StoreError as error:
+            self._failed(error)
+            return ()
+        return tuple(each for each in commands if each.number not in self._pending.taken)
+
+    def _opened(self) -> Store:
+        if self._store is None and self._path is not None:
+            self._store = Store(self._path)
+        if self._store is None:
+            raise StoreError("no store")
+        return self._store
+
+    async def _in_thread(self, work: Callable[[], T]) -> T:
+        return await asyncio.get_running_loop().run_in_executor(self._thread, work)
+
+    def _failed(self, error: StoreError) -> None:
+        self.failures += 1
+        if not self._problem:
+            self._problem = str(error)
+            LOG.error(
+                "%s; alarms are kept in memory until it can be written", error, extra={"event": "store"}
+            )

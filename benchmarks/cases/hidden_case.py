@@ -1,0 +1,187 @@
+"""One loop with a hidden effect, and what the workbench made of it, told nothing but OP, PV and SP."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from itertools import chain
+
+import numpy as np
+
+from agent.analysis.record.recording import LoopWindow
+from agent.physics.effects import EFFECTS
+from agent.workbench.nuisance import nuisance
+from agent.workbench.record import Record
+from agent.workbench.session import Workbench
+from agent.workbench.step import Step
+from benchmarks.cases.decoy import Decoy
+from simulators.draws.hidden_effects import HiddenEffectPlant, HiddenTruth, hidden_effect_plant
+
+DECOYS = 2
+FAMILIES = {effect.name: effect.family for effect in EFFECTS}
+NAMES_IT = {"confirmed", "family"}
+
+
+@dataclass(frozen=True, slots=True)
+class HiddenCase:
+    """A row of the file that `--save` writes; lists are words with a space between."""
+
+    truth: HiddenTruth
+    seed: int
+    samples: int
+    share_percent: float
+    """Of the residual variance of the base that is not the floor's: what the effect carries."""
+    floor: float
+    """RMS of what no model of OP explains, level and drift taken out as the base takes them; PV units."""
+    kind: str
+    """Of the verdict that led to the first step; of the last verdict where there is none. ``not_testable``:
+    nothing can be said of the record, and there are no numbers."""
+    effects: str
+    """Of the last model, in the order in which they were added."""
+    alike: str
+    """What the steps to them could not be told from."""
+    rmse_base: float
+    """Held out, PV units, like the next."""
+    rmse_last: float
+    floor_low: float
+    """Of the interval told, PV units."""
+    floor_high: float
+    covered: int
+    """True parameters of effects that were named within their 90 % intervals."""
+    parameters: int
+    """How many there were."""
+    without_kind: str
+    """Verdict without the true family, and what was not told from it, in the library; empty: not asked."""
+    cpu_seconds: float
+    """Of ``auto`` alone."""
+
+    @property
+    def testable(self) -> bool:
+        """Whether anything was asked of the record."""
+        return self.kind != "not_testable"
+
+    @property
+    def true_effects(self) -> set[str]:
+        return set(effects_of(self.truth))
+
+    @property
+    def true_families(self) -> set[str]:
+        return {FAMILIES[effect] for effect in self.true_effects}
+
+    @property
+    def named(self) -> list[str]:
+        """Effects named, those of decoys left out."""
+        return [effect for effect in self.effects.split() if effect in FAMILIES]
+
+    @property
+    def families(self) -> set[str]:
+        return {FAMILIES[effect] for effect in self.named}
+
+    @property
+    def decoys(self) -> int:
+        return len(self.effects.split()) - len(self.named)
+
+    @property
+    def wrong(self) -> bool:
+        """Whether a family was named that the loop has nothing of."""
+        return bool(self.families - self.true_families)
+
+    @property
+    def family_right(self) -> bool:
+        return bool(self.true_families) and self.true_families <= self.families
+
+    @property
+    def exact(self) -> bool:
+        """Whether every true effect was named, or is in the set that could not be told apart."""
+        return bool(self.true_effects) and self.true_effects <= {*self.named, *self.alike.split()}
+
+
+def effects_of(truth: HiddenTruth) -> tuple[str, ...]:
+    """Return the effects of a truth by their names in the library."""
+    return tuple(truth.split("_")) if truth == "stiction_sinusoid" else (truth,) * (truth in FAMILIES)
+
+
+def judge(truth: HiddenTruth, seed: int, *, ask_without: bool = True) -> HiddenCase:
+    """Draw one loop and let the workbench find what it hides.
+
+    ``ask_without``: what it says with the true family out of the library, too, where one effect is hidden.
+    """
+    plant = hidden_effect_plant(seed, truth)
+    window = LoopWindow(plant.scenario.loop, 0.0, plant.scenario.ts, plant.op, plant.pv, plant.sp)
+    decoys = tuple(Decoy(DECOYS * seed + each) for each in range(DECOYS))
+    started = time.process_time()
+    bench = Workbench(window, extra=decoys)
+    steps = bench.auto()
+    spent = time.process_time() - started
+    if not steps:
+        return _untestable(truth, seed, len(plant.op), spent)
+    found = bench.comparison()
+    last = steps[-1]
+    floor = floor_of(plant, bench.record)
+    took = [step for step in steps if step.added in last.effects and step.verdict is not None]
+    alike = set(chain.from_iterable(step.verdict.indistinguishable for step in took if step.verdict))
+    first = took[0].verdict if took else found.verdict
+    covered = covers(plant, last)
+    ask = ask_without and len(plant.effects) == 1
+    return HiddenCase(
+        truth=truth,
+        seed=seed,
+        samples=len(plant.op),
+        share_percent=100 * max(0.0, 1 - (floor / steps[0].rmse_fit) ** 2),
+        floor=floor,
+        kind=first.kind if first is not None else "",
+        effects=" ".join(last.effects),
+        alike=" ".join(sorted(alike)),
+        rmse_base=steps[0].held_out.rmse,
+        rmse_last=last.held_out.rmse,
+        floor_low=found.noise_floor.low if found.noise_floor else np.nan,
+        floor_high=found.noise_floor.high if found.noise_floor else np.nan,
+        covered=sum(covered),
+        parameters=len(covered),
+        without_kind=without_truth(window, plant, alike, decoys) if ask else "",
+        cpu_seconds=spent,
+    )
+
+
+def _untestable(truth: HiddenTruth, seed: int, samples: int, spent: float) -> HiddenCase:
+    numbers = dict.fromkeys(
+        ("share_percent", "floor", "rmse_base", "rmse_last", "floor_low", "floor_high"), np.nan
+    )
+    return HiddenCase(
+        truth=truth,
+        seed=seed,
+        samples=samples,
+        kind="not_testable",
+        effects="",
+        alike="",
+        covered=0,
+        parameters=0,
+        without_kind="",
+        cpu_seconds=spent,
+        **numbers,
+    )
+
+
+def without_truth(
+    window: LoopWindow, plant: HiddenEffectPlant, alike: set[str], decoys: tuple[Decoy, ...]
+) -> str:
+    """Return the verdict where the library has neither the true family nor what was not told from it."""
+    out = {FAMILIES[name] for name in (*plant.effects, *alike) if name in FAMILIES}
+    return Workbench(window, without=out, extra=decoys).comparison().verdict.kind
+
+
+def floor_of(plant: HiddenEffectPlant, record: Record) -> float:
+    counts = record.weight > 0
+    columns = nuisance(len(record), record.period)[counts]
+    floor = plant.floor[counts]
+    left = floor - columns @ np.linalg.lstsq(columns, floor, rcond=None)[0]
+    return float(np.sqrt(np.mean(left**2)))
+
+
+def covers(plant: HiddenEffectPlant, step: Step) -> list[bool]:
+    """Return of each known parameter of an effect that was named whether its interval holds the truth."""
+    return [
+        any(parameter.low <= value <= parameter.high for value in plant.parameters[parameter.name])
+        for parameter in step.parameters
+        if parameter.name in plant.parameters
+    ]

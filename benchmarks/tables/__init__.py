@@ -1,0 +1,1 @@
+"""Tables of benchmarks: quantiles, strata, targets, Markdown."""

@@ -1,0 +1,1 @@
+"""The alarm as OPC UA Part 9 has it: condition, events, methods, filters."""

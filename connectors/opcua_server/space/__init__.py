@@ -1,0 +1,1 @@
+"""The address space: nodes of the agent and of each loop."""

@@ -1,0 +1,1 @@
+"""Random plants: loops, moves, loads and hidden effects, drawn by a seed."""

@@ -1,0 +1,19 @@
+"""A folder stands for the recordings in it."""
+
+import pytest
+import typer
+
+from agent.cli.common.recordings import in_folders
+
+
+def test_a_folder_stands_for_its_recordings_by_name(tmp_path):
+    for name in ("b.csv", "a.parquet", "C.CSV", "notes.txt"):
+        (tmp_path / name).touch()
+    alone = tmp_path / "notes.txt"
+    names = [each.name for each in in_folders([alone, tmp_path])]
+    assert names == ["notes.txt", "C.CSV", "a.parquet", "b.csv"]
+
+
+def test_a_folder_without_recordings_is_told(tmp_path):
+    with pytest.raises(typer.BadParameter, match="a folder without CSV or Parquet files"):
+        in_folders([tmp_path])
