@@ -1,0 +1,152 @@
+"""Plain words (`docs/glossary.md`): the counts of words that are not to be written may only fall.
+
+Whoever lowers a count lowers its bound here, too.
+"""
+
+import io
+import re
+import tokenize
+from pathlib import Path
+
+import pytest
+from typer.main import get_command
+
+from agent.cli import app
+
+ROOT = Path(__file__).parents[3]
+FORBIDDEN = re.compile(
+    r"\b(?:tell|tells|told|telling|ask|asks|asked|asking|outdo|outdoes|outdone|what is left)\b", re.IGNORECASE
+)
+
+BOUNDS = {
+    "CHANGELOG.md": 23,
+    "README.md": 7,
+    "agent": 1,
+    "agent/alarms": 6,
+    "agent/analysis": 42,
+    "agent/cli": 22,
+    "agent/physics": 22,
+    "agent/plots": 2,
+    "agent/report": 3,
+    "agent/runtime": 62,
+    "agent/settings": 11,
+    "agent/workbench": 31,
+    "config": 4,
+    "connectors": 21,
+    "connectors/modbus": 11,
+    "connectors/modbus_server": 10,
+    "connectors/mqtt": 19,
+    "connectors/opcua": 20,
+    "connectors/opcua_server": 34,
+    "connectors/sparkplug": 24,
+    "docs": 80,
+    "docs/decisions": 141,
+    "docs/effects": 18,
+    "docs/howto": 62,
+    "docs/methods": 79,
+    "docs/workbench": 48,
+    "simulators": 4,
+    "simulators/draws": 10,
+    "simulators/servers": 6,
+}
+"""Largest number of such words in a place. It may be lowered, never raised."""
+HELP_BOUND = 5
+"""The same for the help of all commands together."""
+
+REPLACED = (
+    "agent/analysis/innovations/",
+    "agent/analysis/quantify/free_run/",
+    *(
+        f"agent/workbench/{name}"
+        for name in (
+            "candidates",
+            "coincidence",
+            "decision",
+            "doubts",
+            "event_scan",
+            "evidence",
+            "fit.py",
+            "free_memory",
+            "growing_horizon",
+            "innovations",
+            "intervals",
+            "likelihood_profile",
+            "likeliest",
+            "null_trial",
+            "other_event",
+            "prediction_",
+            "predictor",
+            "search",
+            "simulated_null",
+            "trial",
+            "valve_",
+        )
+    ),
+)
+"""Files that one engine is going to replace: their words go with them."""
+
+
+def words_of(path: Path) -> str:
+    """Return the prose of a file: all of a page, strings and comments of a module."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix != ".py":
+        return text
+    kept = (tokenize.STRING, tokenize.COMMENT)
+    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+    return "\n".join(token.string for token in tokens if token.type in kept)
+
+
+def place_of(path: Path) -> str:
+    """Return the key of `BOUNDS` that a file belongs to: its folder, two deep at most."""
+    folders = path.relative_to(ROOT).parts[:-1]
+    return "/".join(folders[:2]) or path.name
+
+
+def counted() -> dict[str, int]:
+    files = [
+        ROOT / "README.md",
+        ROOT / "CHANGELOG.md",
+        *(ROOT / "docs").rglob("*.md"),
+        *(ROOT / "config").rglob("*.yaml"),
+        *(
+            path
+            for package in ("agent", "connectors", "simulators")
+            for path in (ROOT / package).rglob("*.py")
+        ),
+    ]
+    counts: dict[str, int] = {}
+    for path in files:
+        name = str(path.relative_to(ROOT))
+        if name == "docs/glossary.md" or name.startswith(REPLACED):
+            continue
+        counts[place_of(path)] = counts.get(place_of(path), 0) + len(FORBIDDEN.findall(words_of(path)))
+    return counts
+
+
+def help_texts(command, path: tuple[str, ...] = ()) -> dict[str, str]:
+    """Return each command's own words: its help and that of each option."""
+    own = [command.help or "", command.epilog or ""]
+    own += [getattr(parameter, "help", None) or "" for parameter in command.params]
+    texts = {" ".join(path): "\n".join(own)}
+    for name, child in getattr(command, "commands", {}).items():
+        texts |= help_texts(child, (*path, name))
+    return texts
+
+
+COUNTS = counted()
+
+
+@pytest.mark.parametrize("place", sorted(COUNTS))
+def test_the_words_that_are_not_to_be_written_grow_fewer(place):
+    assert COUNTS[place] <= BOUNDS.get(place, 0), f"{place}: write as docs/glossary.md has it"
+
+
+def test_no_bound_is_left_of_a_place_that_has_gone():
+    assert set(BOUNDS) <= set(COUNTS)
+
+
+def test_help_is_written_in_the_words_of_the_glossary():
+    texts = help_texts(get_command(app))
+    assert len(texts) > 10
+    found = {command: FORBIDDEN.findall(text) for command, text in texts.items() if FORBIDDEN.search(text)}
+    assert sum(map(len, found.values())) <= HELP_BOUND, found
