@@ -13,6 +13,7 @@ from asyncua.server.internal_server import InternalServer
 from asyncua.server.internal_session import InternalSession
 
 from connectors.opcua_server.alarm.where import Where
+from connectors.opcua_server.asyncua_private import monitored_items
 
 CALLER: ContextVar[CallerSession] = ContextVar("caller")
 """Whose method call is being worked on."""
@@ -69,7 +70,7 @@ class CallerSession(InternalSession):  # type: ignore[misc]
         subscription = self.subscription_service.subscriptions.get(params.SubscriptionId)
         if subscription is None:
             raise ServiceError(ua.StatusCodes.BadSubscriptionIdInvalid)
-        items = subscription.monitored_item_srv._monitored_items  # noqa: SLF001 - asyncua has no other way
+        items = monitored_items(subscription)
         if len(items) + len(params.ItemsToCreate) > MOST_ITEMS:
             raise ServiceError(ua.StatusCodes.BadTooManyMonitoredItems)
         results = await super().create_monitored_items(params)

@@ -15,6 +15,7 @@ from connectors.base import ConnectionLostError
 from connectors.malformed import Malformed
 from connectors.opcua.credentials import application_uri, certificate_in, private_key_in
 from connectors.opcua_server.access import Access
+from connectors.opcua_server.asyncua_private import client_sessions, is_listening
 from connectors.opcua_server.caller import CallerServer
 from connectors.opcua_server.options import OpcUaServerOptions
 from connectors.opcua_server.strict import StrictServer
@@ -62,8 +63,7 @@ async def listening(server: Server, options: OpcUaServerOptions) -> AsyncIterato
 
 def look_after(server: Server) -> None:
     """Drop clients for which too much waits; raises ConnectionLostError if nobody listens any more."""
-    listener = server.bserver._server  # noqa: SLF001 - asyncua tells it nowhere else
-    if listener is None or not listener.is_serving():
+    if not is_listening(server.bserver):
         raise ConnectionLostError("the OPC UA server no longer listens")
     for client in list(server.bserver.clients):
         if client.transport.get_write_buffer_size() > _MOST_BYTES:
@@ -135,5 +135,5 @@ async def _stop(server: Server) -> None:
         transport.abort()
     await asyncio.sleep(0)  # the transports tell their protocols, whose closing is then awaited by ``stop``
     await server.stop()
-    for session in list(internal._external_sessions.values()):  # noqa: SLF001
+    for session in client_sessions(internal):
         await session.close_session()

@@ -15,10 +15,14 @@ from typing import Any
 
 from asyncua import Server, ua
 from asyncua.common.utils import ServiceError
-from asyncua.server.binary_server_asyncio import BinaryServer, OPCUAProtocol
-from asyncua.server.uaprocessor import UaProcessor
+from asyncua.server.binary_server_asyncio import BinaryServer
 
 from connectors.malformed import Malformed
+from connectors.opcua_server.asyncua_private import (
+    ConnectionProtocol,
+    MessageProcessor,
+    make_connections_with,
+)
 
 _PLAIN = (b"HEL", b"ACK", b"ERR")
 _SECURE = (b"OPN", b"MSG", b"CLO")
@@ -46,22 +50,15 @@ class StrictServer(Server):  # type: ignore[misc]
     def bserver(self, made: BinaryServer | None) -> None:
         self._bserver = made
         if made is not None:
-            made._make_protocol = lambda: StrictProtocol(made, self._malformed)  # noqa: SLF001
+            make_connections_with(made, lambda: StrictProtocol(made, self._malformed))
 
 
-class StrictProtocol(OPCUAProtocol):  # type: ignore[misc]
+class StrictProtocol(ConnectionProtocol):
     """One connection."""
 
     def __init__(self, listener: BinaryServer, malformed: Malformed) -> None:
-        super().__init__(
-            listener.iserver,
-            listener._policies,  # noqa: SLF001
-            listener.clients,
-            listener.closing_tasks,
-            listener.limits,
-        )
+        super().__init__(listener)
         self._malformed = malformed
-        self._buffer: bytes
         self.processor: StrictProcessor | None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -74,14 +71,16 @@ class StrictProtocol(OPCUAProtocol):  # type: ignore[misc]
     def data_received(self, data: bytes) -> None:
         """Take bytes; those that cannot become a message end the connection."""
         super().data_received(data)
-        if self._buffer and not _may_become_a_message(self._buffer, self.limits.max_recv_buffer):
-            self._buffer = b""
+        frame = self.incomplete_frame
+        if frame and not _may_become_a_message(frame, self.limits.max_recv_buffer):
+            self.discard_frame()
             self._note(_NO_OPCUA)
             self.transport.abort()
 
     def connection_lost(self, ex: BaseException | None) -> None:
         """Note a client that went amid a message."""
-        if self._buffer or (self.processor is not None and self.processor.waits_for_more):
+        incomplete = self.processor is not None and self.processor.has_incomplete_message
+        if self.incomplete_frame or incomplete:
             self._note(_ENDS_AMID)
         super().connection_lost(ex)
 
@@ -90,17 +89,12 @@ class StrictProtocol(OPCUAProtocol):  # type: ignore[misc]
         self._malformed.note(f"client {address}", what)
 
 
-class StrictProcessor(UaProcessor):  # type: ignore[misc]
+class StrictProcessor(MessageProcessor):
     """Reads the messages of one connection."""
 
     def __init__(self, server: Any, transport: Any, limits: Any, note: Callable[[str], None]) -> None:  # noqa: ANN401
         super().__init__(server, transport, limits)
         self._note = note
-
-    @property
-    def waits_for_more(self) -> bool:
-        """Whether a message has begun whose last chunk has not come."""
-        return bool(self._connection._incoming_parts)  # noqa: SLF001 - asyncua tells it nowhere else
 
     async def process(self, header: Any, body: Any) -> bool:  # noqa: ANN401
         """Obey a frame; return whether the connection goes on."""
@@ -112,12 +106,13 @@ class StrictProcessor(UaProcessor):  # type: ignore[misc]
                 going_on = bool(await super().process(header, body))
         finally:
             if not going_on:
-                self._transport.close()
+                self.close_transport()
         return going_on
 
-    async def _process_message(self, *message: Any) -> Any:  # noqa: ANN401
+    async def answer(self, *message: Any) -> Any:  # noqa: ANN401
+        """Answer a request, and count one that is none."""
         with self._noted(_NO_REQUEST, ua.uaerrors.UaStatusCodeError, ServiceError):
-            return await super()._process_message(*message)
+            return await super().answer(*message)
 
     @contextmanager
     def _noted(self, what: str, *refusals: type[Exception]) -> Iterator[None]:

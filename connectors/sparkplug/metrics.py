@@ -58,8 +58,8 @@ NOBODY = "Sparkplug host"
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """A value and when it was told."""
+class Reported:
+    """Value of a metric that the host knows, and its time."""
 
     value: JsonValue
     time: float

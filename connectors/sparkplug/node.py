@@ -14,7 +14,7 @@ from connectors.sparkplug.metrics import (
     BD_SEQ,
     METRICS,
     REBIRTH,
-    Told,
+    Reported,
     commands_at_rest,
     values_of,
 )
@@ -44,7 +44,7 @@ class EdgeNode:
         self._writable = writable
         self._bd_seq = -1
         self._seq = 0
-        self._told: dict[str, dict[str, Told]] = {subject: {} for subject in devices}
+        self._reported: dict[str, dict[str, Reported]] = {subject: {} for subject in devices}
 
     def topic(self, verb: str, device: str | None = None) -> str:
         """Return the topic of a message."""
@@ -70,8 +70,8 @@ class EdgeNode:
         ]
         messages = [self._numbered("NBIRTH", None, node, now)]
         for subject, device in self.devices.items():
-            told = self._told[subject]
-            unknown = Told(None, now)
+            told = self._reported[subject]
+            unknown = Reported(None, now)
             metrics = [
                 Metric(name, told.get(name, unknown).value, kind, told.get(name, unknown).time)
                 for name, kind in METRICS.items()
@@ -95,11 +95,11 @@ class EdgeNode:
         values = values_of(fields)
         historical = bool(fields.get("historical"))
         if not historical:
-            told = self._told[subject]
+            told = self._reported[subject]
             values = {name: each for name, each in values.items() if _is_news(told.get(name), each)}
             if publication.kind == "event" and values.keys() <= ABOUT_THE_MESSAGE:
                 return None
-            told |= {name: Told(each, time) for name, each in values.items()}
+            told |= {name: Reported(each, time) for name, each in values.items()}
         if not values:
             return None
         metrics = [Metric(name, each, METRICS[name], time, historical) for name, each in values.items()]
@@ -110,5 +110,5 @@ class EdgeNode:
         return Outgoing(self.topic(verb, device), encode(metrics, now, self._seq), qos=0, content=CONTENT)
 
 
-def _is_news(told: Told | None, value: JsonValue) -> bool:
+def _is_news(told: Reported | None, value: JsonValue) -> bool:
     return told is None or told.value != value

@@ -11,6 +11,7 @@ from typing import Self
 from asyncua import Client, Server, ua
 from asyncua.common.subscription import DataChangeEvent
 
+from connectors.opcua_server.asyncua_private import client_sessions
 from simulators.plant import Row
 from simulators.servers.loop_server import ALARM_FIELDS, Entry, loop_entry
 
@@ -53,7 +54,7 @@ class OpcUaServer:
     async def __aexit__(self, *_: object) -> None:
         """Stop to listen and drop every client."""
         await self._server.stop()
-        for session in list(self._server.iserver._external_sessions.values()):  # noqa: SLF001
+        for session in client_sessions(self._server.iserver):
             await session.close_session()  # asyncua keeps those whose client has vanished, with their tasks
 
     async def put(self, loop: str, row: Row) -> None:

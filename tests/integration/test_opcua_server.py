@@ -18,6 +18,7 @@ from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, ConnectionSettings, Settings
 from connectors.base import ConnectionLostError, Order
+from connectors.opcua_server.asyncua_private import client_sessions, monitored_items
 from connectors.opcua_server.connector import OpcUaServerConnector
 from connectors.opcua_server.listening import look_after
 from connectors.opcua_server.options import OpcUaServerOptions, OpcUaServerTarget
@@ -282,14 +283,14 @@ async def test_what_a_client_may_ask_for_is_bounded(served, monkeypatch):
         kept = internal.subscription_service.subscriptions[eager.subscription_id]
         assert kept.data.RevisedPublishingInterval == 50.0
         await eager.subscribe_data_change(alarms.node("FIC101.S"), queuesize=0)
-        assert [item.queue_size for item in kept.monitored_item_srv._monitored_items.values()] == [1000]
+        assert [item.queue_size for item in monitored_items(kept).values()] == [1000]
         monkeypatch.setattr("connectors.opcua_server.caller.MOST_ITEMS", 1)
         with pytest.raises(ua.UaStatusCodeError, match="BadTooManyMonitoredItems"):
             await eager.subscribe_data_change(alarms.node("FIC101.J"))
         with pytest.raises(ua.UaStatusCodeError, match="BadServiceUnsupported"):
             await alarms.client.uaclient.register_server(ua.RegisteredServer())
-        assert {session.session_timeout for session in internal._external_sessions.values()} == {60.0}
-        tokens = {session.auth_token.Identifier for session in internal._external_sessions.values()}
+        assert {session.session_timeout for session in client_sessions(internal)} == {60.0}
+        tokens = {session.auth_token.Identifier for session in client_sessions(internal)}
         assert all(isinstance(token, bytes) and len(token) == 32 for token in tokens)
 
 

@@ -16,6 +16,7 @@ from asyncua.common.events import Event
 from asyncua.server.internal_subscription import InternalSubscription
 
 from connectors.opcua_server.alarm.method import status, values_of
+from connectors.opcua_server.asyncua_private import event_items, monitored_items, send_event
 from connectors.opcua_server.caller import CALLER
 
 Fields = Mapping[str, ua.Variant]
@@ -55,7 +56,7 @@ class Events:
         event = _event(fields, condition)
         for subscription in list(self._server.iserver.subscription_service.subscriptions.values()):
             for item in _items(subscription, (*self._everywhere, source)):
-                await subscription.monitored_item_srv._trigger_event(event, item)  # noqa: SLF001
+                await send_event(subscription, event, item)
 
     async def _refresh(self, _: ua.NodeId, *arguments: ua.Variant) -> ua.CallMethodResult:
         """ConditionRefresh(SubscriptionId) and ConditionRefresh2(SubscriptionId, MonitoredItemId)."""
@@ -66,8 +67,7 @@ class Events:
         subscription = self._server.iserver.subscription_service.subscriptions.get(values[0])
         if subscription is None or subscription.session_id != CALLER.get().session_id:
             return status(ua.StatusCodes.BadSubscriptionIdInvalid)
-        monitored = subscription.monitored_item_srv._monitored_events  # noqa: SLF001
-        items = {item: node for node, items in monitored.items() for item in items}
+        items = {item: node for node, items in event_items(subscription).items() for item in items}
         if len(values) > 1:
             if values[1] not in items:
                 return status(ua.StatusCodes.BadMonitoredItemIdInvalid)
@@ -77,7 +77,7 @@ class Events:
             event = _event(fields, condition)
             for item, node in items.items():
                 if node in (*self._everywhere, source):
-                    await subscription.monitored_item_srv._trigger_event(event, item)  # noqa: SLF001
+                    await send_event(subscription, event, item)
         await self._mark(subscription, items, ua.ObjectIds.RefreshEndEventType)
         return status(ua.StatusCodes.Good)
 
@@ -96,7 +96,7 @@ class Events:
         ):
             event.add_property(name, value, variant_type)
         for item in items:
-            data = subscription.monitored_item_srv._monitored_items[item]  # noqa: SLF001
+            data = monitored_items(subscription)[item]
             told = ua.EventFieldList(data.client_handle, event.to_event_fields(data.filter.SelectClauses))
             await subscription.enqueue_event(item, told, data.queue_size)
 
@@ -110,5 +110,5 @@ def _event(fields: Fields, condition: ua.NodeId) -> Any:  # noqa: ANN401 - async
 
 
 def _items(subscription: InternalSubscription, nodes: Sequence[ua.NodeId]) -> list[int]:
-    monitored = subscription.monitored_item_srv._monitored_events  # noqa: SLF001
+    monitored = event_items(subscription)
     return [item for node in nodes for item in monitored.get(node, ())]

@@ -9,18 +9,20 @@ from typing import Any
 
 from asyncua import ua
 from asyncua.server.address_space import AddressSpace
-from asyncua.server.monitored_item_service import WhereClauseEvaluator
+
+from connectors.opcua_server.asyncua_private import FilterEvaluator
 
 
-class Where(WhereClauseEvaluator):  # type: ignore[misc]
+class Where(FilterEvaluator):
     """One filter."""
 
-    def _eval_el(self, index: int, event: Any) -> Any:  # noqa: ANN401 - asyncua's own
+    def evaluate(self, index: int, event: Any) -> Any:  # noqa: ANN401 - asyncua's own
+        """Return the value of the ``index``-th element; OfType also holds for subtypes."""
         element = self.elements[index]
         if element.FilterOperator == ua.FilterOperator.OfType:
-            wanted = self._eval_op(element.FilterOperands[0], event)
-            return wanted in supertypes(self._aspace, event.EventType)
-        return super()._eval_el(index, event)
+            wanted = self.operand(element.FilterOperands[0], event)
+            return wanted in supertypes(self.space, event.EventType)
+        return super().evaluate(index, event)
 
 
 def supertypes(space: AddressSpace, kind: ua.NodeId) -> list[ua.NodeId]:
