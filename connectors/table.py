@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from connectors.base import ConfigError
+from connectors.exports.fault import RecordingError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,13 +23,6 @@ if TYPE_CHECKING:
 DELIMITERS = ",;\t"
 PARQUET_MAGIC = b"PAR1"
 MEGABYTE = 1 << 20
-
-
-class RecordingError(ConfigError):
-    """A recording that cannot be read: one line with file, line and what was expected."""
-
-    def __init__(self, fault: str) -> None:
-        super().__init__([fault])
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,1 @@
+"""EXPORTS: files of historians and spreadsheets, in one reader that guesses and shows its guess."""

@@ -1,0 +1,228 @@
+"""Where the names of the columns are: below notes, above units, in one line or in two."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from connectors.exports.calendar_times import moment_of
+from connectors.exports.fault import RecordingError
+from connectors.exports.number_style import is_number
+from connectors.exports.sheet import Column, Sheet
+from connectors.exports.tag_roles import ROLE, TIME_WORDS, plain, tag_role
+from connectors.historian import is_gap
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+Row = tuple[int, list[str]]
+
+COMMENTS = ("#", "//", "%%", ";;")
+LOOKED_AT = 200
+"""Rows in which the header is looked for."""
+MOST_BAD = 0.1
+"""Share of rows with a wrong number of cells above which the file is no such table."""
+UNITS = frozenset(
+    [
+        "%",
+        "°c",
+        "°f",
+        "k",
+        "degc",
+        "degf",
+        "bar",
+        "barg",
+        "mbar",
+        "kpa",
+        "mpa",
+        "pa",
+        "psi",
+        "psig",
+        "t/h",
+        "kg/h",
+        "kg/s",
+        "m3/h",
+        "m³/h",
+        "nm3/h",
+        "l/min",
+        "l/h",
+        "gpm",
+        "scfm",
+        "m",
+        "mm",
+        "cm",
+        "rpm",
+        "a",
+        "ma",
+        "v",
+        "kw",
+        "mw",
+        "s",
+        "sec",
+        "ms",
+        "min",
+        "h",
+        "ph",
+        "ppm",
+        "eu",
+        "-",
+        "none",
+        "na",
+        "units",
+        "unit",
+        "pct",
+        "percent",
+        "degree",
+        "degrees",
+        "dimensionless",
+    ]
+)
+UNIT_FORM = re.compile(r"[\[(][^\])]*[\])]|[a-zA-Z°µ%³²]{1,5}(?:/[a-zA-Z³²0-9]{1,4})?|")
+
+
+def sheet_of(path: Path, rows: Sequence[Row], place: str, kind: str) -> Sheet:
+    """Return the columns of a table.
+
+    A row with too few or too many cells is left out and its line is noted; it becomes a gap.
+
+    Args:
+        path: For messages.
+        rows: Line and cells of each row that is not empty.
+        place: What the lines count.
+        kind: Format of the file.
+
+    Raises:
+        RecordingError: There is no header, no sample, or most rows have another number of cells.
+    """
+    if not rows:
+        raise RecordingError(f"{path}: is empty, expected a line of column names and one line a sample")
+    rows = [_without_comment(row) for row in rows]
+    first = _first_sample(rows)
+    above = [row for row in rows[:first] if row[1]]
+    if not above:
+        raise RecordingError(
+            f"{path}, {place} {rows[0][0]}: expected a line of column names as time,OP,PV, found a sample"
+        )
+    header, names, units = _names(
+        above, width=max((len(cells) for _, cells in rows[first : first + 20]), default=0)
+    )
+    while names and not names[-1]:
+        names.pop()
+    good, bad = _fitting(path, rows[first:], names, place)
+    if not good and not bad:
+        raise RecordingError(f"{path}: has column names but no samples")
+    columns = tuple(
+        Column(name, [cells[k] for _, cells in good], units[k] if k < len(units) else "")
+        for k, name in enumerate(names)
+    )
+    return Sheet(path, columns, [line for line, _ in good], place, header, kind, tuple(bad))
+
+
+def _without_comment(row: Row) -> Row:
+    """Return a row without the mark of a comment, or an empty one where it is nothing but a comment."""
+    line, cells = row
+    mark = next((each for each in COMMENTS if cells[0].startswith(each)), None)
+    if mark is None:
+        return row
+    bare = [cells[0].removeprefix(mark).strip(), *cells[1:]]
+    return line, bare if _known(bare) >= 2 else []
+
+
+def _known(cells: Sequence[str]) -> int:
+    """Return how many cells name a time or a role, alone or within a tag."""
+    return sum(
+        1 for cell in cells if cell and (plain(cell) in TIME_WORDS or tag_role(cell) or plain(cell) in ROLE)
+    )
+
+
+def _is_sample(cells: Sequence[str]) -> bool:
+    """Whether a row holds values: numbers, times and gaps are most of it, and one is a number or a time."""
+    filled = [cell for cell in cells if cell]
+    values = [cell for cell in filled if is_number(cell) or moment_of(cell) is not None]
+    return bool(values) and (2 * len(values) >= len(filled) or len(values) >= 2)
+
+
+def _first_sample(rows: Sequence[Row]) -> int:
+    """Return the index of the first row from which on rows are samples; the number of rows where none is."""
+    looked_at = rows[:LOOKED_AT]
+    widths = Counter(len(cells) for _, cells in looked_at if _is_sample(cells))
+    if not widths:
+        return len(rows)
+    usual = widths.most_common(1)[0][0]
+    for k, (_, cells) in enumerate(looked_at):
+        following = [each for _, each in looked_at[k + 1 : k + 4]]
+        steady = sum(_is_sample(each) for each in following) * 2 >= len(following)
+        if cells and _is_sample(cells) and steady and (len(cells) == usual or _known(cells) == 0):
+            return k if len(cells) >= 2 or usual == 1 else k + 1
+    return len(rows)
+
+
+def _names(above: Sequence[Row], width: int) -> tuple[int, list[str], list[str]]:
+    """Return line, names and units of the header among the rows above the samples."""
+    full = [(line, cells) for line, cells in above if sum(map(bool, cells)) >= 2 or len(above) == 1] or list(
+        above
+    )
+    known = [_known(cells) for _, cells in full]
+    most = max(known)
+    best = max(k for k, count in enumerate(known) if count == most) if most else len(full) - 1
+    if not most and best > 0 and _are_units(full[best][1]):
+        best -= 1
+    line, names = full[best][0], list(full[best][1])
+    below = full[best + 1][1] if best + 1 < len(full) else []
+    units = below if _are_units(below) else []
+    roles = [ROLE[plain(name)] for name in names if plain(name) in ROLE]
+    if best > 0 and len(roles) > len(set(roles)) and len(full[best - 1][1]) >= width - 1:
+        names = _of_two_lines(full[best - 1][1], names)
+    return line, names, list(units)
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    filled = [cell for cell in cells if cell]
+    return bool(filled) and all(
+        cell.strip("[]()").casefold() in UNITS or UNIT_FORM.fullmatch(cell) or plain(cell) in TIME_WORDS
+        for cell in filled
+    )
+
+
+def _of_two_lines(tags: Sequence[str], roles: Sequence[str]) -> list[str]:
+    """Return ``tag.role`` for tags that stand once above several roles."""
+    names, tag = [], ""
+    for k, role in enumerate(roles):
+        tag = (tags[k] if k < len(tags) else "") or tag
+        names.append(
+            f"{tag}.{role}" if tag and plain(role) in ROLE and plain(tag) not in TIME_WORDS else role
+        )
+    return names
+
+
+def _fitting(
+    path: Path, rows: Sequence[Row], names: Sequence[str], place: str
+) -> tuple[list[Row], list[int]]:
+    """Return the rows that have a cell for each name, and the lines of the others."""
+    good: list[Row] = []
+    bad: list[int] = []
+    fault = ""
+    for line, cells in rows:
+        surplus = any(cells[len(names) :])
+        if len(cells) < len(names) or surplus:
+            bad.append(line)
+            comma = " (is there a decimal comma?)" if surplus else f": {', '.join(names)}"
+            fault = fault or f"{path}, {place} {line}: {len(cells)} cells, expected {len(names)}{comma}"
+        else:
+            good.append((line, cells))
+    few = len(bad) <= MOST_BAD * len(rows)
+    if fault and (not good or not few) and not _footer(bad, good):
+        raise RecordingError(fault)
+    return good, bad
+
+
+def _footer(bad: Sequence[int], good: Sequence[Row]) -> bool:
+    """Whether all rows that do not fit stand behind the samples, as notes of a report do."""
+    return bool(good) and len(bad) <= 5 and bad[0] > good[-1][0]
+
+
+def is_gap_row(cells: Sequence[str]) -> bool:
+    """Whether no cell of a row holds a value."""
+    return all(is_gap(cell) for cell in cells)

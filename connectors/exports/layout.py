@@ -1,0 +1,128 @@
+"""How a table holds loops: one loop (plain), a column a tag (wide), a row a value (long)."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from connectors.exports.calendar_times import moment_of
+from connectors.exports.tag_roles import (
+    ROLE,
+    TAG_WORDS,
+    TIME_WORDS,
+    VALUE_WORDS,
+    TagRole,
+    plain,
+)
+
+if TYPE_CHECKING:
+    from connectors.exports.sheet import Column, Sheet
+    from connectors.exports.tagging import Tagger
+
+Format = Literal["plain", "wide", "interleaved", "long"]
+LOOKED_AT = 50
+"""Cells from which a column of times is known without its name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """Columns of one role: where its times, values and qualities are, by number."""
+
+    values: int
+    time: int | None
+    """None: rows are counted by ``--ts``."""
+    quality: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Which columns are what."""
+
+    format: Format
+    loops: Mapping[str, Mapping[str, Placed]] = field(default_factory=dict)
+    """Loop -> role -> columns; for a long table empty, for its loops are in its rows."""
+    tag: int | None = None
+    """Column of tags of a long table."""
+    value: int | None = None
+    quality: int | None = None
+    time: int | None = None
+
+
+def time_columns(sheet: Sheet) -> list[int]:
+    """Return the columns of times, by type, by name, else by what they hold."""
+    typed = [k for k, column in enumerate(sheet.columns) if column.moments]
+    if typed:
+        return typed
+    named = [k for k, column in enumerate(sheet.columns) if plain(column.name) in TIME_WORDS]
+    if named:
+        return named
+    return [k for k, column in enumerate(sheet.columns) if _holds_times(column)]
+
+
+def _holds_times(column: Column) -> bool:
+    if isinstance(column.cells, np.ndarray):
+        return False
+    cells = [cell for cell in column.cells[:LOOKED_AT] if cell]
+    return bool(cells) and all(moment_of(cell) is not None and not cell.isdigit() for cell in cells)
+
+
+def long_layout(sheet: Sheet, times: Sequence[int]) -> Layout | None:
+    """Return the layout of a table with a row a value, or None where it is none."""
+    names = [plain(column.name) for column in sheet.columns]
+    tag = next((k for k, name in enumerate(names) if name in TAG_WORDS), None)
+    value = next((k for k, name in enumerate(names) if name in VALUE_WORDS), None)
+    if tag is None or value is None or not times:
+        return None
+    quality = next((k for k, name in enumerate(names) if ROLE.get(name) == "quality"), None)
+    return Layout("long", tag=tag, value=value, quality=quality, time=times[0])
+
+
+def wide_layout(sheet: Sheet, times: Sequence[int], tagger: Tagger) -> Layout:
+    """Return the layout of a table with a column a tag; a time column serves the columns behind it."""
+    values: dict[str, dict[str, Placed]] = defaultdict(dict)
+    qualities: dict[tuple[str, str], int] = {}
+    last: tuple[str, TagRole, int] | None = None
+    interleaved = len(times) > 1
+    for k, column in enumerate(sheet.columns):
+        if k in times or not column.name:
+            continue
+        if last is not None and ROLE.get(plain(column.name)) == "quality":  # a quality behind its value
+            qualities[last[0], last[1].role] = k
+            continue
+        found = tagger(column.name)
+        if found is None or not found.loop:
+            continue
+        if found.of_quality:
+            qualities[found.loop, found.role] = k
+            continue
+        time = max((each for each in times if each < k), default=times[0] if times else None)
+        values[found.loop].setdefault(found.role, Placed(k, time))
+        last = (found.loop, found, k)
+    loops = {
+        loop: {
+            role: Placed(each.values, each.time, qualities.get((loop, role))) for role, each in roles.items()
+        }
+        for loop, roles in values.items()
+    }
+    return Layout("interleaved" if interleaved else "wide", loops)
+
+
+def usable_roles(roles: Mapping[str, Placed]) -> dict[str, Placed]:
+    """Return the roles of a loop; where there is no OP, MV is the controller's output (Yokogawa)."""
+    found = dict(roles)
+    if "op" not in found and "mv" in found:
+        found["op"] = found.pop("mv")
+    return found
+
+
+def short_names(loops: Sequence[str]) -> dict[str, str]:
+    """Return loop -> short name: the last part of its path, or the whole path where two would be the same."""
+    short = {loop: loop.split("/")[-1] for loop in loops}
+    counts: dict[str, int] = defaultdict(int)
+    for name in short.values():
+        counts[name] += 1
+    return {loop: name if counts[name] == 1 else loop.replace("/", "_") for loop, name in short.items()}

@@ -1,0 +1,109 @@
+"""Loops of a long table: each row is a value of a tag at a time."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from connectors.exports.layout import Layout, Placed, short_names, usable_roles
+from connectors.exports.loops_of_columns import no_loops, number_style
+from connectors.exports.merged import merged
+from connectors.exports.quality_words import usable
+from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
+from connectors.exports.series import Series, rising, words_as_numbers
+from connectors.exports.times import times_of
+
+if TYPE_CHECKING:
+    from connectors.exports.number_style import NumberStyle
+    from connectors.exports.sheet import FloatArray, Sheet
+    from connectors.exports.tagging import Tagger
+
+
+def loops_of_rows(sheet: Sheet, layout: Layout, options: ReadOptions, tagger: Tagger) -> Export:
+    """Return the loops of a long table.
+
+    Raises:
+        RecordingError: No loop has both PV and OP, times or numbers cannot be read.
+    """
+    if layout.tag is None or layout.value is None or layout.time is None:
+        raise ValueError("a long table has columns of tags, times and values")
+    style = number_style(sheet, layout, options)
+    times = times_of(sheet, sheet.columns[layout.time], options.times, style)
+    numbers, wrong = _numbers(sheet, layout.value, style)
+    good = np.isfinite(times.read)
+    if layout.quality is not None:
+        allowed = usable(sheet.text(sheet.columns[layout.quality]))
+        numbers[~allowed] = np.nan
+    else:
+        allowed = np.ones(len(numbers), np.bool_)
+    rows = _rows_of_tags(sheet.text(sheet.columns[layout.tag]))
+    tags, problems = _tags(rows, tagger)
+    names = short_names(list(tags))
+    loops: list[RecordedLoop] = []
+    words = sheet.text(sheet.columns[layout.value])
+    for loop, roles in tags.items():
+        found = usable_roles({role: Placed(0, None) for role in roles})
+        lacking = [role.upper() for role in ("pv", "op") if role not in found]
+        if lacking:
+            problems.append(f"{names[loop]}: has no {' and no '.join(lacking)}, it was left out")
+            continue
+        renamed = (
+            {"op": roles["mv"], **{r: t for r, t in roles.items() if r != "mv"}}
+            if "op" not in roles
+            else roles
+        )
+        series: dict[str, Series] = {}
+        bad = 0
+        for role, tag in renamed.items():
+            mine = rows[tag][good[rows[tag]]]
+            time, mine = _in_order(times.utc(mine), mine)
+            if role == "mode":
+                series[role] = Series(time, *words_as_numbers([words[k] for k in mine]))
+                continue
+            series[role] = Series(time, numbers[mine])
+            bad += len(wrong.intersection(mine.tolist())) + int(np.count_nonzero(~allowed[mine]))
+        labels = {role if role == "mode" else role.upper(): tag for role, tag in renamed.items()}
+        loops.append(merged(sheet, names[loop], series, labels, bad, times))
+    if not loops:
+        raise no_loops(sheet, problems)
+    return Export(
+        sheet.path, "long", sheet.kind, times.zone, times.form, style.decimal, tuple(loops), tuple(problems)
+    )
+
+
+def _numbers(sheet: Sheet, place: int, style: NumberStyle) -> tuple[FloatArray, set[int]]:
+    cells = sheet.columns[place].cells
+    if isinstance(cells, np.ndarray):
+        return np.where(np.isfinite(cells), cells, np.nan), set()
+    numbers, wrong = style.numbers(cells)
+    return np.where(np.isfinite(numbers), numbers, np.nan), set(wrong)
+
+
+def _rows_of_tags(cells: object) -> dict[str, NDArray[np.intp]]:
+    """Return tag -> its rows, in the order of the file."""
+    found: dict[str, list[int]] = defaultdict(list)
+    for row, tag in enumerate(cells):  # type: ignore[arg-type, var-annotated]
+        found[tag].append(row)
+    return {tag: np.array(rows, np.intp) for tag, rows in found.items() if tag}
+
+
+def _tags(rows: dict[str, NDArray[np.intp]], tagger: Tagger) -> tuple[dict[str, dict[str, str]], list[str]]:
+    """Return loop -> role -> tag, and a line for the tags that are of no loop."""
+    tags: dict[str, dict[str, str]] = defaultdict(dict)
+    others: list[str] = []
+    for tag in rows:
+        found = tagger(tag)
+        if found is None or not found.loop or found.of_quality:
+            others.append(tag)
+        else:
+            tags[found.loop].setdefault(found.role, tag)
+    problems = [f"tags of no loop were left out: {', '.join(others[:10])}"] if others else []
+    return dict(tags), problems
+
+
+def _in_order(time: FloatArray, rows: NDArray[np.intp]) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Return times and rows oldest first."""
+    return rising(time, rows)

@@ -1,0 +1,85 @@
+"""A Parquet file as columns, within a bound that its own header cannot raise."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from connectors.exports.fault import MOST_CELLS, MOST_COLUMNS, MOST_ROWS, RecordingError
+from connectors.exports.sheet import Column, Sheet
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MAGIC = b"PAR1"
+BATCH = 65536
+"""Rows that are unpacked at a time."""
+MOST_UNPACKED = 8 * MOST_CELLS + (1 << 28)
+"""Bytes of a file, unpacked: numbers, and some text."""
+
+
+def is_parquet(path: Path, head: bytes) -> bool:
+    """Return whether a file is Parquet by its first bytes or by its name."""
+    return head.startswith(MAGIC) or path.suffix.lower() in {".parquet", ".pq"}
+
+
+def sheet_of_parquet(path: Path, content: bytes) -> Sheet:
+    """Return the columns of a Parquet file.
+
+    Raises:
+        RecordingError: It is no Parquet file, or has more rows or columns than are read.
+    """
+    import pyarrow as pa  # noqa: PLC0415 - heavy, and most recordings are CSV
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    try:
+        with pq.ParquetFile(pa.BufferReader(content)) as file:
+            rows, columns = file.metadata.num_rows, file.schema_arrow.names
+            _bounded(path, rows, len(columns))
+            table = pa.Table.from_batches(_batches(path, file), schema=file.schema_arrow)
+        found = tuple(_column(name, table[k]) for k, name in enumerate(table.column_names))
+    except (pa.ArrowException, OSError, ValueError) as error:
+        first = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise RecordingError(f"{path}: expected a Parquet file: {first}") from error
+    if not table.num_rows:
+        raise RecordingError(f"{path}: has column names but no samples")
+    return Sheet(path, found, range(1, table.num_rows + 1), "row", 1, "parquet")
+
+
+def _bounded(path: Path, rows: int, columns: int) -> None:
+    if rows > MOST_ROWS or columns > MOST_COLUMNS or rows * columns > MOST_CELLS:
+        raise RecordingError(
+            f"{path}: has {rows} rows of {columns} columns, at most {MOST_ROWS} rows and {MOST_CELLS} cells "
+            "are read: split it by time or by loop"
+        )
+
+
+def _batches(path: Path, file: Any) -> list[Any]:  # noqa: ANN401 - pyarrow has no types
+    """Unpack the file piece by piece; stop where there is more than the header states, or much text."""
+    batches, rows, size = [], 0, 0
+    for batch in file.iter_batches(batch_size=BATCH):
+        rows += batch.num_rows
+        size += batch.nbytes
+        if rows > MOST_ROWS or size > MOST_UNPACKED:
+            raise RecordingError(
+                f"{path}: unpacks to more than {MOST_UNPACKED >> 20} MiB: split it by time or by loop"
+            )
+        batches.append(batch)
+    return batches
+
+
+def _column(name: str, column: Any) -> Column:  # noqa: ANN401 - pyarrow has no types
+    import pyarrow as pa  # noqa: PLC0415
+
+    kind = column.type
+    if pa.types.is_timestamp(kind) or pa.types.is_date(kind):
+        zone = getattr(kind, "tz", None)
+        moments = column.cast(pa.timestamp("us", tz=zone), safe=False).cast(pa.int64())
+        seconds = np.asarray(moments.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64) / 1e6
+        return Column(name.strip(), seconds, moments=True, local=zone is None)
+    if pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind):
+        return Column(
+            name.strip(), np.array(column.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
+        )
+    return Column(name.strip(), ["" if cell is None else str(cell).strip() for cell in column.to_pylist()])

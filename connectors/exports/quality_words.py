@@ -1,0 +1,82 @@
+"""Qualities of values as historians write them: words, OPC codes, PI and DeltaV states."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+GOOD_WORDS = frozenset(
+    {
+        "good",
+        "ok",
+        "g",
+        "gut",
+        "valid",
+        "normal",
+        "true",
+        "actual",
+        "measured",
+        "goodnoncascade",
+        "goodcascade",
+        "confident",
+        "raw",
+    }
+)
+"""Lower case. DeltaV writes GoodNonCascade, Ignition Good, PHD a confidence of 100."""
+UNCERTAIN_AS_GOOD = ("uncertain", "subnormal", "substituted", "questionable")
+"""A value that its source doubts but has: its shape still shows the valve."""
+OPC_GOOD = 192
+"""OPC Classic: 192 to 255 is good, 64 to 127 uncertain, less bad. OPC UA: 0 is good, large codes are not."""
+OPC_UNCERTAIN = 64
+PHD_CONFIDENT = 50.0
+"""Honeywell PHD: confidence in percent."""
+
+
+def usable(qualities: Sequence[str]) -> NDArray[np.bool_]:
+    """Return whether each value may be used, shape (n,).
+
+    Numbers are OPC Classic codes where one reaches 192; 0 to 100 with none above are percent of confidence
+    where one exceeds 1, else flags (0 good as in OPC UA where zero is the usual number, else 1 good).
+    """
+    words = [each.strip().casefold() for each in qualities]
+    numbers = [_code(word) for word in words]
+    codes = [number for number in numbers if number is not None]
+    threshold, zero_good = _reading_of(codes)
+    return np.array(
+        [
+            _good(word, number, threshold, zero_good=zero_good)
+            for word, number in zip(words, numbers, strict=True)
+        ],
+        np.bool_,
+    )
+
+
+def _reading_of(codes: Sequence[float]) -> tuple[float, bool]:
+    """Return the least code that is usable, and whether zero is good."""
+    if not codes or max(codes) == 0:
+        return 1.0, True
+    if max(codes) >= OPC_GOOD:
+        if max(codes) < 256:
+            return OPC_UNCERTAIN, False
+        return float("inf"), True
+    if max(codes) > 1:
+        return PHD_CONFIDENT, False
+    return (1.0, False) if sum(codes) * 2 >= len(codes) else (float("inf"), True)
+
+
+def _good(word: str, number: float | None, threshold: float, *, zero_good: bool) -> bool:
+    if number is not None:
+        return number >= threshold or (zero_good and number == 0)
+    if not word:
+        return True  # no quality was written
+    plain = word.replace(" ", "").replace("_", "").split(",")[0].split("(")[0]
+    return plain in GOOD_WORDS or plain.startswith(("good", *UNCERTAIN_AS_GOOD))
+
+
+def _code(word: str) -> float | None:
+    try:
+        return float(int(word, 16)) if word.startswith("0x") else float(word)
+    except ValueError:
+        return None

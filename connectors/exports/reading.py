@@ -1,0 +1,57 @@
+"""One reader for every export: unpack, decode, find header, layout, times and numbers, then the loops."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from connectors.exports.decoded import decoded
+from connectors.exports.delimited import rows_of
+from connectors.exports.header import sheet_of
+from connectors.exports.joined_times import with_joined_times
+from connectors.exports.layout import long_layout, time_columns, wide_layout
+from connectors.exports.loops_of_columns import loops_of_columns
+from connectors.exports.loops_of_rows import loops_of_rows
+from connectors.exports.parquet import is_parquet, sheet_of_parquet
+from connectors.exports.plain_table import plain_layout
+from connectors.exports.recorded import Export, ReadOptions
+from connectors.exports.tagging import tagger_of
+from connectors.exports.unpacked import is_workbook, unpacked
+from connectors.exports.workbook import rows_of_workbook
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from connectors.exports.sheet import Sheet
+
+STANDARD_OPTIONS = ReadOptions()
+
+
+def read_export(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> Export:
+    """Read every loop of a file.
+
+    Raises:
+        RecordingError: One line that names the file, the line and what was expected, and where two readings
+            are possible the option that settles it.
+    """
+    sheet = with_joined_times(sheet_of_file(path))
+    times = time_columns(sheet)
+    plain = plain_layout(sheet, times, options)
+    if plain is not None:
+        return loops_of_columns(sheet, plain, options)
+    tagger = tagger_of(path, options)
+    long = long_layout(sheet, times)
+    if long is not None:
+        return loops_of_rows(sheet, long, options, tagger)
+    return loops_of_columns(sheet, wide_layout(sheet, times, tagger), options)
+
+
+def sheet_of_file(path: Path) -> Sheet:
+    """Return the table of a file of any kind; raises RecordingError."""
+    content = unpacked(path)
+    if is_parquet(path, content[:4]):
+        return sheet_of_parquet(path, content)
+    if is_workbook(path, content):
+        return sheet_of(path, list(rows_of_workbook(path, content)), "row", "xlsx")
+    rows: Sequence[tuple[int, list[str]]] = list(rows_of(path, decoded(path, content)))
+    return sheet_of(path, rows, "line", "csv")

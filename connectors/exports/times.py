@@ -1,0 +1,234 @@
+"""The time column of a table as seconds UTC, whatever it looks like."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+
+import numpy as np
+from numpy.typing import NDArray
+
+from connectors.exports.calendar_times import Moment, Order, moment_of, order_of
+from connectors.exports.clock_numbers import CLOCKS, UnclearTimeError, clock_of
+from connectors.exports.fault import RecordingError, shown
+from connectors.exports.number_style import NumberStyle
+from connectors.historian import is_gap
+
+if TYPE_CHECKING:
+    from connectors.exports.sheet import Column, FloatArray, Sheet
+
+MOST_LOST = 0.1
+"""Share of rows without a readable time above which the column is none of times."""
+HOUR = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class TimeOptions:
+    """What a user states about times."""
+
+    zone: str | None = None
+    """IANA name such as Europe/Berlin, of times that have none; None: UTC."""
+    form: str | None = None
+    """One of ``clock_numbers.FORMATS``, or a pattern of strptime; None: recognised."""
+    order: Order | None = None
+    """Order of day and month; None: recognised."""
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """Times of the rows of a table."""
+
+    read: FloatArray
+    """s as the file has them, in UTC or in local time, shape (n,); NaN where a row has no readable time."""
+    form: str
+    """What was recognised: seconds, epoch_ms, excel, calendar ..."""
+    zone: str
+    """In which the file's times were read; empty for a count from an unknown start."""
+    place: ZoneInfo | None = None
+    """Zone in which ``read`` is local time; None: UTC, or a count from an unknown start."""
+    stated: bool = False
+    """Whether file or user states the zone; else times count as UTC."""
+
+    def utc(self, rows: NDArray[np.intp]) -> FloatArray:
+        """Return the times of some rows of one series, s UTC, in the order of the rows."""
+        return self.read[rows] if self.place is None else _in_zone(self.read[rows], self.place)
+
+
+def times_of(sheet: Sheet, column: Column, options: TimeOptions, style: NumberStyle) -> Times:
+    """Return the times of a column.
+
+    Raises:
+        RecordingError: They cannot be read, or in two ways; one line that names the option that settles it.
+    """
+    zone = _zone(sheet, options.zone)
+    if isinstance(column.cells, np.ndarray):
+        if column.moments:
+            place = zone if column.local else None
+            stated = not column.local or options.zone is not None
+            return _complete(
+                sheet, column, Times(column.cells, "calendar", options.zone or "UTC", place, stated)
+            )
+        return _counted(sheet, column, column.cells, options, zone)
+    cells = column.cells
+    if options.form is not None and "%" in options.form:
+        return _by_pattern(sheet, column, cells, options, zone)
+    sample = next((cell for cell in cells if cell), "")
+    numbers, bad = style.numbers(cells)
+    if options.form in CLOCKS or (
+        len(bad) * 2 <= len(cells) and np.isfinite(numbers).any() and moment_of_digits(sample) is None
+    ):
+        return _counted(sheet, column, numbers, options, zone, bad)
+    return _calendar(sheet, column, cells, options, zone)
+
+
+def moment_of_digits(cell: str) -> Moment | None:
+    """Return the moment of fourteen digits such as 20260301080000, or None."""
+    return moment_of(cell) if len(cell.split(".", maxsplit=1)[0]) == 14 and cell[:2] in {"19", "20"} else None
+
+
+def _zone(sheet: Sheet, name: str | None) -> ZoneInfo | None:
+    if name is None or name.upper() == "UTC":
+        return None
+    try:
+        return ZoneInfo(name)
+    except (ZoneInfoNotFoundError, ValueError, OSError) as error:
+        raise RecordingError(
+            f"{sheet.path}: no time zone {name!r}, expected a name such as Europe/Berlin"
+        ) from error
+
+
+def _counted(
+    sheet: Sheet,
+    column: Column,
+    values: FloatArray,
+    options: TimeOptions,
+    zone: ZoneInfo | None,
+    bad: Sequence[int] = (),
+) -> Times:
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        raise _missing_time(sheet, column, 0)
+    _refuse_words(sheet, column, bad)
+    try:
+        clock = CLOCKS[options.form] if options.form in CLOCKS else clock_of(finite, _unit(column))
+    except UnclearTimeError as error:
+        raise RecordingError(f"{sheet.where(0)}: {column.name}: {error}") from error
+    local = clock.name in {"excel", "matlab"}  # spreadsheets have local time; epochs are UTC by definition
+    place = zone if local else None
+    name = (options.zone or "UTC") if local else "UTC" * clock.absolute
+    stated = not local or options.zone is not None
+    return _complete(sheet, column, Times(clock.seconds(values), clock.name, name, place, stated))
+
+
+def _unit(column: Column) -> str:
+    from connectors.exports.tag_roles import plain, unit_of  # noqa: PLC0415 - a small helper of the header
+
+    ending = plain(column.name)
+    return (
+        unit_of(column.name)
+        or column.unit
+        or next((u for u in ("ms", "us", "min") if ending == f"time{u}"), "")
+    )
+
+
+def _refuse_words(sheet: Sheet, column: Column, bad: Sequence[int]) -> None:
+    if len(bad) > MOST_LOST * len(sheet.lines) and isinstance(column.cells, Sequence):
+        cell = column.cells[bad[0]]
+        raise RecordingError(
+            f"{sheet.where(bad[0])}: {column.name} is {shown(cell)}, expected seconds as in the first sample"
+        )
+
+
+def _by_pattern(
+    sheet: Sheet, column: Column, cells: Sequence[str], options: TimeOptions, zone: ZoneInfo | None
+) -> Times:
+    pattern = options.form or ""
+    moments: list[Moment | None] = []
+    for cell in cells:
+        try:
+            found = datetime.strptime(cell, pattern)  # noqa: DTZ007 - the zone comes later
+        except ValueError:
+            moments.append(None)
+            continue
+        offset = found.utcoffset()
+        moments.append(
+            Moment(found.replace(tzinfo=None), None if offset is None else offset.total_seconds() / HOUR)
+        )
+    return _from_moments(sheet, column, cells, moments, options, zone)
+
+
+def _calendar(
+    sheet: Sheet, column: Column, cells: Sequence[str], options: TimeOptions, zone: ZoneInfo | None
+) -> Times:
+    moments = [moment_of(cell, options.order) for cell in cells]
+    known = [each for each in moments if each is not None]
+    if any(each.numbers is not None for each in known) and options.order is None:
+        order = order_of(known, cells)
+        if order is None:
+            row = next(k for k, each in enumerate(moments) if each is not None)
+            raise RecordingError(
+                f"{sheet.where(row)}: {column.name} is {shown(cells[row])}: "
+                "day or month first? give --date-order dmy or mdy"
+            )
+        moments = [moment_of(cell, order) for cell in cells]
+    return _from_moments(sheet, column, cells, moments, options, zone)
+
+
+def _from_moments(
+    sheet: Sheet,
+    column: Column,
+    cells: Sequence[str],
+    moments: Sequence[Moment | None],
+    options: TimeOptions,
+    zone: ZoneInfo | None,
+) -> Times:
+    lost = [row for row, each in enumerate(moments) if each is None]
+    if len(lost) > MOST_LOST * len(moments) or len(lost) == len(moments):
+        cell = cells[lost[0]]
+        if is_gap(cell) or cell.casefold() == "nan":
+            raise _missing_time(sheet, column, lost[0])
+        raise RecordingError(
+            f"{sheet.where(lost[0])}: {column.name} is {shown(cell)}, expected seconds or a date and time "
+            "such as 2026-03-01 08:00:00; --time-format gives a pattern"
+        )
+    aware = all(each is None or each.offset is not None for each in moments)
+    read = np.array([np.nan if each is None else each.utc for each in moments], np.float64)
+    name = "as written" if aware else options.zone or "UTC"
+    stated = aware or options.zone is not None
+    return _complete(sheet, column, Times(read, "calendar", name, None if aware else zone, stated))
+
+
+def _in_zone(local: FloatArray, zone: ZoneInfo | None) -> FloatArray:
+    """Return UTC of local times, s; the hour that comes twice is taken in the order of the rows."""
+    falling = _is_falling(local)
+    rows = local[::-1] if falling else local
+    seconds = np.full(len(rows), np.nan)
+    previous = -np.inf
+    for k, value in enumerate(rows.tolist()):
+        if value != value:  # noqa: PLR0124 - NaN
+            continue
+        naive = datetime.fromtimestamp(value, UTC).replace(tzinfo=zone)
+        found = naive.timestamp()
+        if found < previous:
+            found = max(found, naive.replace(fold=1).timestamp())
+        seconds[k] = previous = found
+    return seconds[::-1] if falling else seconds
+
+
+def _is_falling(times: FloatArray) -> bool:
+    finite = times[np.isfinite(times)]
+    return finite.size > 1 and bool(finite[-1] < finite[0])
+
+
+def _complete(sheet: Sheet, column: Column, times: Times) -> Times:
+    lost = np.flatnonzero(~np.isfinite(times.read))
+    if lost.size == len(times.read) or lost.size > MOST_LOST * len(times.read):
+        raise _missing_time(sheet, column, int(lost[0]))
+    return times
+
+
+def _missing_time(sheet: Sheet, column: Column, row: int) -> RecordingError:
+    return RecordingError(f"{sheet.where(row)}: {column.name} is missing, expected a time for each sample")
