@@ -14,6 +14,7 @@ from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
+from starlette.types import ASGIApp
 
 from agent.runtime.operate.health_json import health_json
 from agent.runtime.operate.metrics import Metrics
@@ -21,11 +22,13 @@ from agent.runtime.operate.status import AgentStatus
 from agent.settings import HttpSettings
 from connectors.base import AccessDeniedError, ConnectionLostError
 
-MOST_CLIENTS = 20
-"""Connections at the same time; more get 503."""
+MOST_CLIENTS = 128
+"""Connections at the same time; more get 503. A browser keeps six."""
 IDLE = 5
 """Time after which a client that asks nothing is sent away, s."""
 Handler = Callable[[Request], Awaitable[Response]]
+PageOf = Callable[[Starlette, HttpSettings, str | None], ASGIApp]
+"""Builds the whole application around the monitoring routes; it is given the settings and the token."""
 
 
 class _Server(uvicorn.Server):
@@ -83,17 +86,24 @@ async def serve(
     overview: Callable[[], AgentStatus],
     metrics: Metrics,
     listens: Callable[[], None],
+    page_of: PageOf | None = None,
 ) -> None:
     """Serve until cancelled; raises ConnectionLostError where the address cannot be had.
 
-    The token is read anew at each start; ``listens`` is called when clients can come.
+    The token is read anew at each start; ``listens`` is called when clients can come. ``page_of`` adds a page
+    around the monitoring routes and then checks the token for all of them; None: there is no page.
     """
     token = None if settings.token is None else settings.token.read("agent.http.token")
     if token == "":
         raise AccessDeniedError("agent.http.token: is empty")
+    app: ASGIApp = (
+        application(overview, metrics, token)
+        if page_of is None
+        else page_of(application(overview, metrics, None), settings, token)
+    )
     server = _Server(
         uvicorn.Config(
-            application(overview, metrics, token),
+            app,
             log_config=None,
             access_log=False,
             lifespan="off",

@@ -1,0 +1,1 @@
+"""The page and its REST interface: FastAPI routes, server-sent events, and the files that a browser loads."""

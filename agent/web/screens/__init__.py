@@ -1,0 +1,5 @@
+"""Screens: one module here and one of the same name in ``static/screens``."""
+
+from agent.web.screens.screen import Screen
+
+__all__ = ["Screen"]

@@ -1,0 +1,71 @@
+// uPlot in the theme's colours, as wide as its place, with its content in words for who cannot see it.
+import uPlot from "../vendor/uPlot.esm.js";
+import { html, useEffect, useLayoutEffect, useRef } from "./html.js";
+
+export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+const axis = (label, size) => ({
+  label,
+  labelSize: label ? 18 : 0,
+  size,
+  font: "11px system-ui, sans-serif",
+  labelFont: "11px system-ui, sans-serif",
+  stroke: () => colour("muted"),
+  grid: { stroke: () => colour("grid"), width: 1 },
+  ticks: { stroke: () => colour("grid"), width: 1, size: 4 },
+});
+
+/**
+ * A chart. ``lines``: [{label, colour (a name of the theme), width, dash, points}]; ``data``: [x, ...one array a line],
+ * null is a gap; ``x``: {label, time}; ``y``: {label, range}; ``text``: what the chart shows, in words.
+ */
+export function Chart({ data, lines, x = {}, y = {}, height = 220, text, sync, options = {} }) {
+  const place = useRef(null);
+  const plot = useRef(null);
+  const shape = JSON.stringify([lines, x, y, height, sync, Object.keys(options)]);
+  useLayoutEffect(() => {
+    const made = new uPlot(
+      {
+        width: place.current.clientWidth || 300,
+        height,
+        legend: { live: false },
+        cursor: { sync: sync ? { key: sync } : undefined, points: { size: 5 }, drag: { setScale: true } },
+        scales: { x: { time: Boolean(x.time), range: x.range }, y: { range: y.range } },
+        axes: [axis(x.label, x.label ? 44 : 28), axis(y.label, 52)],
+        series: [
+          { label: x.label ?? "time" },
+          ...lines.map((line) => ({
+            label: line.label,
+            stroke: () => colour(line.colour),
+            width: line.width ?? 1.25,
+            dash: line.dash,
+            points: { show: Boolean(line.points), size: line.points ?? 0 },
+            paths: line.paths?.(uPlot),
+            spanGaps: false,
+          })),
+        ],
+        ...options,
+      },
+      data,
+      place.current,
+    );
+    plot.current = made;
+    const observer = new ResizeObserver(() => made.setSize({ width: place.current.clientWidth || 300, height }));
+    observer.observe(place.current);
+    const redraw = () => made.redraw(false, true);
+    const system = matchMedia("(prefers-color-scheme: dark)");
+    addEventListener("slipjump:theme", redraw);
+    system.addEventListener("change", redraw);
+    return () => {
+      observer.disconnect();
+      removeEventListener("slipjump:theme", redraw);
+      system.removeEventListener("change", redraw);
+      made.destroy();
+      plot.current = null;
+    };
+  }, [shape]);
+  useEffect(() => {
+    if (plot.current && plot.current.data !== data) plot.current.setData(data);
+  }, [data]);
+  return html`<figure class="chart" role="img" aria-label=${text}><div ref=${place}></div></figure>`;
+}
