@@ -17,9 +17,6 @@ if TYPE_CHECKING:
 Objective = Callable[["FloatArray"], "FloatArray"]
 """Errors (k,) of bands (k, 2): f_S and f_D, OP units. Infinite where no process fits."""
 
-Search = Callable[[Objective, float], "FloatArray"]
-"""Best bands (2,), OP units, within 2 f_D + J <= S0, OP units."""
-
 RESOLUTION = 0.01
 """Step of the grid, share of S0; the paper says 1 % to 2 %."""
 
