@@ -185,8 +185,9 @@ def _from_moments(
     options: TimeOptions,
     zone: ZoneInfo | None,
 ) -> Times:
-    lost = [row for row, each in enumerate(moments) if each is None]
-    if len(lost) > MOST_LOST * len(moments) or len(lost) == len(moments):
+    read = np.array([np.nan if each is None else each.utc for each in moments], np.float64)
+    lost = _lost(read)
+    if len(lost) > MOST_LOST * len(moments):
         cell = cells[lost[0]]
         if is_gap(cell) or cell.casefold() == "nan":
             raise _missing_time(sheet, column, lost[0])
@@ -195,7 +196,6 @@ def _from_moments(
             "such as 2026-03-01 08:00:00; --time-format gives a pattern"
         )
     aware = all(each is None or each.offset is not None for each in moments)
-    read = np.array([np.nan if each is None else each.utc for each in moments], np.float64)
     name = "as written" if aware else options.zone or "UTC"
     stated = aware or options.zone is not None
     return _complete(sheet, column, Times(read, "calendar", name, None if aware else zone, stated))
@@ -219,15 +219,22 @@ def _in_zone(local: FloatArray, zone: ZoneInfo | None) -> FloatArray:
 
 
 def _is_falling(times: FloatArray) -> bool:
-    finite = times[np.isfinite(times)]
-    return finite.size > 1 and bool(finite[-1] < finite[0])
+    steps = np.diff(times[np.isfinite(times)])
+    return bool(np.count_nonzero(steps < 0) > np.count_nonzero(steps > 0))
 
 
 def _complete(sheet: Sheet, column: Column, times: Times) -> Times:
-    lost = np.flatnonzero(~np.isfinite(times.read))
-    if lost.size == len(times.read) or lost.size > MOST_LOST * len(times.read):
-        raise _missing_time(sheet, column, int(lost[0]))
+    lost = _lost(times.read)
+    if len(lost) > MOST_LOST * len(times.read):
+        raise _missing_time(sheet, column, lost[0])
     return times
+
+
+def _lost(read: FloatArray) -> list[int]:
+    """Return the rows without a time; those behind the last one are no rows of this column."""
+    known = np.flatnonzero(np.isfinite(read))
+    end = int(known[-1]) + 1 if known.size else len(read)
+    return np.flatnonzero(~np.isfinite(read[:end])).tolist()
 
 
 def _missing_time(sheet: Sheet, column: Column, row: int) -> RecordingError:
