@@ -19,6 +19,7 @@ from agent.cli.compare import compare
 from agent.cli.demo import demo
 from agent.cli.diagnose import diagnose
 from agent.cli.history import history
+from agent.cli.import_ import import_
 from agent.cli.registers import registers
 from agent.cli.replay import replay
 from agent.cli.run import run
@@ -61,6 +62,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     demo,
     diagnose,
     compare,
+    import_,
     replay,
     run,
     browse,
@@ -97,7 +99,7 @@ def _options(
 
 
 for command in COMMANDS:
-    app.command()(command)
+    app.command(command.__name__.rstrip("_"))(command)
 for command in HIDDEN:
     app.command(hidden=True)(command)
 app.add_typer(alarms)

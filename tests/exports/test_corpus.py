@@ -1,4 +1,4 @@
-"""Exports of the kinds that plants have: read right without an option, or refused with the option that settles it."""
+"""Exports as plants have them: read right without an option, or refused with the option that settles it."""
 
 import numpy as np
 import pytest

@@ -1,0 +1,87 @@
+"""Options that say how a recording is to be read, where its own content leaves it open."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from connectors.recording import Columns, ReadOptions
+
+PANEL = "How files are read (recognised unless given)"
+
+
+class DateOrder(StrEnum):
+    """Order of day and month in dates such as 03/04/2026."""
+
+    DMY = "dmy"
+    MDY = "mdy"
+
+
+class Decimal(StrEnum):
+    """Decimal mark."""
+
+    POINT = "."
+    COMMA = ","
+
+
+Zone = Annotated[
+    str | None,
+    typer.Option(
+        "--zone", metavar="NAME", help="Zone of times without one, as Europe/Berlin.  [default: UTC]",
+        rich_help_panel=PANEL,
+    ),
+]  # fmt: skip
+TimeFormat = Annotated[
+    str | None,
+    typer.Option(
+        "--time-format", metavar="FORM", rich_help_panel=PANEL,
+        help="seconds, epoch_s (_ms, _us, _ns), excel, matlab, or a pattern as %d/%m/%Y %H:%M:%S.",
+    ),
+]  # fmt: skip
+Order = Annotated[
+    DateOrder | None,
+    typer.Option(
+        "--date-order", help="Whether 03/04 is 3 April (dmy) or 4 March (mdy).", rich_help_panel=PANEL
+    ),
+]
+DecimalMark = Annotated[
+    Decimal | None, typer.Option("--decimal", help="Decimal mark of the numbers.", rich_help_panel=PANEL)
+]
+Pattern = Annotated[
+    str | None,
+    typer.Option(
+        "--pattern", metavar="FORM", help="Form of tags, as {loop}.{role} or Unit1/{loop}_{role}.",
+        rich_help_panel=PANEL,
+    ),
+]  # fmt: skip
+MappingFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--mapping", metavar="MAPPING.yaml", help="All of this from a file that slipjump import wrote.",
+        rich_help_panel=PANEL,
+    ),
+]  # fmt: skip
+
+
+def read_options(
+    columns: Columns,
+    zone: str | None,
+    time_format: str | None,
+    order: DateOrder | None,
+    decimal: Decimal | None,
+    pattern: str | None,
+    mapping: Path | None,
+) -> ReadOptions:
+    """Return what the user states about a file; raises RecordingError where the mapping cannot be read."""
+    from connectors.exports.mapping import with_mapping
+    from connectors.exports.times import TimeOptions
+    from connectors.recording import ReadOptions
+
+    mark = None if decimal is None else ("," if decimal is Decimal.COMMA else ".")
+    day = None if order is None else ("dmy" if order is DateOrder.DMY else "mdy")
+    options = ReadOptions(columns, TimeOptions(zone, time_format, day), mark, pattern)  # type: ignore[arg-type]
+    return options if mapping is None else with_mapping(options, mapping)

@@ -1,0 +1,128 @@
+"""What was understood of a file: loops, columns, sampling time, gaps, and what is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.record.compression import DESTROYS, compression_factor
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from agent.analysis.record.recording import LoopWindow
+
+
+@dataclass(frozen=True, slots=True)
+class LoopSummary:
+    """One loop of a file."""
+
+    loop: str
+    columns: dict[str, str]
+    """Role -> column or tag that it was read from."""
+    ts: float
+    """Sampling time, s."""
+    samples: int
+    """On the uniform grid, gaps included."""
+    start: str | None
+    """First time, ISO 8601 UTC; None where times count from an unknown start."""
+    gaps: int
+    """Stretches in which OP or PV is missing."""
+    missing: int
+    """Samples in them."""
+    bad: int
+    """Values that are no number, or whose quality forbids their use."""
+    compression: float | None
+    """Factor by which the historian compressed PV; None where it cannot be estimated."""
+
+
+def loop_summary(window: LoopWindow, columns: dict[str, str], bad: int, *, dated: bool) -> LoopSummary:
+    """Return the summary of a loop.
+
+    Args:
+        window: The recording on its grid.
+        columns: Role -> column or tag.
+        bad: Values that were rejected.
+        dated: Whether its times are dates.
+    """
+    lost = ~window.valid
+    return LoopSummary(
+        loop=window.loop,
+        columns=columns,
+        ts=window.ts,
+        samples=len(window),
+        start=_iso(window.start) if dated else None,
+        gaps=_stretches(lost),
+        missing=int(np.count_nonzero(lost)),
+        bad=bad,
+        compression=_rounded(compression_factor(window.pv)),
+    )
+
+
+def _iso(seconds: float) -> str:
+    moment = datetime.fromtimestamp(seconds, UTC)
+    form = "milliseconds" if moment.microsecond else "seconds"
+    return moment.isoformat(timespec=form).replace("+00:00", "Z")
+
+
+def _stretches(lost: NDArray[np.bool_]) -> int:
+    edges = np.diff(np.concatenate(([0], lost.astype(np.int8))))
+    return int(np.count_nonzero(edges == 1))
+
+
+def _rounded(factor: float | None) -> float | None:
+    return None if factor is None else round(factor, 2)
+
+
+def problems_of(summaries: Sequence[LoopSummary]) -> list[str]:
+    """Return a line for each loop whose record a historian has spoilt."""
+    return [
+        f"{each.loop}: PV was compressed by about {each.compression:.0f}: lines between few points "
+        "hide stiction; export raw values"
+        for each in summaries
+        if each.compression is not None and each.compression >= DESTROYS
+    ]
+
+
+def summary_json(
+    file: str, layout: str, zone: str, summaries: Sequence[LoopSummary], problems: Sequence[str]
+) -> dict[str, object]:
+    """Return the object of ``slipjump import --preview --json``."""
+    return {
+        "file": file,
+        "format": layout,
+        "zone": zone or None,
+        "loops": [
+            {
+                "loop": each.loop,
+                "columns": each.columns,
+                "ts": each.ts,
+                "samples": each.samples,
+                "start": each.start,
+                "gaps": each.gaps,
+                "missing": each.missing,
+                "bad": each.bad,
+                "compression": each.compression,
+            }
+            for each in summaries
+        ],
+        "problems": [*problems],
+    }
+
+
+def summary_rows(summaries: Sequence[LoopSummary]) -> list[list[str]]:
+    """Return a table of the loops, its header first."""
+    header = ["loop", "PV", "OP", "others", "Ts s", "samples", "start", "gaps", "bad", "compression"]
+    return [header, *(_row(each) for each in summaries)]
+
+
+def _row(each: LoopSummary) -> list[str]:
+    others = " ".join(f"{role}={name}" for role, name in each.columns.items() if role not in {"PV", "OP"})
+    gaps = f"{each.gaps} ({each.missing} samples)" if each.gaps else "0"
+    factor = "not known" if each.compression is None else f"{each.compression:.1f}"
+    counts = [f"{each.ts:g}", str(each.samples), each.start or "not dated", gaps, str(each.bad), factor]
+    return [each.loop, each.columns["PV"], each.columns["OP"], others or "-", *counts]
