@@ -18,22 +18,22 @@ SCHEMA = 1
 
 @dataclass(frozen=True, slots=True)
 class Announcement:
-    """What the plant should be told of an alarm."""
+    """One publication about an alarm."""
 
     kind: Literal["state", "event"]
-    """``state``: the newest replaces the former; ``event``: a change of state, each counts."""
+    """``state``: the newest replaces the one before; ``event``: a change of state, each one counts."""
     alarm: Alarm
-    """The alarm as it is now."""
+    """The alarm as it stands now."""
     time: float
-    """Of the data or the decision that led to it, s UTC."""
+    """Time of the data or of the decision that caused it, s UTC."""
 
     @property
     def id(self) -> str:
-        """The same whenever the same thing is announced, so that a consumer can drop what it got twice."""
+        """Message id: equal for repeats of the same announcement, so that a consumer can drop duplicates."""
         return f"{self.alarm.loop}/{moment(self.time)}/{self.kind}/{self.alarm.state}"
 
     def fields(self) -> dict[str, float | str | bool | None]:
-        """Flat values for a bus; None is not known. docs/payload.md explains each."""
+        """Return flat values for a bus; None means not known. docs/payload.md explains each field."""
         alarm, found = self.alarm, self.alarm.stiction
         return {
             "schema": SCHEMA,
@@ -57,7 +57,7 @@ class Announcement:
 
 
 def moment(time: float) -> str:
-    """Return a time (s UTC) as ids have it, to the microsecond: two decisions may share a millisecond."""
+    """Return a time (s UTC) as written in ids, to the microsecond: two decisions may share a millisecond."""
     return f"{time:.6f}"
 
 
@@ -66,7 +66,7 @@ Followed = tuple["Alarm", tuple[Announcement, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Alarm:
-    """Where the alarm of one loop stands. Immutable: each method returns the alarm that follows.
+    """The alarm of one loop at a moment. Immutable: each method returns the next alarm.
 
     For example::
 
@@ -80,28 +80,28 @@ class Alarm:
     delay: Delay = field(default_factory=lambda: Delay(on=3, off=3))
     state: State = State.NORMAL
     id: str | None = None
-    """Of the present or last activation, stable from raise to return; None before the first."""
+    """Id of the present or last activation, stable from raise to return; None before the first."""
     verdict: Verdict | None = None
-    """Of the last window."""
+    """Verdict on the last window."""
     stiction: StictionEstimate | None = None
-    """Of the last window that found some, until the condition is gone; OP units."""
+    """Estimate from the last window that showed stiction, until the condition is gone; OP units."""
     diagnosed: DeviceHealth = DeviceHealth.NORMAL
-    """What the last window says of the device."""
+    """NE 107 status of the device from the last window."""
     by: str | None = None
-    """Who brought the alarm into its state; None where a diagnosis or the end of shelving did."""
+    """Person whose command led to this state; None where a diagnosis or the end of shelving did."""
     until: float | None = None
     """End of shelving, s UTC; None in any other state."""
 
     @property
     def health(self) -> DeviceHealth:
-        """NE 107 status; what is out of service is being checked."""
+        """NE 107 status; a loop that is out of service is under function check."""
         return DeviceHealth.FUNCTION_CHECK if self.state is State.OUT_OF_SERVICE else self.diagnosed
 
     def on_diagnosis(self, diagnosis: Diagnosis, time: float) -> Followed:
-        """Take the diagnosis of the window that ended at ``time`` (s UTC).
+        """Apply the diagnosis of the window that ended at ``time`` (s UTC).
 
-        Stiction counts towards on, no stiction towards off, a window that could not tell towards neither. The
-        state is announced each time, so that a bus that lost it has it again after one hop.
+        Stiction counts towards on, no stiction towards off, an undecided window towards neither. The state is
+        announced each time, so that a bus that lost it has it again after one hop.
         """
         match diagnosis.verdict:
             case "stiction":
@@ -129,9 +129,9 @@ class Alarm:
         return alarm, _announcements(alarm, self.state, time)
 
     def on_command(self, command: Command) -> Followed:
-        """Take what a person decided; one that means nothing in this state changes and announces nothing.
+        """Apply a person's command; one without meaning in this state changes and announces nothing.
 
-        Shelving what is shelved sets its end anew.
+        Shelving a shelved alarm again sets a new end.
         """
         if command.event is Event.SHELVE and self.state is State.SHELVED:
             alarm = replace(self, by=command.by, until=command.until)
@@ -149,7 +149,7 @@ class Alarm:
         return alarm, _announcements(alarm, self.state, now)
 
     def resumed(self, kept: Alarm) -> Alarm:
-        """Return the alarm ``kept`` when the program ended, with the priority and delays of this one."""
+        """Return the alarm ``kept`` from the last run, with the priority and delays of this one."""
         delay = replace(kept.delay, on=self.delay.on, off=self.delay.off)
         return replace(kept, priority=self.priority, delay=delay)
 
@@ -167,7 +167,7 @@ def _after(
 
 
 def _returned(before: Alarm, alarm: Alarm, time: float) -> Alarm:
-    """Raise anew what is no longer silenced while its condition is still there."""
+    """Raise the alarm again if silencing has ended and its condition is still present."""
     if before.state.silenced and not alarm.state.silenced and alarm.delay.there:
         return _after(alarm, Event.RAISE, time, alarm.by)
     return alarm

@@ -1,4 +1,4 @@
-"""What a person decided about an alarm, as a value."""
+"""A person's command to an alarm, as a value."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ EVENTS: Mapping[str, Event] = {
     "out_of_service": Event.REMOVE_FROM_SERVICE,
     "in_service": Event.RETURN_TO_SERVICE,
 }
-"""What a person may ask for, in the words of the buses and of the command line."""
+"""Action word, as used on the buses and on the command line -> event."""
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One decision; raises ValueError where it makes no sense."""
+    """One command; raises ValueError where its fields contradict each other."""
 
     event: Event
     """Acknowledge, shelve, unshelve, remove from or return to service."""
     by: str
-    """Who decided."""
+    """Name of the person."""
     at: float
-    """When, s UTC."""
+    """Time of the command, s UTC."""
     until: float | None = None
-    """End of shelving, s UTC; None for all other events. ISA-18.2 knows no shelving without an end."""
+    """End of shelving, s UTC; None for all other events. ISA-18.2 has no shelving without an end."""
 
     @classmethod
-    def asked(cls, action: str, by: str, at: float, until: float | None = None) -> Command:
+    def of_action(cls, action: str, by: str, at: float, until: float | None = None) -> Command:
         """Return the command for one of the words of ``EVENTS``; raises ValueError."""
         if action not in EVENTS:
             raise ValueError(f"expected one of {', '.join(EVENTS)}")
@@ -40,12 +40,12 @@ class Command:
 
     def __post_init__(self) -> None:
         if self.event in {Event.RAISE, Event.CLEAR}:
-            raise ValueError(f"{self.event} is for the diagnosis to say, not for a person")
+            raise ValueError(f"{self.event} follows from a diagnosis; a person cannot command it")
         if not self.by:
-            raise ValueError("somebody must have decided it")
+            raise ValueError("expected the name of the person who decided")
         if not math.isfinite(self.at):
-            raise ValueError("it must have been decided at some time")
+            raise ValueError("expected a finite time of the command")
         if (self.event is Event.SHELVE) != (self.until is not None):
-            raise ValueError("shelving has an end, and nothing else has")
+            raise ValueError("expected an end time for shelve, and for no other command")
         if self.until is not None and not self.at < self.until < math.inf:
-            raise ValueError("shelving must end after it began")
+            raise ValueError("the end of shelving must be after its start")

@@ -1,4 +1,4 @@
-"""On and off delay, counted in analysis windows: loop faults are slow, so seconds would say nothing."""
+"""On and off delay, counted in analysis windows: loop faults are slow, so seconds would mean nothing."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True, slots=True)
 class Delay:
-    """Says that a condition came or went only after enough windows in a row agree."""
+    """Changes the state of a condition only after enough consecutive windows agree."""
 
     on: int
-    """Windows in a row that must show the condition before it counts as there."""
+    """Consecutive windows that must show the condition before it counts as present."""
     off: int
-    """Windows in a row that must not show it before it counts as gone."""
+    """Consecutive windows that must not show it before it counts as gone."""
     there: bool = False
-    """Whether the condition counts as there."""
+    """Whether the condition counts as present."""
     run: int = 0
-    """Windows in a row that spoke against ``there``."""
+    """Consecutive windows that contradict ``there``."""
 
     def after(self, *, seen: bool | None) -> Delay:
-        """State after one more window.
+        """Return the state after one more window.
 
         Args:
-            seen: Whether the window showed the condition; None, it could not tell, changes nothing.
+            seen: Whether the window showed the condition; None (undecided) changes nothing.
         """
         if seen is None:
             return self

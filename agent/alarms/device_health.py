@@ -1,4 +1,4 @@
-"""NAMUR NE 107: one word for what a maintenance department should do about a device."""
+"""NAMUR NE 107: one status for what a maintenance department should do about a device."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import IntEnum
 from agent.analysis.results import Diagnosis
 
 FAILED_SIGNAL = frozenset({"pv_constant", "pv_frozen", "gaps", "few_samples"})
-"""Gates that mean that a signal is dead or missing."""
+"""Gates that close when a signal is dead or missing."""
 
 
 class DeviceHealth(IntEnum):
@@ -23,13 +23,13 @@ class DeviceHealth(IntEnum):
 def device_health(diagnosis: Diagnosis, *, sticks: bool) -> DeviceHealth:
     """Return the status of the valve and its loop.
 
-    NE 107 defines the signals and leaves to the maker what leads to them. Here a signal that is dead or
-    missing is a failure, a loop in manual is checked by somebody, a valve that sticks needs maintenance, and
-    a loop that swings for another reason or stands at a limit of its valve is out of specification.
+    NE 107 defines the status signals and leaves their causes to the manufacturer. Here a dead or missing
+    signal is a failure, a loop in manual is under function check, a sticking valve requires maintenance, and
+    a loop that oscillates for another reason or is at a limit of its valve is out of specification.
 
     Args:
-        diagnosis: Of the newest window.
-        sticks: Whether stiction counts as there after on and off delay.
+        diagnosis: Diagnosis of the newest window.
+        sticks: Whether stiction counts as present after on and off delay.
     """
     if "manual" in diagnosis.gates:
         return DeviceHealth.FUNCTION_CHECK

@@ -1,11 +1,11 @@
-"""The ISA-18.2 life cycle as a table: state and event give the next state.
+"""The ISA-18.2 alarm life cycle as a table: state and event give the next state.
 
 Source: ANSI/ISA-18.2-2016 (IEC 62682), figure of alarm state transitions.
 
-* A condition that comes is annunciated until somebody acknowledges it, even if it goes by itself.
-* Shelving and taking out of service silence an alarm from any state. Coming back starts at normal; the caller
-  raises anew if the condition is still there.
-* An event that means nothing in a state leaves it as it is, so a repeated event does no harm.
+* An active condition is annunciated until a person acknowledges it, even if the condition clears by itself.
+* Shelving and removal from service silence an alarm from any state. Its return starts at normal; the caller
+  raises the alarm again if the condition is still present.
+* An event without meaning in a state leaves the state unchanged, so a repeated event does no harm.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from enum import StrEnum
 
 
 class State(StrEnum):
-    """Where an alarm is in its life."""
+    """State of an alarm."""
 
     NORMAL = "normal"
     UNACKED_ACTIVE = "unacked_active"
@@ -25,17 +25,17 @@ class State(StrEnum):
 
     @property
     def active(self) -> bool:
-        """Whether a consumer is told that the condition is there."""
+        """Whether the condition is published as present."""
         return self in {State.UNACKED_ACTIVE, State.ACKED_ACTIVE}
 
     @property
     def silenced(self) -> bool:
-        """Whether someone decided not to be told."""
+        """Whether a person suppressed the alarm."""
         return self in {State.SHELVED, State.OUT_OF_SERVICE}
 
 
 class Event(StrEnum):
-    """What can happen to an alarm."""
+    """An event in the life of an alarm."""
 
     RAISE = "raise"
     CLEAR = "clear"
@@ -64,5 +64,5 @@ TRANSITIONS: dict[tuple[State, Event], State] = {
 
 
 def next_state(state: State, event: Event) -> State:
-    """State after the event; the same where the event means nothing."""
+    """Return the state after the event; unchanged where the event has no meaning in this state."""
     return TRANSITIONS.get((state, event), state)

@@ -105,7 +105,7 @@ def _send(
     from connectors.base import ConfigError
 
     now = time.time()
-    command = Command.asked(action, by or _user(), now, None if seconds is None else now + seconds)
+    command = Command.of_action(action, by or _user(), now, None if seconds is None else now + seconds)
     with _store(state, config) as store:
         known = store.read().alarms
         if loop not in known:

@@ -1,4 +1,4 @@
-"""Validates a part of what a user wrote and says in plain words what is wrong with it."""
+"""Validates a part of the user's configuration and reports in plain words what is wrong with it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ def checked(model: type[T], raw: object, path: str, faults: list[str]) -> T | No
     except ValidationError as error:
         for fault in error.errors(include_url=False):
             place = ".".join([*filter(None, [path]), *(str(part) for part in fault["loc"])])
-            faults.append(": ".join([*filter(None, [place]), _told(fault["type"], fault["msg"])]))
+            faults.append(": ".join([*filter(None, [place]), _message(fault["type"], fault["msg"])]))
         return None
 
 
-def _told(kind: str, message: str) -> str:
+def _message(kind: str, message: str) -> str:
     match kind:
         case "extra_forbidden":
             return "unknown key"

@@ -1,4 +1,4 @@
-"""Reads the configuration file and tells every fault in it at once, each with its path."""
+"""Reads the configuration file and reports all its faults at once, each with its path."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _KINDS: dict[str, Kind] = {kind.kind: kind for kind in KINDS}
 def load_settings(path: Path) -> Settings:
     """Read a YAML file; raises ConfigError with a line for each fault: file, path in it, what is wrong.
 
-    ``agent.state`` is always set in what is returned; ``settings_of`` knows no file and leaves it as it is.
+    ``agent.state`` is always set in the result; ``settings_of`` knows no file and leaves it unchanged.
     """
     try:
         raw = yaml.safe_load(path.read_text(encoding="utf-8"))
@@ -36,7 +36,7 @@ def load_settings(path: Path) -> Settings:
         raise ConfigError([f"{path}: not YAML: {' '.join(str(error).split())}"]) from error
     except RecursionError as error:
         raise ConfigError([f"{path}: it is nested too deeply"]) from error
-    except ValueError as error:  # a day that no month has, a number with thousands of digits
+    except ValueError as error:  # an impossible date, a number with thousands of digits
         raise ConfigError([f"{path}: a value cannot be read: {error}"]) from error
     try:
         settings = settings_of(raw, path.parent)
@@ -47,12 +47,12 @@ def load_settings(path: Path) -> Settings:
 
 
 def settings_of(raw: object, folder: Path = Path()) -> Settings:
-    """Settings from what a YAML file in ``folder`` holds; raises ConfigError with a line for each fault."""
+    """Return settings from the content of a YAML file in ``folder``; raises ConfigError, a line a fault."""
     faults: list[str] = []
     if not isinstance(raw, Mapping):
         raise ConfigError(["expected a mapping with the keys agent, connections and loops"])
     if "connections" not in raw and not _has_loops(raw.get("loops")):
-        raise ConfigError(["no configuration of slipjump run: neither connections nor loops with tags"])
+        raise ConfigError(["not a configuration of slipjump: it has neither connections nor loops with tags"])
     faults += [f"{key}: unknown key" for key in raw if key not in {"agent", "connections", "loops"}]
     agent = checked(AgentSettings, raw.get("agent") or {}, "agent", faults)
     connections = _connections(raw.get("connections"), faults)
@@ -62,14 +62,14 @@ def settings_of(raw: object, folder: Path = Path()) -> Settings:
     if faults or agent is None:
         raise ConfigError(list(dict.fromkeys(faults)))  # a wrong default shows in each line of a list
     settings = Settings(agent, connections, loops, lists)
-    connectors_of(settings)  # what only the bus itself can judge
+    connectors_of(settings)  # checks that only the connector of a bus can make
     return settings
 
 
 def connectors_of(settings: Settings, *, guest: bool = False) -> tuple[Connector, ...]:
-    """One connector for each connection, not opened; raises ConfigError with the faults of all of them.
+    """Return one connector for each connection, not opened; raises ConfigError with the faults of all.
 
-    A ``guest`` only looks: an agent with these settings may run beside it.
+    A ``guest`` only reads: an agent with these settings may run at the same time.
     """
     connectors, faults = [], []
     for name, connection in settings.connections.items():
@@ -98,7 +98,7 @@ def tags_on(settings: Settings, connection: str) -> dict[str, LoopTags[Any, Any]
 
 
 def _has_loops(raw: object) -> bool:
-    """Whether anything there looks like a loop of a configuration, and not like another file of ours."""
+    """Whether any entry looks like a loop of a configuration, not like another file of slipjump."""
     entries = raw if isinstance(raw, list) else []
     return any(isinstance(each, Mapping) and ("tags" in each or "from" in each) for each in entries)
 
@@ -127,7 +127,7 @@ def _connections(raw: object, faults: list[str]) -> dict[str, ConnectionSettings
 def _entries(
     raw: object, kinds: Mapping[str, Kind | None], folder: Path, faults: list[str]
 ) -> tuple[list[LoopEntry], tuple[Path, ...]]:
-    """Return the loops as they were written, and the lists that some of them are in."""
+    """Return the loops as written, and the CSV lists that some of them come from."""
     if not isinstance(raw, list) or not raw:
         faults.append("loops: expected a list with at least one loop")
         return [], ()
@@ -159,7 +159,7 @@ def _loops(
         loop = checked(LoopSettings, joined, entry.place, own)
         if loop is not None:
             loops.append(loop)
-        faults += [entry.told(fault) for fault in own]
+        faults += [entry.located(fault) for fault in own]
     places: dict[str, list[str]] = {}
     for entry in entries:
         if "name" in entry.raw:
@@ -217,7 +217,7 @@ def _targets(
 def _kind(
     entry: Mapping[str, Any], kinds: Mapping[str, Kind | None], path: str, faults: list[str]
 ) -> Kind | None:
-    """Kind of the connection that an entry names; None, and told, where there is no such connection."""
+    """Return the kind of the connection that an entry names; None, with a fault, where it does not exist."""
     name = str(entry.get("connection"))
     if name not in kinds:
         known = ", ".join(kinds) or "none"

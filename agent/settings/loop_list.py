@@ -1,4 +1,4 @@
-"""Many loops from one list: a CSV file with a line for each loop, and what they have in common."""
+"""Many loops from one list: a CSV file with a line for each loop, and their common settings."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from connectors.options import Options
 from connectors.table import read_table
 
 COMMENT = "#"
-"""How the name of a column begins that nobody reads."""
+"""First character of the name of a column that is ignored."""
 RANGES = {"op_range": ("op_low", "op_high"), "pv_range": ("pv_low", "pv_high")}
 """Setting -> the columns of its two ends."""
 ROLES = frozenset(role for kind in KINDS for role in kind.roles)
@@ -28,33 +28,33 @@ _PATHS = {
 """Column -> path in a loop's entry; any other column is named as its path."""
 
 Short = Callable[[str], Mapping[str, str]]
-"""Takes an address that is one text, returns it as an entry of ``tags``."""
+"""Turns an address written as one text into an entry of ``tags``."""
 
 
 class LoopList(Options):
-    """Stands among the loops for all lines of a CSV file."""
+    """Entry among the loops that stands for all lines of a CSV file."""
 
     source: Annotated[Path, Field(alias="from", examples=["plant_loops.csv"])]
-    """The CSV file; relative to this one. `docs/howto/many_loops.md` tells its columns."""
+    """The CSV file; relative to this file. `docs/howto/many_loops.md` lists its columns."""
     defaults: Mapping[str, Any] = {}
-    """What a loop has where its line says nothing. `{loop}` in a text stands for the loop's name."""
+    """Settings of a loop where its line leaves them empty. `{loop}` in a text becomes the loop's name."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoopEntry:
-    """One loop as somebody wrote it, and how a fault in it is told."""
+    """One loop as written by the user, and where a fault in it is reported."""
 
     place: str
-    """Where it is: ``loops.0``, or file and line."""
+    """Place of the entry: ``loops.0``, or file and line."""
     raw: Mapping[str, Any]
     columns: Mapping[str, str] = field(default_factory=dict)
-    """Path in ``raw`` -> column of the list that it came from."""
+    """Path in ``raw`` -> column of the list that the value came from."""
     shared: str | None = None
-    """Path of the list's defaults; None for a loop that is no line of a list."""
+    """Path of the list's defaults; None for a loop that is not a line of a list."""
     defaults: Mapping[str, Any] = field(default_factory=dict)
 
-    def told(self, fault: str) -> str:
-        """Return ``PLACE.PATH: what is wrong`` with the column, or the default, that is to blame."""
+    def located(self, fault: str) -> str:
+        """Return ``PLACE.PATH: what is wrong`` with the column, or the default, that causes the fault."""
         if self.shared is None or not fault.startswith(f"{self.place}."):
             return fault
         path, _, message = fault.removeprefix(f"{self.place}.").partition(": ")
@@ -74,11 +74,11 @@ def listed_loops(
     """Return an entry for each line of a list.
 
     Args:
-        entry: Names the list.
-        path: Where that is in the configuration file.
-        folder: Of the configuration file.
-        shorts: Connection -> how its kind reads an address that is one text.
-        faults: Get those of the file as a whole.
+        entry: Entry that names the list.
+        path: Path of that entry in the configuration file.
+        folder: Folder of the configuration file.
+        shorts: Connection -> how its kind reads an address written as one text.
+        faults: Faults of the file as a whole are appended here.
     """
     try:
         table = read_table(folder / entry.source)
@@ -86,14 +86,14 @@ def listed_loops(
         faults += error.faults
         return ()
     if not table.lines:
-        faults.append(f"{table.path}: holds no loop, expected a line for each below the names of the columns")
+        faults.append(f"{table.path}: no loop in it, expected a line for each loop below the column names")
     columns = {}
     for column, cells in table.columns.items():
         if _PATHS.get(column, column).split(".")[0] in LoopSettings.model_fields:
             columns[column] = cells
         elif not column.startswith(COMMENT):
             where = f"{table.path}, {table.place} {table.header}, column {column}"
-            faults.append(f"{where}: unknown; one whose name begins with {COMMENT} is left out")
+            faults.append(f"{where}: unknown; begin its name with {COMMENT} to have it ignored")
     return tuple(
         _line(
             entry.defaults,
@@ -135,7 +135,7 @@ def _value(column: str, cell: str, short: Short | None) -> object:
 
 
 def _put(node: Any, keys: list[str], value: object) -> None:  # noqa: ANN401 - whatever YAML can hold
-    """Set what stands at a path; a mapping is joined with the one that is there."""
+    """Set the value at a path; a mapping is merged with the one already there."""
     key: Any = int(keys[0]) if isinstance(node, list) else keys[0]
     former = node[key] if isinstance(node, list) else node.get(key)
     if len(keys) > 1:
@@ -149,7 +149,7 @@ def _put(node: Any, keys: list[str], value: object) -> None:  # noqa: ANN401 - w
 
 
 def _named(value: Any, name: str) -> Any:  # noqa: ANN401 - whatever YAML can hold
-    """Return a copy with the loop's name wherever a text says ``{loop}``."""
+    """Return a copy in which the loop's name replaces ``{loop}`` in every text."""
     if isinstance(value, str):
         return value.replace("{loop}", name)
     if isinstance(value, Mapping):
@@ -158,7 +158,7 @@ def _named(value: Any, name: str) -> Any:  # noqa: ANN401 - whatever YAML can ho
 
 
 def _there(value: object, keys: list[str]) -> bool:
-    """Whether something stands at a path."""
+    """Whether there is a value at a path."""
     for key in keys:
         if isinstance(value, Mapping) and key in value:
             value = value[key]

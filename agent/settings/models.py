@@ -25,36 +25,36 @@ class AgentSettings(Options):
     """The daemon as a whole."""
 
     workers: Annotated[int, Field(ge=1)] = 1
-    """Processes that quantify; one core each."""
+    """Worker processes for diagnoses; one core each."""
     data_age: Seconds = 60.0
     """Time without any sample after which a connection is opened anew, s."""
     clock_error: Seconds | None = 86400.0
-    """Difference from this machine's clock from which the time that a source gives is absurd, s: then time is
-    taken from here. None: it is always believed."""
+    """Difference from this machine's clock above which the time of a source is rejected, s: the time of this
+    machine is used then. None: the time of the source is always accepted."""
     longest_wait: Seconds = 3.0
     """Longest wait between two attempts at a connection that is down, s; the first waits are shorter."""
     state: Path | None = None
-    """File that keeps alarms and what waits to be told over a restart; relative to the configuration file.
-    None: its name with the ending .sqlite."""
+    """File that keeps alarms and unpublished messages over a restart; relative to the configuration file.
+    None: the name of the configuration file with the ending .sqlite."""
     http: HttpSettings | None = None
-    """Where health and metrics are told; None: nowhere."""
+    """HTTP server for health and metrics; None: no server."""
     history: HistorySettings | None = HistorySettings()
-    """What `slipjump history` shows, kept beside `state` with the ending .history.sqlite; None: nothing."""
+    """Entries for `slipjump history`, kept beside `state` with the ending .history.sqlite; None: none."""
     watch_config: bool = False
-    """Whether a change of the configuration file takes effect by itself, as it does after SIGHUP."""
+    """Whether a change of the configuration file takes effect without SIGHUP."""
 
 
 class WindowSettings(Options):
-    """The stretch of data that a diagnosis looks at."""
+    """The stretch of data that a diagnosis uses."""
 
     seconds: Seconds | None = None
     """Fixed length, s. None: `periods` of the oscillation, between `min_seconds` and `max_seconds`."""
     periods: Annotated[float, Field(ge=3)] = 15.0
-    """Length in periods of the oscillation that was seen; until one is seen, all there is."""
+    """Length in periods of the detected oscillation; all data until an oscillation is detected."""
     min_seconds: Seconds = 300.0
     max_seconds: Seconds = 3600.0
     hop: Annotated[float, Field(gt=0, le=1)] = 0.25
-    """How far a window is from the one before, in parts of its length."""
+    """Distance from one window to the next, as a fraction of the window length."""
 
     @model_validator(mode="after")
     def _bounds(self) -> WindowSettings:
@@ -76,50 +76,51 @@ class WindowSettings(Options):
 
 
 class AlarmSettings(Options):
-    """When a loop's alarm comes and goes."""
+    """When a loop's alarm is raised and cleared."""
 
     on_delay: Windows = 3
-    """Windows in a row that must show stiction."""
+    """Consecutive windows that must show stiction before the alarm is raised."""
     off_delay: Windows = 3
-    """Windows in a row that must show none."""
+    """Consecutive windows that must show no stiction before it is cleared."""
     priority: Priority = "medium"
 
 
 class LoopSettings(Options):
-    """One control loop: where its values are, and what an engineer knows about it."""
+    """One control loop: the addresses of its values, and what an engineer knows about it."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     name: Annotated[str, Field(min_length=1, pattern=r"^[^\s/+#.]+$", examples=["FIC101"])]
-    """No spaces, none of / + # . in it: it becomes part of topics and tags."""
+    """Tag name without spaces and without / + # . since it becomes part of topics and tags."""
     connection: str
-    """Name of the connection that its tags are read from."""
+    """Name of the connection from which its tags are read."""
     ts: Seconds
     """Sampling time, s."""
     acting: Literal["reverse", "direct"] | None = None
-    """Controller action: reverse, OP falls when PV rises; direct, OP rises. None: not known."""
+    """Controller action: reverse, OP falls when PV rises; direct, OP rises when PV rises. None: not known."""
     integrating: bool | None = None
     """Whether PV integrates the flow through the valve, as most levels do. None: not known."""
     cascade: bool = False
-    """Whether another controller sets the set point, so that SP moves all the time."""
+    """Whether another controller sets the set point, so that SP changes all the time."""
     op_range: Range | None = None
     """Limits of the valve, in the unit of OP."""
     pv_range: Range | None = None
     """Range of the transmitter, in the unit of PV."""
     automatic: tuple[str | float, ...] = ("AUTO", "CAS", "RCAS")
-    """Values of the mode tag that count as automatic; words in capitals or not."""
+    """Values of the mode tag that count as automatic; upper and lower case are equal."""
     hold: Seconds | None = None
-    """Where a bus reports changes only: silence of the whole loop that means no change, s. None: 10 ts."""
+    """Where a bus reports changes only: longest silence of the whole loop that still means no change, s.
+    None: 10 ts."""
     tags: Mapping[str, Options]
-    """Role (pv, op, and if there are any sp, mv, mode) -> address on the connection."""
+    """Role (pv, op, and optionally sp, mv, mode) -> address on the connection."""
     window: WindowSettings = WindowSettings()
     quantify: Literal["when_it_moves", "always"] = "when_it_moves"
-    """Which windows get a full diagnosis: those in which the loop oscillates or OP travels, or all."""
+    """Windows that get a full diagnosis: those in which the loop oscillates or OP travels, or all."""
     alarm: AlarmSettings = AlarmSettings()
     publish: tuple[Target, ...] = ()
-    """Where its alarm is told."""
+    """Connections on which its alarm is published."""
     variables: Mapping[str, str] = {}
-    """Name -> what stands for `{name}` in MQTT topics and the like, besides those of a connection."""
+    """Name -> text that replaces `{name}` in MQTT topics and the like, besides those of a connection."""
 
     @field_validator("op_range", "pv_range")
     @classmethod
@@ -136,21 +137,21 @@ class LoopSettings(Options):
 
     @property
     def roles(self) -> tuple[str, ...]:
-        """What is read of the loop, PV and OP first."""
+        """Roles that are read, PV and OP first."""
         return tuple(role for role in ("pv", "op", "sp", "mv", "mode") if role in self.tags)
 
     @property
     def hints(self) -> LoopHints:
-        """What the analysis is told beforehand."""
+        """Prior knowledge for the analysis."""
         return LoopHints(integrating=self.integrating, acting=self.acting, op_range=self.op_range)
 
     @property
     def longest_silence(self) -> float:
-        """Silence of the whole loop that still means that nothing changed, s."""
+        """Longest silence of the whole loop that still means no change, s."""
         return 10 * self.ts if self.hold is None else self.hold
 
     def is_automatic(self, mode: float | str) -> bool:
-        """Whether a value of the mode tag means that the controller works."""
+        """Whether a value of the mode tag means that the loop is in automatic."""
         if isinstance(mode, str):
             return mode.strip().casefold() in {v.casefold() for v in self.automatic if isinstance(v, str)}
         return mode in self.automatic
@@ -161,18 +162,18 @@ class ConnectionSettings:
     """One connection to a bus."""
 
     kind: str
-    """Of the bus: modbus, opcua or mqtt."""
+    """Kind of the bus, e.g. modbus, opcua or mqtt."""
     options: Options
-    """The bus's own options."""
+    """Options of this kind."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """All that the agent is told."""
+    """The whole configuration of the agent."""
 
     agent: AgentSettings
     connections: Mapping[str, ConnectionSettings]
     """By name."""
     loops: tuple[LoopSettings, ...]
     lists: tuple[Path, ...] = ()
-    """Files that some of the loops are listed in."""
+    """CSV files from which some of the loops come."""

@@ -1,4 +1,4 @@
-"""JSON Schema of the configuration file, for editors that complete and check while one types."""
+"""JSON Schema of the configuration file, for editors that complete and check while the user types."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from connectors.kinds import KINDS, ROLES
 
 
 def json_schema() -> dict[str, Any]:
-    """Schema of the whole file. Which addresses fit which connection is for ``slipjump check`` to say."""
+    """Return the schema of the whole file. ``slipjump check`` checks which address fits which connection."""
     models: list[type[BaseModel]] = [AgentSettings, LoopSettings, LoopList]
     read = [kind for kind in KINDS if kind.roles]
     models += [model for kind in KINDS for model in (kind.options, kind.target)] + [kind.tag for kind in read]

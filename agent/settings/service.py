@@ -1,4 +1,4 @@
-"""What the daemon tells of itself and remembers. Docstrings of fields go into ``config/schema.json``."""
+"""Settings of the daemon's HTTP server and history. Field docstrings go into ``config/schema.json``."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ class HttpSettings(Options):
     """A small HTTP server for monitoring: /health, /live and /metrics."""
 
     host: Annotated[str, Field(min_length=1)] = "127.0.0.1"
-    """Address it listens on. Beyond this machine a `token` is needed."""
+    """Address on which it listens. A `token` is required if other machines can reach it."""
     port: Port = 9187
     token: Secret | None = None
-    """What a client must show: `Authorization: Bearer TOKEN`; /live is told without."""
+    """Token that a client must send: `Authorization: Bearer TOKEN`; /live needs none."""
 
     @model_validator(mode="after")
     def _token_beyond_loopback(self) -> HttpSettings:
         if self.token is None and not self.is_loopback:
-            raise ValueError(f"host {self.host} can be reached from other machines, so it needs a token")
+            raise ValueError(f"expected a token, since other machines can reach host {self.host}")
         return self
 
     @property
@@ -36,7 +36,7 @@ class HttpSettings(Options):
 
 
 class HistorySettings(Options):
-    """How much of diagnoses and alarms is remembered; the oldest goes first."""
+    """How many diagnoses and alarms are kept; the oldest are deleted first."""
 
     days: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 90.0
     max_mb: Annotated[float, Field(ge=1, allow_inf_nan=False)] = 500.0

@@ -1,7 +1,7 @@
-"""Which tags make a loop, by the names that control systems give them.
+"""Groups tags into loops, by the names that control systems give them.
 
-Capitals do not count. Between the words of a name stands one of ``/ . : # |`` or a space, before the last
-also ``_`` or ``-``: ``Area1/FIC101/PID1/PV.CV``, ``FIC101.PIDA.OP``, ``FIC_101_PV``.
+Upper and lower case are equal. One of ``/ . : # |`` or a space separates the words of a name; before the last
+word also ``_`` or ``-``: ``Area1/FIC101/PID1/PV.CV``, ``FIC101.PIDA.OP``, ``FIC_101_PV``.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class Convention:
-    """How one family of control systems calls the parts of a controller."""
+    """Names that one family of control systems gives to the parts of a controller."""
 
     system: str
     pv: str
@@ -40,7 +40,7 @@ CONVENTIONS = (
     Convention("in words", "Measurement", "Output", "Setpoint", "Mode"),
     Convention("in words", "ProcessVariable", "ControllerOutput", "Setpoint", "Mode"),
 )
-"""Those named first win where a controller has tags of several. MV is OP only where nothing else is."""
+"""The first match counts where a controller has tags of several. MV is OP only where nothing else is."""
 
 _BLOCK = re.compile(
     r"PID([AE]|_?\d+)?|DACA|REGCTL[A-Z]?|CTRL|CONTROL(LER)?|LOOP|FBK?\d*|BLOCK\d*|VALUES?", re.IGNORECASE
@@ -53,7 +53,7 @@ ROLES = ("pv", "op", "sp", "mode")
 
 @dataclass(frozen=True, slots=True)
 class NamedTag:
-    """A tag by its address and all the names that it may be known by, the best first."""
+    """A tag: its address and all its possible names, the best first."""
 
     address: str
     names: tuple[str, ...]
@@ -61,12 +61,12 @@ class NamedTag:
 
 @dataclass(frozen=True, slots=True)
 class TagGroup:
-    """Tags that make a loop."""
+    """Tags that belong to one loop."""
 
     name: str
-    """Of the loop, fit for the configuration, and no other of the same name."""
+    """Name of the loop, valid in the configuration and unique."""
     by: str
-    """The convention, or the pattern, that found it."""
+    """Convention or pattern that found it."""
     tags: Mapping[str, NamedTag] = field(default_factory=dict)
     """Role -> tag; pv and op at least."""
 
@@ -74,7 +74,7 @@ class TagGroup:
 def groups_by_convention(
     tags: Iterable[NamedTag], conventions: Sequence[Convention] = CONVENTIONS
 ) -> tuple[TagGroup, ...]:
-    """Return the loops among ``tags`` that follow a convention, in the order in which their PV comes."""
+    """Return the loops among ``tags`` that follow a convention, in the order of their PV tags."""
     ends = _ends(conventions)
     found: dict[str, dict[tuple[int, str], NamedTag]] = defaultdict(dict)
     for tag in tags:
@@ -95,7 +95,7 @@ def groups_by_convention(
 
 
 def groups_by_pattern(tags: Iterable[NamedTag], patterns: Mapping[str, str]) -> tuple[TagGroup, ...]:
-    """Return the loops whose tags fit ``patterns``, role -> name with one ``*`` that stands for the loop."""
+    """Return the loops whose tags match ``patterns``: role -> name with one ``*`` for the loop."""
     found: dict[str, dict[str, NamedTag]] = defaultdict(dict)
     for tag in tags:
         for role, pattern in patterns.items():
@@ -114,7 +114,7 @@ def groups_by_pattern(tags: Iterable[NamedTag], patterns: Mapping[str, str]) -> 
 
 
 def _ends(conventions: Sequence[Convention]) -> dict[str, list[tuple[int, str]]]:
-    """Return the end of a name -> the places it may have: index of the convention and role."""
+    """Return end of a name -> its possible meanings: index of the convention and role."""
     ends: dict[str, list[tuple[int, str]]] = defaultdict(list)
     for index, convention in enumerate(conventions):
         for role in ROLES:
@@ -125,7 +125,7 @@ def _ends(conventions: Sequence[Convention]) -> dict[str, list[tuple[int, str]]]
 
 
 def _split(name: str) -> list[tuple[str, str]]:
-    """Return the ways to part a name into that of a loop and an end of one word or two, longer ends first."""
+    """Return the ways to split a name into a loop and an end of one or two words, longer ends first."""
     cuts = [match.start() for match in _BETWEEN.finditer(name)][-2:]
     ways = [(name[:cut], _BETWEEN.sub(".", name[cut + 1 :])) for cut in cuts]
     joints = [match.start() for match in _LAST.finditer(name, cuts[-1] + 1 if cuts else 0)]
@@ -134,7 +134,7 @@ def _split(name: str) -> list[tuple[str, str]]:
 
 
 def _named(chosen: Sequence[tuple[str, str, dict[str, NamedTag]]]) -> tuple[TagGroup, ...]:
-    """Give each a name of its own: the loop's, with its block or with all above it where several share it."""
+    """Give each group a unique name: the loop's; with its block or its full path where several share it."""
     taken: set[str] = set()
     groups = []
     candidates = [_names(stem) for stem, _, _ in chosen]
@@ -153,7 +153,7 @@ def _named(chosen: Sequence[tuple[str, str, dict[str, NamedTag]]]) -> tuple[TagG
 
 
 def _names(stem: str) -> list[str]:
-    """Return the shortest name of a loop, that with its block, and that with all above it."""
+    """Return three names of a loop: the shortest, that with its block, and that with its full path."""
     words = [word for word in _BETWEEN.split(stem) if word] or [stem]
     loop = len(words)
     while loop > 1 and _BLOCK.fullmatch(words[loop - 1]):

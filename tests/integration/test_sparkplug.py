@@ -181,7 +181,7 @@ async def test_no_event_is_lost_that_comes_while_the_broker_is_away(fault, mosqu
             async with proxy.suffering(fault):
                 await until(lambda: not scada.health.up, 30)
                 for second, action in enumerate(("out_of_service", "in_service", "out_of_service")):
-                    pipeline.obey(Command.asked(action, "jane", NOW + second))
+                    pipeline.obey(Command.of_action(action, "jane", NOW + second))
             await until(lambda: len(history(heard)) == 3, 30)
             await until(lambda: now(heard) == "out_of_service", 30)
         finally:

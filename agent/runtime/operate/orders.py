@@ -58,7 +58,7 @@ class Orders:
         if order.alarm is not None and order.alarm != pipeline.alarm.id:
             return f"it is meant for {order.alarm!r}, and the alarm is {pipeline.alarm.id!r} now"
         try:
-            command = Command.asked(order.action, order.by, self._clock(), order.until)
+            command = Command.of_action(order.action, order.by, self._clock(), order.until)
         except ValueError as error:
             return str(error)
         before = pipeline.alarm

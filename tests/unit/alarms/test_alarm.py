@@ -39,7 +39,7 @@ def test_it_comes_after_the_on_delay_and_goes_after_the_off_delay():
     assert states == [State.NORMAL] * 2 + [State.UNACKED_ACTIVE] * 2 + [State.RETURNED_UNACKED]
 
 
-def test_a_window_that_cannot_tell_counts_towards_neither():
+def test_an_undecided_window_counts_towards_neither():
     alarm = Alarm("FIC101", delay=Delay(on=2, off=2))
     alarm, states = play(alarm, ["stiction", "undecided", "not_testable", "stiction"])
     assert states[-2:] == [State.NORMAL, State.UNACKED_ACTIVE]
@@ -160,7 +160,7 @@ def test_a_command_that_makes_no_sense_is_refused(arguments):
         Command(**arguments)
 
 
-def test_shelving_ends_by_itself_and_the_alarm_is_told_anew():
+def test_shelving_ends_by_itself_and_the_alarm_is_announced_again():
     alarm, _ = play(Alarm("FIC101", delay=Delay(1, 1)), ["stiction"])
     alarm, _ = alarm.on_command(Command(Event.SHELVE, "jane", 10.0, until=500.0))
     assert (alarm.by, alarm.until) == ("jane", 500.0)
@@ -177,7 +177,7 @@ def test_shelving_again_sets_the_end_anew_and_is_no_event():
     assert [a.kind for a in announcements] == ["state"]
 
 
-def test_it_tells_who_acknowledged_until_the_state_changes():
+def test_it_names_who_acknowledged_until_the_state_changes():
     alarm, _ = play(Alarm("FIC101", delay=Delay(1, 1)), ["stiction"])
     alarm, announcements = alarm.on_command(Command(Event.ACKNOWLEDGE, "jane", 50.0))
     assert announcements[1].fields()["by"] == "jane"

@@ -177,9 +177,9 @@ async def test_the_page_lists_every_metric_and_no_other():
 @pytest.mark.parametrize(
     ("http", "fault"),
     [
-        ({"host": "192.0.2.1"}, "needs a token"),
-        ({"host": "scada.example"}, "needs a token"),
-        ({"host": "::"}, "needs a token"),
+        ({"host": "192.0.2.1"}, "expected a token"),
+        ({"host": "scada.example"}, "expected a token"),
+        ({"host": "::"}, "expected a token"),
         ({"token": "s3cret"}, "does not belong in this file"),
         ({"host": "192.0.2.1", "token": {"env": "TOKEN"}}, None),
         ({"host": "::1"}, None),

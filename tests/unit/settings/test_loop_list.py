@@ -95,7 +95,7 @@ def test_an_mqtt_address_is_topic_and_field(load):
     assert (loop.tags["op"].topic, loop.tags["op"].field) == ("plant/F1/OP", None)
 
 
-def test_every_fault_is_told_at_once_with_line_and_column(faults_of):
+def test_all_faults_are_reported_at_once_with_line_and_column(faults_of):
     faults = faults_of(
         {"connection": "unit1", "hold": -3, "tags": {"op": {"table": "input", "address": 0}}},
         "name,ts,acting,pv,op_low,op_high,window.seconds,tags.pv.scale,description\n"
@@ -103,8 +103,8 @@ def test_every_fault_is_told_at_once_with_line_and_column(faults_of):
         "F 2,1,,coils 1,100,0,soon,0,flow\n"
         "FIC1,,,,,,,,flow\n",
     )
-    told = [
-        "loops.csv, line 1, column description: unknown; one whose name begins with # is left out",
+    expected = [
+        "loops.csv, line 1, column description: unknown; begin its name with # to have it ignored",
         "loops.0.defaults.hold: input should be greater than 0",
         "loops.csv, line 2, column acting: input should be 'reverse' or 'direct'",
         "loops.csv, line 2, column pv: type: ",
@@ -117,16 +117,16 @@ def test_every_fault_is_told_at_once_with_line_and_column(faults_of):
         "loops.csv, line 4: tags.pv: is missing",
         "loops: 2 loops are called FIC1 (loops.csv, line 2; loops.csv, line 4)",
     ]
-    for each in told:
+    for each in expected:
         assert len([fault for fault in faults if fault.startswith(each)]) == 1, (each, faults)
-    assert len(faults) == len(told)
+    assert len(faults) == len(expected)
 
 
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
         ("name,pv,op\nFIC1,i=1\n", "loops.csv, line 2: 2 cells, expected 3"),
-        ("name,pv,op\n", "loops.csv: holds no loop"),
+        ("name,pv,op\n", "loops.csv: no loop in it"),
         ("", "loops.csv: is empty"),
         ("name,name\na,b\n", "loops.csv, line 1: column 'name' is there twice"),
         (
@@ -202,7 +202,7 @@ TREES = st.recursive(
     cells=st.lists(st.lists(st.sampled_from(CELLS), min_size=20, max_size=20), max_size=3),
     defaults=st.dictionaries(st.sampled_from([*COLUMNS, "op_range", "publish"]), TREES, max_size=4),
 )
-def test_whatever_is_in_it_is_loaded_or_told(load, columns, cells, defaults):
+def test_any_content_is_loaded_or_reported(load, columns, cells, defaults):
     rows = "".join(",".join(row[: len(columns)]) + "\n" for row in cells)
     with contextlib.suppress(ConfigError):
         load(defaults, ",".join(columns) + "\n" + rows)

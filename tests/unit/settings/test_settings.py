@@ -1,4 +1,4 @@
-"""The configuration file: read, joined with each bus's own options, and every fault told at once."""
+"""The configuration file: read, merged with the options of each bus, and all its faults reported at once."""
 
 import copy
 import json
@@ -45,11 +45,11 @@ def faults_of(raw):
 
 
 @pytest.mark.parametrize("name", ["demo.yaml", "scenarios/fic101_stick_slip.yaml"])
-def test_another_file_of_ours_is_told_in_one_line(name):
+def test_another_file_of_slipjump_is_reported_in_one_line(name):
     with pytest.raises(ConfigError) as caught:
         load_settings(ROOT / "config" / name)
     (fault,) = caught.value.faults
-    assert "no configuration of slipjump run" in fault
+    assert "not a configuration of slipjump" in fault
 
 
 def test_the_example_is_right_and_shows_every_bus():
@@ -84,7 +84,7 @@ def test_a_minimal_file_is_enough(raw):
     assert [connector.name for connector in connectors_of(settings)] == ["unit1", "broker"]
 
 
-def test_every_fault_is_told_at_once_with_its_path(raw):
+def test_all_faults_are_reported_at_once_with_their_paths(raw):
     raw["agent"] = {"workers": 0, "colour": "red"}
     raw["more"] = 1
     raw["connections"]["unit1"]["port"] = 99999
@@ -125,7 +125,7 @@ def test_loops_of_one_name_are_a_fault(raw):
     assert faults_of(raw) == ["loops: 2 loops are called FIC101 (loops.0; loops.1)"]
 
 
-def test_what_only_the_bus_can_judge_is_told_too(raw):
+def test_faults_that_only_the_connector_can_find_are_reported_too(raw):
     raw["loops"][0]["tags"]["pv"]["address"] = 65535  # a float32 needs two registers
     (fault,) = faults_of(raw)
     assert fault.startswith("loops.FIC101.tags.pv.address")
@@ -162,7 +162,7 @@ def test_a_file_that_holds_no_mapping(content):
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "message"),
     [
         (b"loops:\n  - {name: FIC101\n", "line 3: not YAML"),
         (b"loops: \x00", "not YAML"),
@@ -170,14 +170,14 @@ def test_a_file_that_holds_no_mapping(content):
         (b"", "expected a mapping"),
     ],
 )
-def test_a_file_that_is_no_yaml(tmp_path, content, told):
+def test_a_file_that_is_no_yaml(tmp_path, content, message):
     path = tmp_path / "plant.yaml"
     path.write_bytes(content)
     with pytest.raises(ConfigError) as caught:
         load_settings(path)
     (fault,) = caught.value.faults
     assert fault.startswith(f"{path}: ")
-    assert told in fault
+    assert message in fault
     assert "\n" not in fault
 
 

@@ -42,7 +42,7 @@ def test_the_names_of_a_system(names, loop, roles):
     assert len(group.tags) == roles
 
 
-def test_the_output_is_told_from_the_measured_valve():
+def test_the_output_is_distinguished_from_the_measured_valve():
     (group,) = groups_by_convention(tags("F1.PV", "F1.MV", "F1.OP", "F1.SP"))
     assert nodes(group) == {"pv": "F1.PV", "op": "F1.OP", "sp": "F1.SP"}
 
@@ -54,7 +54,7 @@ def test_what_is_no_loop_is_left_out():
     )
 
 
-def test_loops_of_one_name_get_what_tells_them_apart():
+def test_loops_of_one_name_get_distinct_names():
     found = groups_by_convention(
         tags(
             "A/FIC1/PID1/PV.CV",
