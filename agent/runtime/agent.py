@@ -1,4 +1,4 @@
-"""The daemon: connections and loops wired together, each a task that cannot die and can be replaced."""
+"""The daemon: connections and loops wired together, each a supervised task that can be replaced."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ Work = Callable[[], Coroutine[Any, Any, object]]
 
 
 class Agent:
-    """Reads loops, diagnoses them and publishes alarms, until cancelled.
+    """Reads loops, diagnoses them and publishes alarms until cancelled.
 
     For example::
 
@@ -60,16 +60,16 @@ class Agent:
 
         Args:
             settings: What to read and where to publish.
-            executor: Where diagnoses run.
+            executor: Runs diagnoses.
             on_diagnosis: Called with each diagnosis, in the event loop.
             connectors: One for each connection; None makes those of the settings.
-            diagnose: What judges a window.
-            clock: Gives the time, s UTC.
+            diagnose: Diagnoses a window.
+            clock: Returns the time, s UTC.
         """
         self._settings = settings
         self._executor = executor
         self._clock = clock
-        self._observers: list[Observer] = [_Teller(self._judged, on_diagnosis)]
+        self._observers: list[Observer] = [_DiagnosisCallbacks(self._judged, on_diagnosis)]
         self._beside: list[tuple[Health, Work]] = []
         self._crew: Crew | None = None
         self._reloading = asyncio.Lock()
@@ -88,7 +88,7 @@ class Agent:
 
     @property
     def settings(self) -> Settings:
-        """What it works by now."""
+        """Settings in effect."""
         return self._settings
 
     @property
@@ -98,31 +98,31 @@ class Agent:
 
     @property
     def outboxes(self) -> Mapping[str, Outbox]:
-        """What waits to be told, by connection."""
+        """Unpublished messages, by connection."""
         return self._wiring.outboxes
 
     @property
     def health(self) -> Mapping[str, Health]:
-        """How each loop fares."""
+        """State of each loop's task."""
         return self._wiring.health
 
     @property
     def orders(self) -> Orders:
-        """What people ask over the buses."""
+        """Orders that people send over the buses."""
         return self._wiring.orders
 
     def observe(self, observer: Observer) -> None:
-        """Have ``observer`` told what becomes of every loop."""
+        """Pass each verdict and each change of an alarm to ``observer``."""
         self._observers.append(observer)
 
     def accompany(self, health: Health, work: Work) -> None:
-        """Keep other work alive beside, from the start to the end of ``run``."""
+        """Keep another task alive from the start to the end of ``run``."""
         self._beside.append((health, work))
 
     async def run(self, ready: Callable[[], None] | None = None) -> None:
-        """Go on where the last run ended, work until cancelled, then clean up within some seconds.
+        """Continue from where the last run ended, until cancelled; then clean up within some seconds.
 
-        ``ready`` is called as soon as all of it is at work.
+        ``ready`` is called as soon as all tasks are started.
         """
         await self._wiring.resume()
         try:
@@ -140,10 +140,10 @@ class Agent:
             await self.journal.close()
 
     async def reload(self, settings: Settings, connectors: Sequence[Connector] | None = None) -> None:
-        """Go over to other settings; what they leave as it is goes on: windows, alarms and sessions.
+        """Apply other settings; windows, alarms and sessions that they leave unchanged continue.
 
         Raises:
-            ConfigError: They cannot be; nothing has changed.
+            ConfigError: The settings cannot be applied; nothing has changed.
         """
         made = connectors_of(settings) if connectors is None else connectors
         async with self._reloading:
@@ -151,7 +151,7 @@ class Agent:
             if crew is None:
                 return
             for name in differs.at_start:
-                LOG.warning("agent.%s takes effect when the agent is started anew", name)
+                LOG.warning("agent.%s takes effect at the next start of the agent", name)
             wired = self._wiring
             await crew.end([self.health[name].name for name in self._pipelines if name in differs.loops])
             places = leaving(self._settings, settings)
@@ -171,9 +171,8 @@ class Agent:
             finally:
                 error = sys.exception()
                 if isinstance(error, Exception):
-                    crew.abort(
-                        error
-                    )  # what was ended would stay so, in silence: rather start anew as a whole
+                    # Tasks that were ended would silently stay so: restart the whole agent instead.
+                    crew.abort(error)
             await self.journal.flush()
         LOG.info(
             "%d of %d loops and %d of %d connections are new or changed",
@@ -185,15 +184,15 @@ class Agent:
         )
 
     def newest(self, loop: str) -> float | None:
-        """Newest source time that came in for a loop, s UTC; None before the first sample."""
+        """Return the newest source time received for a loop, s UTC; None before the first sample."""
         return self._pipelines[loop].window.newest
 
     def busy(self, loop: str) -> bool:
-        """Whether a window of this loop waits for its diagnosis or has it made."""
+        """Whether a window of this loop is waiting for its diagnosis or being diagnosed."""
         return self._pipelines[loop].busy
 
     def status(self) -> tuple[LoopStatus, ...]:
-        """Look at every loop; call it while the agent runs."""
+        """Return the status of every loop; call it while the agent runs."""
         return tuple(
             loop_status(pipeline, self._settings, self.health[name])
             for name, pipeline in self._pipelines.items()
@@ -201,18 +200,18 @@ class Agent:
 
     @property
     def summary(self) -> str:
-        """What it watches, in a line."""
+        """Number of loops and connections, in a line."""
         return f"watching {len(self._pipelines)} loops on {len(self._wiring.connections)} connections"
 
     def hung(self) -> tuple[str, ...]:
-        """Return what should have come back by now and has not, e.g. ``connection unit1: open``."""
+        """Return the steps whose deadline has passed, e.g. ``connection unit1: open``."""
         now = asyncio.get_running_loop().time()
         members = {} if self._crew is None else self._crew.members
         overdue = {name: health.overdue(now) for name, health in members.items()}
         return tuple(f"{name}: {sign}" for name, sign in overdue.items() if sign is not None)
 
     def overview(self) -> AgentStatus:
-        """Look at all there is; call it while the agent runs."""
+        """Return the status of the whole agent; call it while the agent runs."""
         connections = self._wiring.connections
         return AgentStatus(
             loops=self.status(),
@@ -230,7 +229,7 @@ class Agent:
         )
 
     def _start(self, crew: Crew, connections: Collection[str], loops: Collection[str]) -> None:
-        """Start those of these that there are."""
+        """Start those of the named connections and loops that exist."""
         for name, connection in self._wiring.connections.items():
             if name in connections:
                 crew.start(connection.health, connection.attempt, self._settings.agent.longest_wait)
@@ -239,21 +238,21 @@ class Agent:
                 crew.start(self.health[name], pipeline.run)
 
     def _judged(self, diagnosis: Diagnosis) -> None:
-        """Note that a loop works again on which the program had failed."""
+        """Note that a loop with a previous fault works again."""
         health = self.health.get(diagnosis.loop)
         if health is not None and health.problem:
             health.works()
 
 
-class _Teller:
-    """Tells diagnoses to functions."""
+class _DiagnosisCallbacks:
+    """Observer that passes each diagnosis to functions."""
 
-    def __init__(self, *tell: Callable[[Diagnosis], None] | None) -> None:
-        self._tell = [each for each in tell if each is not None]
+    def __init__(self, *callbacks: Callable[[Diagnosis], None] | None) -> None:
+        self._callbacks = [each for each in callbacks if each is not None]
 
     def judged(self, judged: Judged) -> None:
-        for tell in self._tell:
-            tell(judged.diagnosis)
+        for callback in self._callbacks:
+            callback(judged.diagnosis)
 
     def announced(self, _: Announcement) -> None:
         pass

@@ -1,4 +1,4 @@
-"""Work that is kept alive, and that can begin and end while the rest goes on."""
+"""Supervised tasks that can start and end while the others continue."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class Crew:
         self._group = asyncio.TaskGroup()
         self._tasks: dict[str, asyncio.Task[None]] = {}
         self.members: dict[str, Health] = {}
-        """How each fares, by its name."""
+        """State of each task, by its name."""
 
     async def __aenter__(self) -> Self:
-        """Begin with nobody."""
+        """Start without tasks."""
         await self._group.__aenter__()
         return self
 
@@ -71,4 +71,4 @@ class Crew:
         if tasks:
             _, left = await asyncio.wait(tasks, timeout=END_WITHIN)
             for task in left:
-                LOG.error("%s did not end within %.0f s and is left to itself", task.get_name(), END_WITHIN)
+                LOG.error("%s did not end within %.0f s and was abandoned", task.get_name(), END_WITHIN)

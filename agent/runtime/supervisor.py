@@ -1,7 +1,7 @@
-"""Keeps work alive that must never end: counts what goes wrong, waits, starts it anew.
+"""Keeps tasks alive that must never end: counts failures, waits, restarts.
 
-The one place of the program that may catch every exception: a fault nobody thought of must cost one attempt
-and a line in the log, never the loop behind it.
+The one place of the program that may catch every exception: an unforeseen fault must cost one attempt and a
+line in the log, never the loop behind it.
 """
 
 from __future__ import annotations
@@ -20,78 +20,78 @@ LOG = logging.getLogger(__name__)
 FIRST_WAIT = 0.1
 """s; doubles with each attempt that fails."""
 LONGEST_WAIT = 3.0
-"""s, unless the configuration says another."""
+"""s, unless the configuration sets another."""
 LASTED = 10.0
-"""Time after which an attempt that fails counts as a success all the same, s: waits start small again."""
+"""Time after which a failed attempt still counts as a success, s: waits start small again."""
 MARGIN = 30.0
-"""Time that a busy machine may take beyond what is agreed, before it counts as a hang, s."""
+"""Time beyond the agreed limit that a busy machine may need before a task counts as hung, s."""
 E = TypeVar("E", bound=Exception)
 
 
 @dataclass(slots=True)
 class Health:
-    """How a piece of work fares."""
+    """State of a supervised task."""
 
     name: str
     up: bool = False
     """Whether it works now."""
     losses: int = 0
-    """Times the peer was gone or did not answer."""
+    """Times the peer was unreachable or did not answer."""
     faults: int = 0
-    """Times something happened that should not."""
+    """Unexpected errors."""
     attempts: int = 0
-    """In a row that did not last."""
+    """Consecutive failed attempts."""
     worked: bool = False
     """Whether the present attempt ever worked."""
 
     problem: str = ""
-    """What is wrong now, as last logged."""
-    told: set[bool] = field(default_factory=set)
-    """Losses that were logged since it worked: False, that the peer is gone; True, that it denies access."""
+    """Present problem, as last logged."""
+    logged: set[bool] = field(default_factory=set)
+    """Losses logged since it last worked: False, the peer is gone; True, the peer denies access."""
     about: Mapping[str, str] = field(default_factory=dict)
-    """What it is about, for the log: {"connection": NAME} or {"loop": NAME}."""
+    """Fields for the log: {"connection": NAME} or {"loop": NAME}."""
     signs: dict[str, float] = field(default_factory=dict)
-    """What it does now and may not take for ever -> when it must be done, s of the event loop's clock."""
+    """Step in progress -> its deadline, s of the event loop's clock."""
 
     def expect(self, sign: str, within: float | None) -> None:
-        """Say that ``sign`` is done, or comes again, within so many seconds; None: nobody waits for it."""
+        """Set a deadline for ``sign`` in so many seconds; None removes it."""
         if within is None:
             self.signs.pop(sign, None)
         else:
             self.signs[sign] = asyncio.get_running_loop().time() + within
 
     def overdue(self, now: float) -> str | None:
-        """Return what should have been done by ``now`` (s of the event loop's clock); None where all was."""
+        """Return a sign whose deadline passed before ``now`` (s of the event loop's clock), or None."""
         return next((sign for sign, due in self.signs.items() if due < now), None)
 
     def count_on(self, former: Health) -> None:
-        """Let the counters go on from those of the work that this one takes the place of."""
+        """Continue the counters of the task that this one replaces."""
         self.losses += former.losses
         self.faults += former.faults
 
     def works(self) -> None:
-        """Say that it does what it should; logged when it did not before."""
+        """Note that it works; logged if it did not before."""
         self.worked = True
         if not self.up:
             self.up, self.problem = True, ""
-            self.told.clear()
+            self.logged.clear()
             LOG.info("%s is up", self.name, extra={"event": "up", **self.about})
 
     def lost(self, error: ConnectionLostError) -> None:
-        """Say that its peer is gone; logged once, until it is back.
+        """Note the loss of its peer; logged once, until the peer is back.
 
-        Being denied is logged although it was gone before: that does not pass by itself.
+        Denied access is logged even if the peer was gone before: it does not resolve by itself.
         """
         self.losses += 1
         denied = isinstance(error, AccessDeniedError)
-        if denied not in self.told:
-            self.told.add(denied)
+        if denied not in self.logged:
+            self.logged.add(denied)
             self.problem = str(error)
             LOG.warning("%s is down: %s", self.name, error, extra={"event": "down", **self.about})
         self._failed()
 
     def failed(self, error: Exception) -> None:
-        """Say that something happened that should not; logged with its trace, once while it is the same."""
+        """Note an unexpected error; logged with its traceback, once while it is the same."""
         self.faults += 1
         if self.problem != repr(error):
             self.problem = repr(error)
@@ -117,8 +117,8 @@ async def keep_alive(
     """Run ``work`` again and again until cancelled.
 
     Between attempts it waits a random time of up to 0.1 s, 0.2 s, 0.4 s, ..., ``longest_wait`` (full jitter),
-    so that many clients of a server that comes back don't come all at once. Time in which an attempt waited
-    for a peer that never answered counts as waited.
+    so that many clients of a restarted server do not all reconnect at once. Time in which an attempt waited
+    for a peer that never answered counts as waiting time.
     """
     clock = asyncio.get_running_loop()
     while True:

@@ -1,4 +1,4 @@
-"""Connections and loops of the settings, and who tells what to whom among them."""
+"""Builds connections and loops from the settings, and connects them to each other."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LOG = logging.getLogger(__name__)
 
 
 class Wiring:
-    """What an agent is made of; it can be made anew in part while the agent works."""
+    """The parts of an agent; some can be rebuilt while the agent runs."""
 
     def __init__(
         self,
@@ -38,17 +38,17 @@ class Wiring:
         """Make an empty one.
 
         Args:
-            journal: Keeps alarms and what waits to be told.
-            executor: Where diagnoses run.
-            diagnose: What judges a window.
-            observers: Are told what becomes of every loop.
-            clock: Gives the time, s UTC.
+            journal: Keeps alarms and unpublished messages.
+            executor: Runs diagnoses.
+            diagnose: Diagnoses a window.
+            observers: Receive each verdict and each change of an alarm.
+            clock: Returns the time, s UTC.
         """
         self.pipelines: dict[str, LoopPipeline] = {}
         self.connections: dict[str, Connection] = {}
         self.outboxes: dict[str, Outbox] = {}
         self.health: dict[str, Health] = {}
-        """How each loop fares."""
+        """State of each loop's task."""
         self.orders = Orders(self.pipelines, journal, clock)
         self._journal = journal
         self._executor = executor
@@ -58,7 +58,7 @@ class Wiring:
         self._kept: dict[str, Alarm] = {}
 
     async def resume(self) -> None:
-        """Take alarms, and what waits to be told, from the store."""
+        """Restore alarms and unpublished messages from the store."""
         kept = await self._journal.open()
         self._kept = dict(kept.alarms)
         for name, pipeline in self.pipelines.items():
@@ -68,9 +68,9 @@ class Wiring:
             if name in self.outboxes:
                 self.outboxes[name].restore(waiting)
             else:
-                self._never_told(name, waiting)
+                self._discard(name, waiting)
         for name in self._kept.keys() & self.pipelines.keys():
-            self.pipelines[name].tell_again(self._clock())
+            self.pipelines[name].publish_again(self._clock())
         await self._journal.flush()
 
     def wire(
@@ -81,12 +81,12 @@ class Wiring:
         *,
         at_work: bool,
     ) -> None:
-        """Make these connections and loops anew, keep the others that are in the settings, drop all else.
+        """Build these connections and loops, keep the others that are in the settings, drop the rest.
 
-        ``at_work``: the store was read already, so that new loops go on from what it kept.
+        ``at_work``: the store was read already, so new loops continue from the alarms it kept.
         """
         for name in self.outboxes.keys() - settings.connections.keys():
-            self._never_told(name, self.outboxes.pop(name).emptied())
+            self._discard(name, self.outboxes.pop(name).emptied())
         for name in settings.connections:
             self.outboxes.setdefault(name, Outbox(name, self._journal))
         changed = {loop.name: self._pipeline(loop, settings.agent.clock_error) for loop in loops}
@@ -105,7 +105,7 @@ class Wiring:
         if at_work:
             for pipeline in self.pipelines.values():
                 if any(target.connection in connectors for target in pipeline.settings.publish):
-                    pipeline.tell_again(self._clock())
+                    pipeline.publish_again(self._clock())
         plans = connection_plans(settings)
         self.connections = {
             name: self._connection(connectors[name], plan.data_age)
@@ -114,10 +114,10 @@ class Wiring:
             for name, plan in plans.items()
         }
 
-    def _never_told(self, connection: str, waiting: Mapping[int, Publication]) -> None:
-        """Give up what waits for a connection that is gone from the settings."""
+    def _discard(self, connection: str, waiting: Mapping[int, Publication]) -> None:
+        """Discard publications for a connection that is no longer in the settings."""
         for publication in waiting.values():
-            LOG.warning("no connection is called %s any more: %s is never told", connection, publication.id)
+            LOG.warning("connection %s is no longer configured: %s was discarded", connection, publication.id)
         self._journal.note(Change(removed=frozenset(waiting)))
 
     def _pipeline(self, loop: LoopSettings, clock_error: float | None) -> LoopPipeline:

@@ -20,13 +20,13 @@ class FoundLoop:
 
     name: str
     by: str
-    """Whose names these are, or the pattern that found it."""
+    """Control system whose names match, or the pattern that found it."""
     nodes: Mapping[str, str]
     """Role -> node id."""
     values: Mapping[str, object]
     """Role -> what the node holds, where that is not bad."""
     spans: Mapping[str, tuple[float, float]]
-    """Role -> range of its values, where the server tells one."""
+    """Role -> range of its values, where the server has one."""
 
     def entry(self, connection: str, ts: float) -> dict[str, object]:
         """Return its entry in a configuration."""

@@ -13,15 +13,15 @@ BEYOND = 0.1
 CLOCK = 5.0
 """s that a source's clock may be ahead of this machine's."""
 OLD = 60.0
-"""s; older values are told, and so are those older than ten samples."""
+"""s; older values are reported, and so are values older than ten samples."""
 STILL = 3
-"""Samples without a change that are told of PV, which carries noise."""
+"""Samples without a change after which PV, which carries noise, is reported as constant."""
 _RANGES = {"pv": "pv_range", "sp": "pv_range", "op": "op_range"}
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What was heard of a tag while somebody listened."""
+    """Samples received of a tag during a check."""
 
     sample: Sample
     """The newest one."""
@@ -43,7 +43,7 @@ class Reading:
 
 
 def problems(reading: Reading, role: str, loop: LoopSettings) -> tuple[str, ...]:
-    """Return what must be put right before the loop can be watched."""
+    """Return the faults to correct before the loop can be watched."""
     sample = reading.sample
     if sample.quality is Quality.BAD:
         return (sample.why or f"bad quality, code {sample.code:#x}",)
@@ -57,14 +57,14 @@ def problems(reading: Reading, role: str, loop: LoopSettings) -> tuple[str, ...]
                 f"outside {_RANGES[role]} {low:g} to {high:g}: are address, type, byte order and unit right?"
             )
     if reading.changed and sample.time == reading.first.time:
-        found.append("its value changes and its source time stands: its clock is stale")
+        found.append("its value changes but its source time does not: its clock is stale")
     if reading.age < -CLOCK:
         found.append(f"its clock is {duration(-reading.age)} ahead of this machine's")
     return tuple(found)
 
 
 def remarks(reading: Reading, role: str, loop: LoopSettings, watched: float) -> tuple[str, ...]:
-    """Return what may be right, and should be known; ``watched``: how long was listened, s."""
+    """Return what may be correct but should be looked at; ``watched``: length of the check, s."""
     sample = reading.sample
     if sample.quality is Quality.BAD:
         return ()
@@ -82,7 +82,7 @@ def remarks(reading: Reading, role: str, loop: LoopSettings, watched: float) -> 
         found.append(f"its source time is {duration(reading.age)} old: {why}")
     if role == "mode" and not loop.is_automatic(sample.value):
         words = ", ".join(str(value) for value in loop.automatic)
-        found.append(f"is none of {words}: not automatic, such windows are not judged")
+        found.append(f"is none of {words}: not automatic, such windows are not diagnosed")
     if role == "pv" and not reading.changed and watched >= STILL * loop.ts:
         found.append(f"constant: did not change in {duration(watched)}")
     return tuple(found)

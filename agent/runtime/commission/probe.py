@@ -1,4 +1,4 @@
-"""Tries the connections of a configuration: is the peer there, can what each tag says be right?"""
+"""Checks the connections of a configuration: does the peer answer, are the values of its tags plausible?"""
 
 from __future__ import annotations
 
@@ -64,13 +64,13 @@ class _Probe:
             if loop.connection == connector.name
             for role in loop.roles
         }
-        self._told = [
+        self._published = [
             loop.name for loop in settings.loops if any(t.connection == connector.name for t in loop.publish)
         ]
         self._readings: dict[str, Reading] = {}
         self._targets: list[Finding] = []
         self._complete = False
-        """Whether every tag has told something."""
+        """Whether every tag has sent a value."""
 
     async def findings(self) -> list[Finding]:
         """Return what came of the connection, its tags and its targets, in this order."""
@@ -88,15 +88,15 @@ class _Probe:
         except TimeoutError:
             lost = None if opened else f"unreachable: no answer within {self._within:g} s"
         unread = (
-            "not read: the connection is not there"
+            "not read: no connection"
             if lost
-            else f"no value within {self._within:g} s: nobody sends it, or its address is wrong"
+            else f"no value within {self._within:g} s: it is not sent, or its address is wrong"
         )
         connection = Finding("connection", name, problems=(lost,) if lost else ())
         return [connection, *(self._tag(tag, unread) for tag in self._tags), *self._targets]
 
     async def _read(self, session: Session, limit: asyncio.Timeout) -> None:
-        """Read until every tag has told something; listen on until ``limit``, which is then set anew."""
+        """Read until every tag has sent a value; continue until ``limit``, which is then extended."""
         if not self._tags:
             return
         async for each in session.samples():
@@ -127,8 +127,8 @@ class _Probe:
                 )
                 for report in await session.check_targets()
             ]
-        remark = "whether it can be told shows when it is"
-        return [Finding("target", name, loop, remarks=(remark,)) for loop in self._told]
+        remark = "cannot be checked without publishing"
+        return [Finding("target", name, loop, remarks=(remark,)) for loop in self._published]
 
     def _tag(self, tag: str, missing: str) -> Finding:
         loop, role = self._tags[tag]

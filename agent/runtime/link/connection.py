@@ -1,4 +1,4 @@
-"""One connection's life: open, read, publish, and notice when the peer is silently dead."""
+"""One connection: open, read, publish, and detect a peer that is silently dead."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ from connectors.cancellation import obey_cancellation
 
 LOG = logging.getLogger(__name__)
 OPEN_WITHIN = 30.0
-"""s; connectors have shorter limits of their own, this is for those that fail to keep them."""
+"""s; connectors have shorter limits of their own, this one is for those that exceed them."""
 PUBLISH_WITHIN = 30.0
 """s; likewise."""
 CLOSE_WITHIN = 2.0
-"""s; a peer that doesn't answer must not hold up the end of the program."""
+"""s; a peer that does not answer must not delay the end of the program."""
 
 
 class Connection:
-    """A connector at work. ``attempt`` is one session; whoever supervises it starts the next."""
+    """A connector in use. ``attempt`` is one session; the supervisor starts the next."""
 
     def __init__(
         self,
@@ -49,11 +49,11 @@ class Connection:
 
         Args:
             connector: The bus.
-            outbox: What to publish there.
+            outbox: Publications for it.
             deliver: Takes each sample; None where nothing is read from this connection.
             interrupted: Called when a session ends, as samples may be lost from then on.
             data_age: Time without a sample after which the peer counts as gone, s.
-            obey: Does what a person asks; None where nobody can ask on this connection.
+            obey: Executes an order; None where this connection takes no orders.
         """
         self.health = Health(f"connection {connector.name}", about={"connection": connector.name})
         self._connector = connector
@@ -65,13 +65,13 @@ class Connection:
         self._malformed_before = 0
 
     def count_on(self, former: Connection) -> None:
-        """Let the counters go on from those of the connection that this one takes the place of."""
+        """Continue the counters of the connection that this one replaces."""
         self.health.count_on(former.health)
         self._malformed_before = former.malformed
 
     @property
     def malformed(self) -> int:
-        """Messages that could not be read, since the start; 0 on buses that have none of their own kind."""
+        """Messages that could not be read since the start; 0 on buses that do not count them."""
         now = self._connector.malformed if isinstance(self._connector, CountsMalformed) else 0
         return self._malformed_before + now
 
@@ -94,7 +94,7 @@ class Connection:
             self._interrupted()
 
     async def _read(self, session: Session, deliver: Callable[[Sample], None] | None) -> None:
-        """Hand on what comes in. Orders are no sign of life of the data: people may be silent for months."""
+        """Deliver samples and orders. Orders are no sign of life: people may send none for months."""
         self._expect_data()
         try:
             async with unless_silent(None if deliver is None else self._data_age) as sign_of_life:
@@ -124,10 +124,10 @@ class Connection:
                     publication = await self._outbox.first()
             except TimeoutError:
                 publication = refusals.next()
-            await self._tell(session, publication)
+            await self._send(session, publication)
             obey_cancellation()
 
-    async def _tell(self, session: Session, publication: Publication) -> None:
+    async def _send(self, session: Session, publication: Publication) -> None:
         self.health.expect("publish", PUBLISH_WITHIN + MARGIN)
         try:
             async with asyncio.timeout(PUBLISH_WITHIN):
@@ -135,7 +135,7 @@ class Connection:
         except RefusedError as error:
             self._outbox.refused(publication, error)
         except TimeoutError as error:
-            raise ConnectionLostError(f"took nothing within {PUBLISH_WITHIN:.0f} s") from error
+            raise ConnectionLostError(f"accepted no publication within {PUBLISH_WITHIN:.0f} s") from error
         else:
             self._outbox.taken(publication)
         self.health.expect("publish", None)
@@ -143,7 +143,7 @@ class Connection:
 
 @asynccontextmanager
 async def _opened(session: AbstractAsyncContextManager[Session], within: float) -> AsyncIterator[Session]:
-    """Open and close within bounded times, which a plain ``async with`` cannot do apart."""
+    """Open and close with a time limit each, which a plain ``async with`` cannot separate."""
     try:
         async with asyncio.timeout(within):
             opened = await session.__aenter__()
@@ -157,4 +157,4 @@ async def _opened(session: AbstractAsyncContextManager[Session], within: float) 
             async with asyncio.timeout(CLOSE_WITHIN):
                 await session.__aexit__(*sys.exc_info())
         except TimeoutError:
-            LOG.debug("a session did not close within %.0f s and is left to itself", CLOSE_WITHIN)
+            LOG.debug("a session did not close within %.0f s and was abandoned", CLOSE_WITHIN)

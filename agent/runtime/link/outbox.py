@@ -1,4 +1,4 @@
-"""What waits to be told on one connection."""
+"""Publications that wait for one connection."""
 
 from __future__ import annotations
 
@@ -21,14 +21,15 @@ class _Entry:
     sequence: int
     publication: Publication
     late: bool
-    """Whether the connection was gone when it came, or while it waited."""
+    """Whether the connection was down when it was queued, or while it waited."""
 
 
 class Outbox:
-    """Keeps publications in order until the peer took them, on disk where the journal has a store.
+    """Keeps publications in order until the peer accepts them, on disk where the journal has a store.
 
-    A state replaces the former of the same subject, as only the newest matters. Where there are too many, the
-    oldest state goes, which the next window tells anew; an event goes only where nothing else is left.
+    A state replaces the previous one of the same subject, as only the newest matters. If the outbox is full,
+    the oldest state is discarded, since the next window publishes a new one; an event is discarded only if
+    there is no state.
     """
 
     def __init__(self, target: str, journal: Journal, limit: int = 1000) -> None:
@@ -36,13 +37,13 @@ class Outbox:
 
         Args:
             target: Name of the connection.
-            journal: Keeps on disk what waits.
-            limit: Most publications that may wait.
+            journal: Keeps the waiting publications on disk.
+            limit: Greatest number of waiting publications.
         """
         self.dropped = 0
-        """Publications that were never told, because there were too many."""
+        """Publications that were discarded because the outbox was full."""
         self.refusals = Refusals(target, journal)
-        """What the peer would not take; all else waits no longer behind it."""
+        """Publications that the peer refused; the others do not wait for them."""
         self._target = target
         self._journal = journal
         self._limit = limit
@@ -54,19 +55,19 @@ class Outbox:
         return len(self._waiting)
 
     def __contains__(self, publication: Publication) -> bool:
-        """Whether it waits still; what was refused does not."""
+        """Whether it still waits; a refused publication does not."""
         return self._entry_of(publication) is not None
 
     @property
     def oldest(self) -> float | None:
-        """When the oldest came that the peer has not taken yet, s UTC; None where it has taken all."""
+        """Time of the oldest publication that the peer has not accepted, s UTC; None if it accepted all."""
         numbers = [entry.sequence for entry in self._waiting.values()]
         if self.refusals.oldest is not None:
             numbers.append(self.refusals.oldest)
         return min(numbers) / 1000 if numbers else None
 
     def restore(self, kept: Mapping[int, Publication]) -> None:
-        """Take what the store kept: sequence number -> publication, ascending."""
+        """Add the publications from the store: sequence number -> publication, ascending."""
         for sequence, publication in kept.items():
             former = self._waiting.pop(publication.key, None)
             if former is not None:  # a state that had been refused when the next one came
@@ -75,7 +76,7 @@ class Outbox:
             self._filled.set()
 
     def put(self, publication: Publication) -> None:
-        """Take one more; the next flush of the journal writes it."""
+        """Add a publication; the next flush of the journal writes it."""
         key, sequence = publication.key, self._journal.next_sequence()
         former = self._waiting.pop(key, None)
         self._waiting[key] = _Entry(sequence, publication, late=not self._connected)
@@ -90,9 +91,9 @@ class Outbox:
         self._filled.set()
 
     async def first(self) -> Publication:
-        """Wait for the oldest, as it should be sent now; nothing is sent before it is on disk.
+        """Wait for the oldest publication, in the form to send now; nothing is sent before it is on disk.
 
-        It stays until it is taken or refused.
+        It stays in the outbox until it is accepted or refused.
         """
         self._connected = True
         await self._journal.flush()
@@ -101,16 +102,16 @@ class Outbox:
             entry = next(iter(self._waiting.values()))
             await self._journal.flush()
             if entry in self._waiting.values():
-                return _told(entry)
+                return _as_sent(entry)
 
     def taken(self, publication: Publication) -> None:
-        """Forget it: the peer took it. One that has taken its place meanwhile stays."""
+        """Remove a publication that the peer accepted. One that has replaced it meanwhile stays."""
         if self._entry_of(publication) is not None:
             self._forget(publication.key)
         self.refusals.settle(publication)
 
     def refused(self, publication: Publication, error: RefusedError) -> None:
-        """Put it aside; one that has taken its place meanwhile comes next."""
+        """Set a refused publication aside; one that has replaced it meanwhile comes next."""
         self.refusals.count += 1
         entry = self._entry_of(publication)
         if entry is None:
@@ -120,14 +121,14 @@ class Outbox:
             self.refusals.add(entry.sequence, publication, error)
 
     def emptied(self) -> dict[int, Publication]:
-        """Give back all that waits, refused or not: sequence number -> publication."""
+        """Remove and return all waiting publications, refused or not: sequence number -> publication."""
         waiting = {entry.sequence: entry.publication for entry in self._waiting.values()}
         self._waiting.clear()
         self._filled.clear()
         return waiting | self.refusals.emptied()
 
     def interrupt(self) -> None:
-        """The connection is gone: what waits now and comes until it is back is told late."""
+        """Mark the connection as down: what waits now, or comes until it is back, is published late."""
         self._connected = False
         for key, entry in self._waiting.items():
             self._waiting[key] = replace(entry, late=True)
@@ -138,7 +139,7 @@ class Outbox:
         key = next(states, None) or next(iter(self._waiting))
         if key[0] != "state":
             LOG.error(
-                "connection %s: too much waits, %s is never told",
+                "connection %s: outbox full: %s was discarded",
                 self._target,
                 key[1],
                 extra={"event": "dropped", "connection": self._target},
@@ -159,8 +160,8 @@ class Outbox:
         return entry
 
 
-def _told(entry: _Entry) -> Publication:
-    """Return what is sent. A state is the newest there is, however late: only events become history."""
+def _as_sent(entry: _Entry) -> Publication:
+    """Return the publication to send. A state is the newest, however late; only events can be historical."""
     historical = entry.late and entry.publication.kind == "event"
     fields = {**entry.publication.fields, "sequence": entry.sequence, "historical": historical}
     return replace(entry.publication, fields=fields)

@@ -1,4 +1,4 @@
-"""Publications that a peer would not take, so that they hold up no others and are not forgotten either."""
+"""Publications that a peer refused, kept apart so that they neither block others nor are lost."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from connectors.base import Publication, RefusedError
 
 LOG = logging.getLogger(__name__)
 RETRY = 30.0
-"""s from one attempt to the next: a node that is missing mostly comes with a restart of its server."""
+"""s from one attempt to the next: a missing node usually appears with a restart of its server."""
 LIMIT = 1000
 
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """One publication that was not taken, or not all of it."""
+    """One publication that was refused, in whole or in part."""
 
     sequence: int
     """Its number in the store."""
     publication: Publication
     problem: str
     due: float
-    """When it is tried again, s of the event loop's clock."""
+    """Time of the next attempt, s of the event loop's clock."""
 
 
 class Refusals:
-    """What one connection would not take. A newer state of a subject takes the place of the former.
+    """Publications that one connection refused. A newer state of a subject replaces the previous one.
 
-    It stays in the store until it is taken; after a restart it waits in the outbox like all the rest.
+    They stay in the store until they are accepted; after a restart they wait in the outbox like all others.
     """
 
     def __init__(self, connection: str, journal: Journal) -> None:
         self.count = 0
         """Attempts that were refused."""
         self.dropped = 0
-        """Publications that were never taken, because there were too many."""
+        """Publications that were discarded because there were too many."""
         self._connection = connection
         self._journal = journal
         self._waiting: OrderedDict[tuple[str, str], Refusal] = OrderedDict()
@@ -49,7 +49,7 @@ class Refusals:
 
     @property
     def due(self) -> float | None:
-        """When the next is to be tried again, s of the event loop's clock; None if nothing waits."""
+        """Time of the next attempt, s of the event loop's clock; None if nothing waits."""
         return min((refusal.due for refusal in self._waiting.values()), default=None)
 
     @property
@@ -58,15 +58,15 @@ class Refusals:
         return min((refusal.sequence for refusal in self._waiting.values()), default=None)
 
     def next(self) -> Publication:
-        """Return the one that is due first."""
+        """Return the publication that is due first."""
         return min(self._waiting.values(), key=lambda refusal: refusal.due).publication
 
     def add(self, sequence: int, publication: Publication, error: RefusedError) -> None:
-        """Keep it for later; logged when it was not kept yet, or for another reason."""
+        """Keep a publication for a later attempt; logged if it is new here or the reason is new."""
         former = self._waiting.pop(publication.key, None)
         if former is None or former.problem != str(error):
             LOG.warning(
-                "connection %s refuses what is told of %s: %s",
+                "connection %s refused a publication about %s: %s",
                 self._connection,
                 publication.subject,
                 error,
@@ -81,25 +81,25 @@ class Refusals:
             self.dropped += 1
 
     def again(self, publication: Publication, error: RefusedError) -> None:
-        """Keep on what was tried again in vain."""
+        """Keep a publication whose repeated attempt failed."""
         former = self._waiting.get(publication.key)
         if former is not None and former.publication.id == publication.id:
             self.add(former.sequence, publication, error)
 
     def settle(self, publication: Publication) -> None:
-        """Forget it: the peer took it, or a newer one."""
+        """Remove it: the peer accepted it, or a newer one."""
         refusal = self._waiting.pop(publication.key, None)
         if refusal is not None:
             self._forget(refusal)
             LOG.info(
-                "connection %s takes what is told of %s again",
+                "connection %s accepts publications about %s again",
                 self._connection,
                 publication.subject,
                 extra={"event": "taken", "connection": self._connection, "loop": publication.subject},
             )
 
     def emptied(self) -> dict[int, Publication]:
-        """Give back all that waits: sequence number -> publication."""
+        """Remove and return all that wait: sequence number -> publication."""
         waiting = {refusal.sequence: refusal.publication for refusal in self._waiting.values()}
         self._waiting.clear()
         return waiting

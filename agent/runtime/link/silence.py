@@ -1,4 +1,4 @@
-"""Ends what listens when it has heard nothing for too long."""
+"""Ends a read after too long a silence."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ RESOLUTION = 1e-3
 
 @asynccontextmanager
 async def unless_silent(longest: float | None) -> AsyncIterator[Callable[[], None]]:
-    """Yield what is to be called at each sign of life; raises TimeoutError ``longest`` s after the last.
+    """Yield a function to call at each sign of life; raises TimeoutError ``longest`` s after the last call.
 
-    A sign of life only looks at the clock: setting a timer for each of thousands a second would be dear. With
-    None it waits for ever.
+    The function only reads the clock: a timer for each of thousands of calls a second would be expensive.
+    With None there is no limit.
     """
     clock = asyncio.get_running_loop()
     heard = clock.time()

@@ -1,4 +1,4 @@
-"""Takes back what was told of loops that leave the settings: nobody would ever correct it."""
+"""Withdraws the published alarms of loops that leave the settings: otherwise they would stay for ever."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LOOK = 0.01
 
 
 def leaving(old: Settings, new: Settings) -> list[tuple[str, str]]:
-    """Return connection and loop wherever a loop is told now, and will not be, or elsewhere on the bus."""
+    """Return connection and loop wherever a published loop will be dropped or published elsewhere."""
     left = []
     for name in old.connections:
         after = tags_on(new, name) if name in new.connections else {}
@@ -38,7 +38,7 @@ async def withdraw(
     outboxes: Mapping[str, Outbox],
     now: float,
 ) -> None:
-    """Tell the peers and return when they have taken it; what is down or slow is left, which is logged.
+    """Publish withdrawals and return when the peers accepted them; a peer that is slow or down is logged.
 
     Args:
         places: Connection and loop.
@@ -65,4 +65,4 @@ async def withdraw(
 
 
 def _left(connection: str, loop: str) -> None:
-    LOG.warning("%s: connection %s cannot be told that it is no longer watched", loop, connection)
+    LOG.warning("%s: no longer watched, but its alarm stays on connection %s: it is down", loop, connection)

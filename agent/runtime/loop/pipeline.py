@@ -127,8 +127,8 @@ class LoopPipeline:
                 self._due.set()
         self.resume(former.alarm)
 
-    def tell_again(self, now: float) -> None:
-        """Tell the state as it stands at ``now``, s UTC: a server of our own begins with nothing."""
+    def publish_again(self, now: float) -> None:
+        """Publish the state as it stands at ``now``, s UTC: a server of our own starts empty."""
         self._follow(self.alarm, (Announcement("state", self.alarm, now),))
 
     def obey(self, command: Command) -> None:

@@ -1,4 +1,4 @@
-"""One heap that gives memory back: a daemon that runs for months must not keep the most it ever needed.
+"""One heap that returns memory: a daemon that runs for months must not keep the most it ever needed.
 
 glibc gives each thread a heap of its own, and keeps what is free at the end of one, the more the larger the
 largest block that was ever freed. Both let the daemon grow by MB an hour (docs/reliability.md, "Days").
@@ -15,9 +15,9 @@ _SETTINGS = {"MALLOC_ARENA_MAX": (-8, 1), "MALLOC_TRIM_THRESHOLD_": (-1, 131072)
 
 
 def keep_one_heap() -> None:
-    """Tell the allocator of this process, and of those that it starts, unless the environment has.
+    """Configure the allocator of this process and its children, unless the environment sets it.
 
-    Elsewhere than with glibc it does nothing.
+    It has no effect without glibc.
     """
     with contextlib.suppress(OSError, AttributeError):  # no C library, or one without that function
         mallopt = ctypes.CDLL(None).mallopt

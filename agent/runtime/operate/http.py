@@ -1,4 +1,4 @@
-"""Health and metrics over HTTP, for those who watch the watcher."""
+"""Health and metrics over HTTP, to monitor the daemon itself."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from connectors.base import AccessDeniedError, ConnectionLostError
 MOST_CLIENTS = 128
 """Connections at the same time; more get 503. A browser keeps six."""
 IDLE = 5
-"""Time after which a client that asks nothing is sent away, s."""
+"""Time after which an idle client is disconnected, s."""
 Handler = Callable[[Request], Awaitable[Response]]
 PageOf = Callable[[Starlette, HttpSettings, str | None], ASGIApp]
 """Builds the whole application around the monitoring routes; it is given the settings and the token."""
@@ -67,7 +67,7 @@ def application(overview: Callable[[], AgentStatus], metrics: Metrics, token: st
             if token is None or _shows(request, token):
                 return await handler(request)
             return PlainTextResponse(
-                "a token is needed: Authorization: Bearer TOKEN\n", 401, {"WWW-Authenticate": "Bearer"}
+                "expected a token: Authorization: Bearer TOKEN\n", 401, {"WWW-Authenticate": "Bearer"}
             )
 
         return checked

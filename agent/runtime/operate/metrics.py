@@ -1,4 +1,4 @@
-"""What the daemon counts and measures, for Prometheus. docs/howto/monitoring.md lists all of it."""
+"""Metrics of the daemon for Prometheus. docs/howto/monitoring.md lists all of them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BUCKETS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 """s"""
 LOOP_GAUGES: tuple[tuple[str, str, Callable[[LoopStatus], float | None]], ...] = (
     ("data_age_seconds", "Time since the newest sample arrived", lambda s: s.data_age),
-    ("stale", "1 where nothing came in for too long", lambda s: s.data == "stale"),
+    ("stale", "1 if no sample arrived for too long", lambda s: s.data == "stale"),
     ("gaps", "Grid points without PV or OP in the newest window", lambda s: s.gaps),
     ("verdict_age_seconds", "Time since the newest verdict", lambda s: s.verdict_age),
     ("waiting", "1 while a window waits for its verdict", lambda s: s.busy),
@@ -29,31 +29,31 @@ LOOP_GAUGES: tuple[tuple[str, str, Callable[[LoopStatus], float | None]], ...] =
 LOOP_COUNTERS: tuple[tuple[str, str, Callable[[LoopStatus], float]], ...] = (
     ("samples", "Samples taken", lambda s: s.samples),
     ("bad_samples", "Samples of bad quality", lambda s: s.bad),
-    ("odd_times", "Samples whose source time was not believed", lambda s: s.odd_times),
-    ("superseded_windows", "Windows never judged because a newer one came due", lambda s: s.superseded),
+    ("odd_times", "Samples whose source time was rejected", lambda s: s.odd_times),
+    ("superseded_windows", "Windows not diagnosed because a newer one came due", lambda s: s.superseded),
     ("faults", "Times the program failed on the loop", lambda s: s.faults),
 )
 CONNECTION_GAUGES: tuple[tuple[str, str, Callable[[ConnectionStatus], float | None]], ...] = (
     ("up", "1 while it works", lambda s: s.up),
     ("outbox_waiting", "Publications that wait for the peer", lambda s: s.waiting),
-    ("outbox_refused", "Publications that the peer would not take, tried again", lambda s: s.refused),
+    ("outbox_refused", "Publications that the peer refused, to be sent again", lambda s: s.refused),
     ("outbox_oldest_seconds", "Time that the oldest of these has waited", lambda s: s.oldest or 0.0),
 )
 CONNECTION_COUNTERS: tuple[tuple[str, str, Callable[[ConnectionStatus], float]], ...] = (
     ("losses", "Times the peer was gone or did not answer; a new session follows each", lambda s: s.losses),
     ("faults", "Times the program failed on the connection", lambda s: s.faults),
-    ("outbox_dropped", "Publications never told because there were too many", lambda s: s.dropped),
+    ("outbox_dropped", "Publications discarded because the outbox was full", lambda s: s.dropped),
     ("refusals", "Attempts to publish that the peer refused", lambda s: s.refusals),
     ("malformed", "Messages that could not be read, orders among them", lambda s: s.malformed),
 )
 AGENT_COUNTERS: tuple[tuple[str, str, Callable[[AgentStatus], float]], ...] = (
     ("faults", "Times the program failed on what is neither loop nor connection", lambda s: s.faults),
-    ("store_failures", "Times the disk did not take what it should keep", lambda s: s.store_failures),
+    ("store_failures", "Failed writes and reads of the state file", lambda s: s.store_failures),
     ("history_dropped", "Entries that the history lost", lambda s: s.history_dropped),
     ("orders_taken", "Orders of people over the buses that changed an alarm", lambda s: s.orders_taken),
     (
         "orders_refused",
-        "Orders of people over the buses that could not be obeyed",
+        "Orders of people over the buses that were refused",
         lambda s: s.orders_refused,
     ),
 )
@@ -114,10 +114,10 @@ class Metrics(Collector):
         """Look at the daemon."""
         now = self._overview()
         yield InfoMetricFamily("slipjump_build", "This program", {"version": version("slipjump")})
-        yield GaugeMetricFamily("slipjump_hung", "Tasks that do not come back", len(now.hung))
+        yield GaugeMetricFamily("slipjump_hung", "Tasks that hang", len(now.hung))
         yield GaugeMetricFamily("slipjump_worker_queue", "Calculations that wait for a worker", now.queued)
-        for name, told, of_agent in AGENT_COUNTERS:
-            yield CounterMetricFamily(f"slipjump_{name}", told, of_agent(now))
+        for name, text, of_agent in AGENT_COUNTERS:
+            yield CounterMetricFamily(f"slipjump_{name}", text, of_agent(now))
         alarms = GaugeMetricFamily("slipjump_alarms", "Alarms, by state", labels=["state"])
         for state in State:
             alarms.add_metric([state.value], sum(each.alarm is state for each in now.loops))
@@ -135,8 +135,8 @@ def _families(
 ) -> Iterator[Metric]:
     """One metric for each row, with a value for each member that has one."""
     for family_of, rows in ((GaugeMetricFamily, gauges), (CounterMetricFamily, counters)):
-        for name, told, value_of in rows:
-            family = family_of(f"slipjump_{label}_{name}", told, labels=[label])
+        for name, text, value_of in rows:
+            family = family_of(f"slipjump_{label}_{name}", text, labels=[label])
             for member, status in members:
                 value = value_of(status)
                 if value is not None:

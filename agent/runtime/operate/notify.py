@@ -1,6 +1,6 @@
-"""Tells systemd how the service fares: ready, alive, reloading, stopping.
+"""Reports the state of the service to systemd: ready, alive, reloading, stopping.
 
-One datagram each to the socket that ``NOTIFY_SOCKET`` names (sd_notify(3)); without systemd nothing happens.
+One datagram each to the socket that ``NOTIFY_SOCKET`` names (sd_notify(3)); without systemd nothing is sent.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ LOG = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class ServiceManager:
-    """Who started this process and waits for news."""
+    """The service manager that started this process and waits for its notifications."""
 
     address: str | None = None
-    """Of its socket; None where nobody waits."""
+    """Address of its socket; None without a service manager."""
     watchdog: float | None = None
-    """s within which it wants a sign of life, or it kills and starts anew; None where it does not."""
+    """s within which it expects a sign of life, or it kills and restarts; None without a watchdog."""
 
     @classmethod
     def of(cls, environment: Mapping[str, str] = os.environ) -> ServiceManager:
@@ -37,21 +37,21 @@ class ServiceManager:
 
     def ready(self, status: str) -> None:
         """Say that it works, at start and after a reload; ``status`` is a line for ``systemctl status``."""
-        self._tell("READY=1", f"STATUS={status}")
+        self._send("READY=1", f"STATUS={status}")
 
     def alive(self) -> None:
         """Say that it lives."""
-        self._tell("WATCHDOG=1")
+        self._send("WATCHDOG=1")
 
     def reloading(self) -> None:
         """Say that the configuration is read anew; ``ready`` follows."""
-        self._tell("RELOADING=1", f"MONOTONIC_USEC={time.monotonic_ns() // 1000}")
+        self._send("RELOADING=1", f"MONOTONIC_USEC={time.monotonic_ns() // 1000}")
 
     def stopping(self) -> None:
         """Say that it ends."""
-        self._tell("STOPPING=1")
+        self._send("STOPPING=1")
 
-    def _tell(self, *lines: str) -> None:
+    def _send(self, *lines: str) -> None:
         if self.address is None:
             return
         # "@" stands for the zero byte of a socket that has no file
@@ -61,4 +61,4 @@ class ServiceManager:
             with socket.socket(socket.AF_UNIX, kind) as manager:
                 manager.sendto("\n".join(lines).encode(), address)
         except OSError as error:
-            LOG.debug("systemd cannot be told %s: %s", lines[0], error)
+            LOG.debug("cannot send %s to systemd: %s", lines[0], error)

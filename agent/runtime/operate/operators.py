@@ -1,4 +1,4 @@
-"""What people left in the store for a running agent, and shelving that ends."""
+"""Executes commands that people left in the store, and ends shelving in time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import NoReturn
 from agent.runtime.loop.pipeline import LoopPipeline
 from agent.runtime.store.change import Change
 from agent.runtime.store.journal import Journal
-from agent.runtime.store.store import Told
+from agent.runtime.store.store import StoredCommand
 from agent.runtime.supervisor import MARGIN, Health
 from connectors.cancellation import obey_cancellation
 
@@ -20,7 +20,7 @@ LOOK = 0.5
 
 
 class Operators:
-    """Obeys `slipjump alarms`, which knows the agent by its store only. ``run`` is for a supervisor."""
+    """Executes the commands that `slipjump alarms` leaves in the store. ``run`` is for a supervisor."""
 
     def __init__(
         self, pipelines: Mapping[str, LoopPipeline], journal: Journal, clock: Callable[[], float]
@@ -41,8 +41,8 @@ class Operators:
         """Look now and then, until cancelled."""
         while True:
             self.health.expect("look", MARGIN)
-            for told in await self._journal.commands():
-                self._obey(told)
+            for stored in await self._journal.commands():
+                self._obey(stored)
             now = self._clock()
             for pipeline in self._pipelines.values():
                 pipeline.look_at_clock(now)
@@ -50,12 +50,12 @@ class Operators:
             obey_cancellation()
             await asyncio.sleep(LOOK)
 
-    def _obey(self, told: Told) -> None:
-        pipeline = self._pipelines.get(told.loop)
-        if pipeline is None or told.command is None:
-            LOG.warning("command %d for %s cannot be obeyed", told.number, told.loop)
+    def _obey(self, stored: StoredCommand) -> None:
+        pipeline = self._pipelines.get(stored.loop)
+        if pipeline is None or stored.command is None:
+            LOG.warning("command %d for %s cannot be obeyed", stored.number, stored.loop)
         else:
-            about = {"event": "order", "loop": told.loop}
-            LOG.info("%s: %s by %s", told.loop, told.command.event, told.command.by, extra=about)
-            pipeline.obey(told.command)
-        self._journal.note(Change(taken=frozenset({told.number})))
+            about = {"event": "order", "loop": stored.loop}
+            LOG.info("%s: %s by %s", stored.loop, stored.command.event, stored.command.by, extra=about)
+            pipeline.obey(stored.command)
+        self._journal.note(Change(taken=frozenset({stored.number})))

@@ -1,4 +1,4 @@
-"""What people ask over the buses becomes a command to the loop's alarm."""
+"""Turns orders that people send over the buses into commands to the loop's alarm."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LOG = logging.getLogger(__name__)
 
 
 class Orders:
-    """Obeys orders; one that cannot be obeyed is counted and told, once while the reason is the same."""
+    """Executes orders; a refused one is counted, and logged once while the reason is the same."""
 
     def __init__(
         self, pipelines: Mapping[str, LoopPipeline], journal: Journal, clock: Callable[[], float]
@@ -36,7 +36,7 @@ class Orders:
         self._problem = ""
 
     async def obey(self, connection: str, order: Order) -> None:
-        """Do what an order asks that came over ``connection``, and return when that is on disk."""
+        """Execute an order received over ``connection``, and return when the result is on disk."""
         problem = self._obey(order)
         about = {"event": "order", "connection": connection, "loop": order.subject}
         if problem is None:
@@ -45,13 +45,13 @@ class Orders:
             await self._journal.flush()
             return
         self.refused += 1
-        told = f"{order.action} of {order.subject!r} by {order.by!r}, over {connection}: {problem}"
-        if told != self._problem:
-            self._problem = told
-            LOG.warning("%s", told, extra=about)
+        message = f"{order.action} of {order.subject!r} by {order.by!r}, over {connection}: {problem}"
+        if message != self._problem:
+            self._problem = message
+            LOG.warning("%s", message, extra=about)
 
     def _obey(self, order: Order) -> str | None:
-        """Hand it to its loop; return why that cannot be."""
+        """Pass it to its loop; return the reason if that fails."""
         pipeline = self._pipelines.get(order.subject)
         if pipeline is None:
             return "there is no such loop"

@@ -1,4 +1,4 @@
-"""Takes over a changed configuration file: after SIGHUP, or when the file changes and it may."""
+"""Applies a changed configuration file: after SIGHUP, or on its change if ``watch_config`` is set."""
 
 from __future__ import annotations
 
@@ -22,41 +22,41 @@ Marks = dict[Path, tuple[int, int, int] | None]
 
 
 class Reloader:
-    """Keeps an agent at what its configuration file says. ``run`` is for a supervisor."""
+    """Keeps an agent in line with its configuration file. ``run`` is for a supervisor."""
 
-    def __init__(self, path: Path, agent: Agent, manager: ServiceManager, asked: asyncio.Event) -> None:
+    def __init__(self, path: Path, agent: Agent, manager: ServiceManager, requested: asyncio.Event) -> None:
         """Make it.
 
         Args:
-            path: Of the configuration file.
-            agent: Runs by it already.
-            manager: Is told that it is read anew.
-            asked: Set it to have the file read anew soon.
+            path: Path of the configuration file.
+            agent: Agent that already runs with it.
+            manager: Gets a notification when the file is read again.
+            requested: Set it to have the file read again.
         """
         self.refused = 0
-        """Times that the file had faults and was not taken."""
+        """Times that the file had faults and was not applied."""
         self._path = path
         self._agent = agent
         self._manager = manager
-        self._asked = asked
+        self._requested = requested
         self._taken = _marks(self._files())
         """Of the files as they were last read."""
 
     async def run(self) -> NoReturn:
-        """Take over what is asked for, until cancelled."""
+        """Apply changes until cancelled."""
         while True:
             await self._wait()
-            self._asked.clear()
+            self._requested.clear()
             await self._take_over()
             obey_cancellation()
 
     async def _wait(self) -> None:
-        """Wait until it is asked for, or a file has changed and rests."""
+        """Wait for a request, or until a file has changed and is no longer being written."""
         watches, before = self._agent.settings.agent.watch_config, self._taken
         while True:
             try:
                 async with asyncio.timeout(LOOK if watches else None):
-                    await self._asked.wait()
+                    await self._requested.wait()
                     return
             except TimeoutError:
                 now = await asyncio.to_thread(_marks, self._files())
@@ -74,7 +74,11 @@ class Reloader:
             self.refused += 1
             for fault in error.faults:
                 LOG.error("%s", fault, extra={"event": "refused"})  # noqa: TRY400 - a fault of the file
-            LOG.error("%s is not taken over; all goes on as before", self._path, extra={"event": "refused"})  # noqa: TRY400
+            LOG.error(  # noqa: TRY400
+                "%s was not applied; the agent continues with its previous settings",
+                self._path,
+                extra={"event": "refused"},
+            )
         finally:
             # of a list that is new the marks are those of now, of the others those before they were read
             now = _marks(self._files())

@@ -36,9 +36,9 @@ class LoopStatus:
     bad: int
     """Samples of bad quality."""
     odd_times: int
-    """Samples whose source time was not believed."""
+    """Samples whose source time was rejected."""
     superseded: int
-    """Windows that were never judged because a newer one came due."""
+    """Windows that were not diagnosed because a newer one came due."""
     busy: bool
     """Whether a window waits for its verdict."""
     data_age: float | None
@@ -70,11 +70,11 @@ class ConnectionStatus:
     waiting: int
     """Publications in the outbox."""
     refused: int
-    """Publications that the peer would not take, and that are tried again."""
+    """Publications that the peer refused, to be sent again."""
     oldest: float | None
     """Time that the oldest of both has waited, s; None where there is none."""
     dropped: int
-    """Publications that were never told, because there were too many."""
+    """Publications that were discarded because the outbox was full."""
     refusals: int
     """Attempts that were refused."""
     malformed: int
@@ -88,13 +88,13 @@ class AgentStatus:
     loops: tuple[LoopStatus, ...]
     connections: tuple[ConnectionStatus, ...]
     hung: tuple[str, ...]
-    """What does not come back, e.g. ``connection unit1: open``: a fault of this program or of a library."""
+    """Hung tasks, e.g. ``connection unit1: open``: a fault of this program or of a library."""
     faults: int
     """Times the program failed on what is neither a loop nor a connection."""
     store_failures: int
-    """Times the disk did not take what it should keep."""
+    """Failed writes and reads of the state file."""
     history_dropped: int
-    """Entries that the history lost, because the disk did not take them."""
+    """Entries that the history lost because they could not be written."""
     orders_taken: int
     """Orders of people over the buses that changed an alarm."""
     orders_refused: int

@@ -1,8 +1,8 @@
-"""Notices work that hangs, and lets systemd start the daemon anew then.
+"""Detects hung tasks, and lets systemd restart the daemon then.
 
-A loss is for the supervisor. This is for what no supervisor can see: a library that keeps a cancellation to
-itself, an attempt that never comes back. Whoever waits says until when at the latest (``Health.expect``). A
-hanging event loop needs no look at all: nobody sends the sign of life then.
+The supervisor handles losses. This handles what no supervisor can see: a library that swallows a
+cancellation, an attempt that never returns. Each task that waits sets a deadline (``Health.expect``). A hung
+event loop needs no check: the sign of life stops then.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from connectors.cancellation import obey_cancellation
 
 LOG = logging.getLogger(__name__)
 LOOK = 10.0
-"""Time between two looks where no service manager wants them more often, s."""
+"""Time between two checks, s; shorter if the service manager requires it."""
 
 
 async def watch(hung: Callable[[], tuple[str, ...]], manager: ServiceManager) -> NoReturn:
-    """Send signs of life while nothing hangs, and say what does."""
-    told: set[str] = set()
+    """Send signs of life while nothing hangs, and log hung tasks."""
+    reported: set[str] = set()
     while True:
         now = set(hung())
-        for each in sorted(now - told):
+        for each in sorted(now - reported):
             LOG.error("%s hangs, which is a fault of this program", each, extra={"event": "hung"})
-        for each in sorted(told - now):
+        for each in sorted(reported - now):
             LOG.info("%s has come back", each, extra={"event": "up"})
-        told = now
+        reported = now
         if not now:
             manager.alive()
         obey_cancellation()

@@ -1,4 +1,4 @@
-"""An SQLite file of this program: opened with care, told apart from those of others, kept whole."""
+"""An SQLite file of this program: checked when opened, recognised by its application id, kept intact."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Format:
     """What is in a file."""
 
     application: int
-    """``application_id``: tells it from the database of another program."""
+    """``application_id``: distinguishes it from the database of another program."""
     version: int
     """``user_version``."""
     tables: str
@@ -56,7 +56,7 @@ class Database:
         except StoreError as error:
             if not create or not _is_damaged(error):
                 raise
-            LOG.error("%s; it is moved to %s, and a new one begins", error, _moved_aside(path))  # noqa: TRY400
+            LOG.error("%s; the file was moved to %s, a new one is made", error, _moved_aside(path))  # noqa: TRY400
             self._database = self._opened(create=True)
 
     def close(self) -> None:
@@ -66,13 +66,13 @@ class Database:
     @contextmanager
     def transaction(self, kind: Literal["DEFERRED", "IMMEDIATE"]) -> Iterator[sqlite3.Connection]:
         """Do all within or nothing: DEFERRED to read, IMMEDIATE to write."""
-        with self.told(), self._database as database:
+        with self.reading(), self._database as database:
             database.execute(f"BEGIN {kind}")
             yield database
 
     @contextmanager
-    def told(self) -> Iterator[sqlite3.Connection]:
-        """Outside a transaction; what SQLite complains of becomes a StoreError that names the file."""
+    def reading(self) -> Iterator[sqlite3.Connection]:
+        """Use the database without a transaction; an SQLite error becomes a StoreError naming the file."""
         with _named(self.path):
             yield self._database
 

@@ -23,9 +23,9 @@ LOG = logging.getLogger(__name__)
 GATHER = 2.0
 """Time for which entries gather before they are written together, s."""
 AGAIN = 30.0
-"""Time from one attempt to the next where the disk does not take them, s."""
+"""Time from one attempt to the next after a failed write, s."""
 LIMIT = 5000
-"""Entries that may wait in memory; beyond it the oldest go."""
+"""Entries that may wait in memory; beyond it the oldest are discarded."""
 DAY = 86400.0
 """s"""
 MB = 1e6
@@ -33,7 +33,7 @@ MB = 1e6
 
 
 class History:
-    """An observer of loops that writes what it is told. ``run`` is for a supervisor."""
+    """An observer of loops that writes verdicts and alarm changes. ``run`` is for a supervisor."""
 
     def __init__(self, path: Path, settings: HistorySettings, clock: Callable[[], float] = time.time) -> None:
         """Make it; nothing is opened yet.
@@ -44,7 +44,7 @@ class History:
             clock: Gives the time, s UTC.
         """
         self.dropped = 0
-        """Entries that were lost, because the disk did not take them."""
+        """Entries that were lost because they could not be written."""
         self._path = path
         self._settings = settings
         self._clock = clock
@@ -91,7 +91,7 @@ class History:
 
     async def _flush(self) -> bool:
         """Write what waits; return whether the disk took it."""
-        # A task of its own: whoever is cancelled while he waits would not know what was written.
+        # A task of its own: a caller cancelled during the wait would not know what was written.
         return await asyncio.shield(asyncio.create_task(self._write(), name="history"))
 
     async def _write(self) -> bool:

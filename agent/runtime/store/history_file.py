@@ -1,7 +1,7 @@
-"""The file of what was: diagnoses and changes of alarms, in SQLite, the oldest going first.
+"""The history: diagnoses and changes of alarms in an SQLite file; the oldest are deleted first.
 
-A file of its own beside the store: large, and of less worth. ``synchronous=NORMAL``: a power failure may cost
-the newest entries, and writing costs the disk little.
+A separate file beside the store: large, and less valuable. ``synchronous=NORMAL``: a power failure may lose
+the newest entries, and writing is cheap for the disk.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ class Entry:
     loop: str
     kind: Literal["diagnosis", "alarm"]
     content: dict[str, Any]
-    """As JSON: of `slipjump diagnose` without its methods, or what the buses were told of the alarm."""
+    """As JSON: of `slipjump diagnose` without its methods, or the published fields of the alarm."""
 
 
 def history_path(state: Path) -> Path:
-    """Where the history of the agent is that keeps its alarms in ``state``."""
+    """Return the path of the history of the agent that keeps its alarms in ``state``."""
     return state.with_suffix(".history.sqlite")
 
 
@@ -86,7 +86,7 @@ class HistoryFile:
                     "DELETE FROM entry WHERE number IN (SELECT number FROM entry ORDER BY number LIMIT ?)",
                     (max(1, int(AT_ONCE * count)),),
                 )
-        with self._database.told() as database:
+        with self._database.reading() as database:
             database.execute("PRAGMA incremental_vacuum").fetchall()
 
     def read(
@@ -103,7 +103,7 @@ class HistoryFile:
 
     def _used(self) -> int:
         """Bytes of the file that hold something."""
-        with self._database.told() as database:
+        with self._database.reading() as database:
             pages, free, size = (
                 database.execute(f"PRAGMA {name}").fetchone()[0]
                 for name in ("page_count", "freelist_count", "page_size")

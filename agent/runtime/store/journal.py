@@ -1,4 +1,4 @@
-"""Keeps the store up to date from the event loop, which never waits for the disk itself."""
+"""Keeps the store up to date from the event loop, which never waits for the disk."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from agent.runtime.store.change import Change
-from agent.runtime.store.store import Kept, Store, StoreError, Told
+from agent.runtime.store.store import Kept, Store, StoredCommand, StoreError
 
 LOG = logging.getLogger(__name__)
 NOTHING = Change()
@@ -22,8 +22,8 @@ class Journal:
     """What changed and is not on disk yet, and the thread that writes it there.
 
     ``note`` collects changes; ``flush`` writes all of them in one transaction. So an alarm and its
-    announcements, noted without a pause between them, are on disk together or not at all. What the disk would
-    not take stays noted, and every flush tries again.
+    announcements, noted without a pause between them, are on disk together or not at all. If a write fails,
+    the changes stay noted, and every flush tries again.
     """
 
     def __init__(self, path: Path | None = None, clock: Callable[[], float] = time.time) -> None:
@@ -34,7 +34,7 @@ class Journal:
             clock: Gives the time, s UTC.
         """
         self.failures = 0
-        """Times the disk did not take what it should."""
+        """Failed writes and reads of the store."""
         self._path = path
         self._clock = clock
         self._pending = NOTHING
@@ -45,7 +45,7 @@ class Journal:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="store")
 
     async def open(self) -> Kept:
-        """Return what the store kept; nothing, and told in the log, where it cannot be used."""
+        """Return the content of the store; empty, with a log message, where it cannot be used."""
         if self._path is None:
             return Kept()
         try:
@@ -80,7 +80,7 @@ class Journal:
         if self._path is None:
             self._pending = NOTHING
         elif self._pending != NOTHING or self._writing.locked():
-            # A task of its own: whoever is cancelled while he waits would not know what was written.
+            # A task of its own: a caller cancelled during the wait would not know what was written.
             await asyncio.shield(asyncio.create_task(self._write(), name="store"))
 
     async def _write(self) -> None:
@@ -98,7 +98,7 @@ class Journal:
                     self._problem = ""
                     LOG.info("%s is written again", self._path, extra={"event": "store"})
 
-    async def commands(self) -> tuple[Told, ...]:
+    async def commands(self) -> tuple[StoredCommand, ...]:
         """Return the commands that were not obeyed yet, the oldest first."""
         if self._path is None:
             return ()

@@ -1,4 +1,4 @@
-"""One agent a state file: two would both publish, and each would forget what the other knows."""
+"""One agent per state file: two would both publish, and each would overwrite the other's state."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def only_agent_of(state: Path | None) -> Iterator[None]:
     try:
         handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     except OSError as error:
-        _cannot_tell(path, error)
+        _warn_unlocked(path, error)
         yield
         return
     try:
@@ -42,12 +42,12 @@ def only_agent_of(state: Path | None) -> Iterator[None]:
             who = f", process {holder}" if holder.isdigit() else ""
             raise ConfigError([f"{state}: is used by another agent{who}"]) from error
         except OSError as error:
-            _cannot_tell(path, error)
+            _warn_unlocked(path, error)
         yield
     finally:
         os.close(handle)
 
 
-def _cannot_tell(path: Path, error: OSError) -> None:
-    """As with the state file itself: a disk that does not take it must not stop the agent."""
-    LOG.warning("%s: %s; whether another agent uses the same state cannot be told", path, error.strerror)
+def _warn_unlocked(path: Path, error: OSError) -> None:
+    """Log it only: as with the state file itself, a disk failure must not stop the agent."""
+    LOG.warning("%s: %s; cannot check whether another agent uses the same state", path, error.strerror)

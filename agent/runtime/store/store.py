@@ -1,4 +1,4 @@
-"""The file in which alarms, what waits to be told, and commands outlive the process: SQLite.
+"""The SQLite file that keeps alarms, unpublished messages and commands over a restart.
 
 Write-ahead log with ``synchronous=FULL``: what a transaction wrote is there after SIGKILL, and after a power
 failure too. NORMAL would do for SIGKILL, but plants lose power, and an acknowledgement must not come undone
@@ -30,7 +30,7 @@ CREATE TABLE command (number INTEGER PRIMARY KEY AUTOINCREMENT, loop TEXT NOT NU
 """Each ``content`` is JSON."""
 FORMAT = Format(application=0x736C6A70, version=1, tables=TABLES, synchronous="FULL")
 """The application is "sljp"."""
-__all__ = ["Kept", "Store", "StoreError", "Told"]
+__all__ = ["Kept", "Store", "StoreError", "StoredCommand"]
 T = TypeVar("T")
 _ALARM = TypeAdapter(Alarm)
 _PUBLICATION = TypeAdapter(Publication)
@@ -38,7 +38,7 @@ _COMMAND = TypeAdapter(Command)
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class StoredCommand:
     """A command that waits for the agent."""
 
     number: int
@@ -89,7 +89,7 @@ class Store:
             database.executemany("DELETE FROM command WHERE number = ?", [(n,) for n in change.taken])
 
     def read(self) -> Kept:
-        """Return alarms and what waits; a row that cannot be read is told in the log and left out."""
+        """Return alarms and waiting publications; a row that cannot be read is logged and skipped."""
         with self._database.transaction("DEFERRED") as database:
             alarms = database.execute("SELECT * FROM alarm ORDER BY loop").fetchall()
             waiting = database.execute("SELECT * FROM outbox ORDER BY sequence").fetchall()
@@ -110,11 +110,11 @@ class Store:
             row = (loop, _text(_COMMAND, command))
             return database.execute("INSERT INTO command (loop, content) VALUES (?, ?)", row).lastrowid or 0
 
-    def commands(self) -> tuple[Told, ...]:
-        """Return the commands that wait, the oldest first."""
+    def commands(self) -> tuple[StoredCommand, ...]:
+        """Return the waiting commands, the oldest first."""
         with self._database.transaction("DEFERRED") as database:
             rows = database.execute("SELECT * FROM command ORDER BY number").fetchall()
-        return tuple(Told(number, loop, self._value(_COMMAND, text)) for number, loop, text in rows)
+        return tuple(StoredCommand(number, loop, self._value(_COMMAND, text)) for number, loop, text in rows)
 
     def _value(self, adapter: TypeAdapter[T], text: str) -> T | None:
         try:

@@ -140,7 +140,7 @@ def test_an_acknowledgement_of_nothing_announces_nothing():
 
 @pytest.mark.parametrize("event", [Event.RAISE, Event.CLEAR])
 def test_only_the_diagnosis_raises_and_clears(event):
-    with pytest.raises(ValueError, match="not for a person"):
+    with pytest.raises(ValueError, match="a person cannot command it"):
         Command(event, "jane", 0.0)
 
 

@@ -124,5 +124,5 @@ def test_check_connect_says_that_the_peer_is_not_there(plant):
     )
     assert done.returncode == 2
     assert done.stdout.startswith("unit1 (modbus): unreachable: ")
-    assert done.stdout.count("not read: the connection is not there") == 2
+    assert done.stdout.count("not read: no connection") == 2
     assert "Traceback" not in done.stderr

@@ -85,7 +85,7 @@ def test_a_service_from_start_to_end(plant):
         assert service.hears("RELOADING=1")[1].startswith("MONOTONIC_USEC=")
         service.hears("READY=1")
         assert service.says("loops.0.ts: ")["event"] == "refused"
-        service.says("all goes on as before")
+        service.says("the agent continues with its previous settings")
         assert list(json.loads(get(port, "/health")[1])["loops"]) == ["FIC101"]
 
         plant.write_text(yaml.safe_dump(content | {"loops": [loop, loop | {"name": "FIC102"}]}))

@@ -180,7 +180,7 @@ def test_a_lost_connection_is_opened_anew_and_leaves_a_gap(caplog):
     assert said == ["connection bus is up", "connection bus is down: reset by peer", "connection bus is up"]
 
 
-def test_a_peer_that_is_away_is_tried_with_growing_waits_and_told_of_once(caplog):
+def test_a_peer_that_is_away_is_tried_with_growing_waits_and_logged_once(caplog):
     bus = FakeBus(stream(["FIC101"], 100))
     bus.refuses_connection = True
     agent = agent_of(bus)
@@ -333,11 +333,11 @@ def test_what_a_peer_refuses_holds_up_no_others_and_is_taken_when_it_can(caplog)
     assert len(bus.opened) == 1
     assert sorted(p.kind for p in bus.published) == ["event", "state"]
     assert [p.fields["time"] - START for p in bus.published if p.kind == "state"] == [899.0]
-    said = [r.message for r in caplog.records if "what is told" in r.message]
+    said = [r.message for r in caplog.records if " about FIC101" in r.message]
     assert (
         said
-        == ["connection bus refuses what is told of FIC101: BadNotWritable"] * 2
-        + ["connection bus takes what is told of FIC101 again"] * 2
+        == ["connection bus refused a publication about FIC101: BadNotWritable"] * 2
+        + ["connection bus accepts publications about FIC101 again"] * 2
     )
 
 
@@ -348,9 +348,9 @@ def test_the_longest_wait_can_be_chosen():
     assert 60 < len(bus.attempts) < 200  # 30 s on average
 
 
-def test_being_denied_is_told_though_the_peer_was_gone_before(caplog):
+def test_denied_access_is_logged_though_the_peer_was_gone_before(caplog):
     class CertificateError(AccessDeniedError):
-        """Which some bus may tell apart."""
+        """A loss that some buses can distinguish."""
 
     faults = iter([ConnectionLostError("refused"), AccessDeniedError("wrong password; check it")])
     last = CertificateError("wrong certificate")

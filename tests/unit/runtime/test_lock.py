@@ -23,7 +23,7 @@ with only_agent_of(Path(sys.argv[1])):
 """
 
 
-def test_a_second_agent_is_told_who_the_first_is_and_comes_when_that_is_killed(tmp_path):
+def test_a_second_agent_reports_who_the_first_is_and_comes_when_that_is_killed(tmp_path):
     state = tmp_path / "plant.sqlite"
     with subprocess.Popen(
         [sys.executable, "-c", HOLDER, state],
@@ -34,8 +34,8 @@ def test_a_second_agent_is_told_who_the_first_is_and_comes_when_that_is_killed(t
     ) as first:
         held, child = first.stdout.readline().split()
         assert held == "held"
-        told = f"{state}: is used by another agent, process {first.pid}"
-        with pytest.raises(ConfigError, match=told), only_agent_of(state):
+        message = f"{state}: is used by another agent, process {first.pid}"
+        with pytest.raises(ConfigError, match=message), only_agent_of(state):
             pytest.fail("two agents share a state file")
         with only_agent_of(tmp_path / "other.sqlite"):
             pass
@@ -50,4 +50,4 @@ def test_a_second_agent_is_told_who_the_first_is_and_comes_when_that_is_killed(t
 
 def test_a_folder_that_takes_no_file_stops_no_agent(tmp_path, caplog):
     with only_agent_of(tmp_path / "not yet" / "plant.sqlite"):
-        assert "cannot be told" in caplog.text
+        assert "cannot check whether another agent" in caplog.text

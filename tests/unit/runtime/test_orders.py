@@ -65,7 +65,7 @@ def test_an_order_is_obeyed_and_told_on_the_bus(orders, state):
         (ask("shelve", until=1.0), "the end of shelving must be after its start"),
         (ask("shelve", until=float("nan")), "the end of shelving must be after its start"),
         (ask("acknowledge", until=1.9e9), "expected an end time for shelve"),
-        (ask("acknowledge", by=""), "somebody"),
+        (ask("acknowledge", by=""), "expected the name of the person who decided"),
         (ask("explode"), "expected one of acknowledge"),
         (ask("unshelve"), "means nothing while it is unacked_active"),
     ],

@@ -78,7 +78,7 @@ async def test_of_too_many_the_oldest_state_goes_before_any_event(caplog):
     assert not caplog.records
     for k in range(4):
         outbox.put(event(k))
-    assert "e0 is never told" in caplog.text
+    assert "outbox full: e0 was discarded" in caplog.text
 
 
 async def test_only_an_event_that_came_or_waited_without_a_connection_is_historical():

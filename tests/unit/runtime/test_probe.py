@@ -43,7 +43,7 @@ def reading(value, *, role="pv", age=0.0, quality=Quality.GOOD, first=None, **mo
         ("pv", {"value": float("nan")}, "nan where a number belongs"),
         ("pv", {"value": 5.0, "quality": Quality.BAD, "code": 0x80310000}, "bad quality, code 0x80310000"),
         ("pv", {"value": 5.0, "age": -60.0}, "its clock is 60.0 s ahead"),
-        ("pv", {"value": 5.0, "first": 6.0}, "its value changes and its source time stands"),
+        ("pv", {"value": 5.0, "first": 6.0}, "its value changes but its source time does not"),
     ],
 )
 def test_what_must_be_put_right(role, sample, told):
@@ -118,7 +118,7 @@ async def test_a_silent_tag_is_told_after_the_deadline(monkeypatch):
     (silent,) = [each for each in findings if each.problems]
     assert (silent.place, silent.reading) == ("op", None)
     assert "no value within 0.1 s" in silent.problems[0]
-    assert findings[-1].remarks == ("whether it can be told shows when it is",)
+    assert findings[-1].remarks == ("cannot be checked without publishing",)
 
 
 @pytest.mark.parametrize(
@@ -133,7 +133,7 @@ async def test_a_connection_that_fails_is_told_once_and_its_tags_briefly(monkeyp
     connection, pv, op, *_ = await probe(settings(), within=30.0)
     assert connection.problems == (told,)
     assert pv.problems == ()
-    assert op.problems == ("not read: the connection is not there",)
+    assert op.problems == ("not read: no connection",)
 
 
 async def test_a_peer_that_is_not_there_and_one_that_never_answers(monkeypatch):

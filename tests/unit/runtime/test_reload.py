@@ -142,7 +142,7 @@ def test_of_a_loop_that_changed_the_alarm_stays_and_the_window_if_it_is_cut_alik
     assert agent._pipelines["A1"].alarm.priority == ("high" if "alarm" in keys else "medium")
 
 
-def test_what_waits_for_a_connection_that_went_is_given_up_and_told(tmp_path, caplog):
+def test_what_waits_for_a_connection_that_went_is_discarded_and_logged(tmp_path, caplog):
     """Virtual time knows no threads, so this one takes real time."""
     agent_settings = AgentSettings(clock_error=None, state=tmp_path / "plant.sqlite", history=None)
     scada = FakeBus(None, "scada")
@@ -166,7 +166,7 @@ def test_what_waits_for_a_connection_that_went_is_given_up_and_told(tmp_path, ca
         return kept.waiting
 
     assert asyncio.run(scenario()) == {}
-    assert "no connection is called scada any more: A1/" in caplog.text
+    assert "connection scada is no longer configured: A1/" in caplog.text
 
 
 def announcements():
@@ -199,7 +199,7 @@ def test_a_fault_half_way_ends_the_agent_rather_than_a_loop_in_silence():
     assert virtual(scenario()).subgroup(ZeroDivisionError) is not None
 
 
-def test_what_takes_effect_at_the_next_start_only_is_told(caplog):
+def test_what_takes_effect_at_the_next_start_only_is_logged(caplog):
     after = plant(
         A1, A2, B1, a=Other(), b=Other(), agent=AgentSettings(clock_error=None, workers=3, watch_config=True)
     )
@@ -207,8 +207,8 @@ def test_what_takes_effect_at_the_next_start_only_is_told(caplog):
     agent, *_ = virtual(reloaded(BEFORE, after, buses, [bus("a"), bus("b")], settle=10.0))
     assert agent.settings.agent.workers == 1
     assert [r.message for r in caplog.records] == [
-        "agent.workers takes effect when the agent is started anew",
-        "agent.watch_config takes effect when the agent is started anew",
+        "agent.workers takes effect at the next start of the agent",
+        "agent.watch_config takes effect at the next start of the agent",
     ]
 
 

@@ -69,7 +69,7 @@ async def test_a_change_is_taken_and_a_fault_is_not_until_it_is_mended(path, mon
         assert agent.taken == [["FIC101", "FIC102"]]
 
     await played(path, scenario, monkeypatch)
-    assert "all goes on as before" in caplog.text
+    assert "the agent continues with its previous settings" in caplog.text
 
 
 async def test_a_list_of_loops_is_watched_like_the_file_itself(path, monkeypatch):

@@ -1,4 +1,4 @@
-"""What outlives the process: alarms, what waits to be told, and commands."""
+"""What outlives the process: alarms, unpublished messages and commands."""
 
 import asyncio
 import sqlite3
@@ -108,7 +108,7 @@ def test_commands_wait_in_order_until_they_are_taken(path):
     assert [each.number for each in opened(path, Store.commands)] == numbers[1:]
 
 
-def test_rows_that_cannot_be_read_are_told_and_left_out(path, caplog):
+def test_rows_that_cannot_be_read_are_logged_and_skipped(path, caplog):
     opened(
         path, lambda store: store.write(Change({"FIC101": Alarm("FIC101")}, {1: waiting(1), 2: waiting(2)}))
     )
@@ -136,7 +136,7 @@ def test_a_damaged_file_is_moved_aside(path, caplog, damage):
             broken = content[:4096] + bytes(reversed(content[4096:]))
     path.write_bytes(broken)
     assert opened(path, Store.read).waiting == {}
-    assert "a new one begins" in caplog.text
+    assert "a new one is made" in caplog.text
     (aside,) = path.parent.glob("plant.sqlite.damaged-*")
     assert aside.read_bytes() == broken
 
@@ -163,7 +163,7 @@ def test_a_file_that_is_not_ours_is_left_as_it_is(path, statement, told):
     assert path.read_bytes() == before
 
 
-async def test_a_full_disk_is_told_once_and_nothing_is_lost(path, caplog):
+async def test_a_full_disk_is_logged_once_and_nothing_is_lost(path, caplog):
     journal = Journal(path)
     await journal.open()
     outbox = Outbox("broker", journal)
@@ -177,7 +177,7 @@ async def test_a_full_disk_is_told_once_and_nothing_is_lost(path, caplog):
         outbox.put(event(k))
         await journal.flush()
     assert journal.failures > 100
-    sent = await outbox.first()  # told all the same
+    sent = await outbox.first()  # published all the same
     assert sent.id == "e0"
     outbox.taken(sent)
     await bound(1_000_000)
