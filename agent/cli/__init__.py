@@ -76,8 +76,8 @@ COMMANDS: tuple[Callable[..., None], ...] = (
 HIDDEN: tuple[Callable[..., None], ...] = (warm,)
 
 
-def _tell_version(*, asked: bool) -> None:
-    if asked:
+def _print_version(*, requested: bool) -> None:
+    if requested:
         typer.echo(f"slipjump {version('slipjump')}")
         raise typer.Exit
 
@@ -85,13 +85,13 @@ def _tell_version(*, asked: bool) -> None:
 @app.callback()
 def _options(
     *,
-    asked: Annotated[
+    requested: Annotated[
         bool,
         typer.Option(
             "--version",
-            callback=lambda asked: _tell_version(asked=asked),
+            callback=lambda requested: _print_version(requested=requested),
             is_eager=True,
-            help="Tell the version and exit.",
+            help="Print the version and exit.",
         ),
     ] = False,
 ) -> None:

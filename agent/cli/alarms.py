@@ -1,4 +1,4 @@
-"""``slipjump alarms``: what an agent's alarms are, and what people decide about them."""
+"""``slipjump alarms``: list an agent's alarms, and send commands to them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ alarms = typer.Typer(
 )
 
 Loop = Annotated[str, typer.Argument(metavar="LOOP", show_default=False)]
-By = Annotated[str, typer.Option("--by", help="Who decides; by default who runs this.", show_default=False)]
+By = Annotated[str, typer.Option("--by", help="Who decides; default: this user.", show_default=False)]
 
 
 @alarms.command("list")
@@ -42,21 +42,21 @@ def show(
     *,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object a line.")] = False,
 ) -> None:
-    """Show the alarm of each loop, and the commands that wait for the agent."""
+    """List the alarm of each loop, and the commands that wait for the agent."""
     with _store(state, config) as store:
-        kept, told = store.read().alarms, store.commands()
+        kept, commands = store.read().alarms, store.commands()
     waits = defaultdict(list)
-    for each in told:
+    for each in commands:
         if each.command is not None:
             waits[each.loop].append(each.command.event.value)
     for loop, alarm in kept.items():
         fields = _fields(alarm) | {"waits": waits[loop]}
-        typer.echo(json.dumps(fields) if as_json else _told(alarm, waits[loop]))
+        typer.echo(json.dumps(fields) if as_json else _line(alarm, waits[loop]))
 
 
 @alarms.command()
 def acknowledge(loop: Loop, state: StatePath = None, config: ConfigPath = None, by: By = "") -> None:
-    """Say that somebody knows."""
+    """Acknowledge the alarm of a loop."""
     _send(loop, "acknowledge", by, state, config)
 
 
@@ -66,27 +66,27 @@ def shelve(
     state: StatePath = None,
     config: ConfigPath = None,
     by: By = "",
-    hours: Annotated[float, typer.Option(min=0.0001, max=8760, help="How long it is silent.")] = 8.0,
+    hours: Annotated[float, typer.Option(min=0.0001, max=8760, help="Length of shelving, h.")] = 8.0,
 ) -> None:
-    """Silence it for some hours."""
+    """Shelve the alarm of a loop: suppress it for some hours."""
     _send(loop, "shelve", by, state, config, seconds=3600 * hours)
 
 
 @alarms.command()
 def unshelve(loop: Loop, state: StatePath = None, config: ConfigPath = None, by: By = "") -> None:
-    """End shelving; it comes anew if the valve still sticks."""
+    """End shelving; the alarm is raised again if the valve still sticks."""
     _send(loop, "unshelve", by, state, config)
 
 
 @alarms.command("out-of-service")
 def out_of_service(loop: Loop, state: StatePath = None, config: ConfigPath = None, by: By = "") -> None:
-    """Silence it until further notice."""
+    """Take the alarm of a loop out of service: suppress it without a time limit."""
     _send(loop, "out_of_service", by, state, config)
 
 
 @alarms.command("return")
 def return_to_service(loop: Loop, state: StatePath = None, config: ConfigPath = None, by: By = "") -> None:
-    """Take it back into service; it comes anew if the valve still sticks."""
+    """Return the alarm to service; it is raised again if the valve still sticks."""
     _send(loop, "in_service", by, state, config)
 
 
@@ -100,7 +100,7 @@ def _store(state: Path | None, config: Path | None) -> AbstractContextManager[St
 def _send(
     loop: str, action: str, by: str, state: Path | None, config: Path | None, seconds: float | None = None
 ) -> None:
-    """Leave a command for the agent and say what became of it."""
+    """Leave a command for the agent and print its result."""
     from agent.alarms import Command
     from connectors.base import ConfigError
 
@@ -114,7 +114,7 @@ def _send(
         taken = _is_taken(store, number)
         alarm = store.read().alarms[loop]
     if taken:
-        typer.echo(_told(alarm, []))
+        typer.echo(_line(alarm, []))
     else:
         typer.echo(f"{loop}: no agent runs; {command.event.value} takes effect when it starts")
 
@@ -133,18 +133,18 @@ def _user() -> str:
     try:
         return getpass.getuser()
     except (KeyError, OSError) as error:
-        raise typer.BadParameter("this user has no name: say who decides by --by NAME") from error
+        raise typer.BadParameter("this user has no name: name who decides by --by NAME") from error
 
 
 def _fields(alarm: Alarm) -> dict[str, object]:
-    """Return what is told of an alarm, by the names that the buses have."""
+    """Return the published fields of an alarm, by their names on the buses."""
     from agent.alarms import Announcement
 
     fields = Announcement("state", alarm, 0.0).fields()
     return {name: value for name, value in fields.items() if name not in {"time", "message_id"}}
 
 
-def _told(alarm: Alarm, waits: list[str]) -> str:
+def _line(alarm: Alarm, waits: list[str]) -> str:
     words = [f"{alarm.loop}: {alarm.state.value}"]
     if alarm.until is not None:
         until = datetime.fromtimestamp(alarm.until, UTC)

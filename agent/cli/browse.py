@@ -53,7 +53,8 @@ def browse(
         Path | None, typer.Option("--out", "-o", metavar="CONFIG.yaml", help="Write a configuration.")
     ] = None,
     ts: Annotated[
-        float, typer.Option("--ts", metavar="SECONDS", min=0.001, help="Sampling time that it is given.")
+        float,
+        typer.Option("--ts", metavar="SECONDS", min=0.001, help="Sampling time of each loop."),
     ] = 1.0,
     root: Annotated[
         str, typer.Option("--root", metavar="NODE", help="Node to begin at, e.g. ns=2;s=Area1.")
@@ -71,11 +72,11 @@ def browse(
     certificate: Annotated[str | None, _security_option("certificate", "This client's.")] = None,
     key: Annotated[str | None, _security_option("key", "Its private key.")] = None,
     server_certificate: Annotated[
-        str | None, _security_option("server-certificate", "The one that the server may show.")
+        str | None, _security_option("server-certificate", "The server's certificate.")
     ] = None,
-    ca: Annotated[str | None, _security_option("ca", "Or who may have signed it.")] = None,
-    policy: Annotated[str | None, _security_option("policy", "Basic256Sha256 if not told.", "NAME")] = None,
-    user: Annotated[str | None, _security_option("user", "Who logs in.", "NAME")] = None,
+    ca: Annotated[str | None, _security_option("ca", "Or the authority that signed it.")] = None,
+    policy: Annotated[str | None, _security_option("policy", "Default: Basic256Sha256.", "NAME")] = None,
+    user: Annotated[str | None, _security_option("user", "User name for the login.", "NAME")] = None,
     password_env: Annotated[
         str | None, _security_option("password-env", "Environment variable with the password.", "NAME")
     ] = None,
@@ -88,7 +89,7 @@ def browse(
     if patterns and not {"pv", "op"} <= patterns.keys():
         raise typer.BadParameter("--pv and --op belong together", param_hint="'--pv' / '--op'")
     if out is not None and out.exists():
-        raise ConfigError([f"{out}: is there already; remove it, or name another file"])
+        raise ConfigError([f"{out}: exists already; remove it, or name another file"])
     secured = {
         "certificate": certificate,
         "key": key,
@@ -116,8 +117,8 @@ def _searched(options: OpcUaOptions, bounds: Bounds, root: str, patterns: Mappin
     from agent.runtime.commission.loop_search import find_loops
 
     try:
-        with _progress() as tell:
-            return asyncio.run(find_loops(options, bounds, root, patterns, tell))
+        with _progress() as show_progress:
+            return asyncio.run(find_loops(options, bounds, root, patterns, show_progress))
     except ConnectionLostError as error:
         raise ConfigError([str(error)]) from error
 
@@ -177,8 +178,8 @@ def _write(out: Path, url: str, connection: Mapping[str, object], found: LoopSea
     settings_of(config)
     head = (
         f"# Loops of {url}, found by slipjump browse on {datetime.now(UTC):%Y-%m-%d}.\n"
-        "# To say for each: ts, the sampling time, s; acting, reverse or direct; and under publish where\n"
-        "# its alarm is told (docs/configuration.md). Then: slipjump check THIS --connect\n"
+        "# Set for each loop: ts, the sampling time, s; acting, reverse or direct; and under publish the\n"
+        "# connections for its alarm (docs/configuration.md). Then: slipjump check THIS --connect\n"
     )
     text = yaml.safe_dump(config, sort_keys=False, default_flow_style=None, width=110)
     try:

@@ -32,11 +32,11 @@ def check(
     ] = 10.0,
     watch: Annotated[
         float,
-        typer.Option(min=0, max=3600, metavar="SECONDS", help="How long it listens on for what moves."),
+        typer.Option(min=0, max=3600, metavar="SECONDS", help="Further time to see which values change."),
     ] = 5.0,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object a line.")] = False,
 ) -> None:
-    """Say what run would do with a configuration, or everything that is wrong with it. Writes nothing."""
+    """Print what run would do with a configuration, or all its faults. Writes nothing."""
     from agent.settings import load_settings
 
     settings = load_settings(config)
@@ -56,7 +56,7 @@ def _probed(settings: Settings, within: float, watch: float) -> tuple[Finding, .
 
     from agent.runtime.commission.probe import probe
 
-    logging.getLogger("connectors").setLevel(logging.CRITICAL)  # the report tells it, with loop and tag
+    logging.getLogger("connectors").setLevel(logging.CRITICAL)  # the report shows it, with loop and tag
     tags = sum(len(loop.roles) for loop in settings.loops)
     console = Console(stderr=True)
     if not console.is_terminal:
@@ -102,7 +102,7 @@ def _loop(loop: LoopSettings) -> str:
 
 
 def _report(settings: Settings, findings: Sequence[Finding]) -> list[str]:
-    """Return what is told of connections, then a table of tags, one of targets, and the sum of it."""
+    """Return a line for each connection, a table of tags, one of targets, and a summary."""
     connections = [
         f"{each.connection} ({settings.connections[each.connection].kind}): {_says(each) or 'is there'}"
         for each in findings
@@ -118,7 +118,7 @@ def _report(settings: Settings, findings: Sequence[Finding]) -> list[str]:
     if tags:
         lines += ["", *aligned([["LOOP", "TAG", "VALUE", "QUALITY", "AGE", ""], *tags])]
     if targets:
-        lines += ["", *aligned([["LOOP", "TELLS", "PLACE", ""], *targets])]
+        lines += ["", *aligned([["LOOP", "PUBLISHES", "PLACE", ""], *targets])]
     bad = sum(bool(each.problems) for each in findings)
     doubtful = sum(bool(each.remarks) for each in findings)
     return [
@@ -135,12 +135,12 @@ def _tag_row(finding: Finding) -> list[str]:
     if reading is None:
         return [finding.loop, finding.place, "", "", "", _says(finding)]
     value = reading.sample.value
-    told = value if isinstance(value, str) else "" if math.isnan(value) else f"{value:.6g}"
+    shown = value if isinstance(value, str) else "" if math.isnan(value) else f"{value:.6g}"
     age = f"-{duration(-reading.age)}" if reading.age <= -0.05 else duration(abs(reading.age))
     return [
         finding.loop,
         finding.place,
-        told,
+        shown,
         reading.sample.quality.name.lower(),
         age,
         _says(finding) or "ok",

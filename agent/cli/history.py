@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from agent.runtime.store.history_file import Entry
 
 LAST = 50
-"""Entries that are shown unless told otherwise."""
+"""Entries shown by default."""
 
 
 def history(
@@ -27,7 +27,7 @@ def history(
         str | None,
         typer.Option(metavar="TIME", help="From this time on, ISO 8601 (UTC where it does not say)."),
     ] = None,
-    last: Annotated[int, typer.Option(min=1, max=1_000_000, help="The newest so many.")] = LAST,
+    last: Annotated[int, typer.Option(min=1, max=1_000_000, help="Number of entries, the newest.")] = LAST,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object a line.")] = False,
 ) -> None:
     """Show verdicts and changes of alarms, the oldest first. It may run beside the agent."""
@@ -79,6 +79,6 @@ def _show(entries: tuple[Entry, ...]) -> None:
 
 
 def _band(content: dict[str, Any], name: str, *, is_alarm: bool) -> str:
-    """Width in OP units; the buses are told plain numbers, a diagnosis has intervals."""
+    """Width in OP units; an alarm has plain numbers, a diagnosis has intervals."""
     value = content[name] if is_alarm else content["stiction"][name]["value"]
     return "" if value is None else f"{value:.3g}"

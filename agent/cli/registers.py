@@ -1,4 +1,4 @@
-"""``slipjump registers``: the map of a Modbus server of ours, for whoever sets up the control system."""
+"""``slipjump registers``: the register map of a Modbus server of slipjump, to set up the control system."""
 
 from __future__ import annotations
 

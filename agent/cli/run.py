@@ -27,11 +27,11 @@ def run(
     log_format: Annotated[
         LogFormat, typer.Option(help="Lines for people, or a JSON object each.")
     ] = LogFormat.TEXT,
-    log_level: Annotated[LogLevel, typer.Option(help="The least that is told.")] = LogLevel.INFO,
+    log_level: Annotated[LogLevel, typer.Option(help="Lowest severity to log.")] = LogLevel.INFO,
 ) -> None:
     """Watch the loops of a configuration and publish their alarms, until SIGTERM or Ctrl-C.
 
-    SIGHUP reads the configuration anew; what did not change goes on.
+    SIGHUP reads the configuration again; loops and connections that did not change continue.
     """
     from agent.runtime.operate.heap import keep_one_heap
     from agent.runtime.store.lock import only_agent_of
@@ -41,10 +41,10 @@ def run(
     set_up(log_format, log_level)
     keep_one_heap()
     with only_agent_of(settings.agent.state):
-        asyncio.run(_until_told(config, settings))
+        asyncio.run(_until_stopped(config, settings))
 
 
-async def _until_told(config: Path, settings: Settings) -> None:
+async def _until_stopped(config: Path, settings: Settings) -> None:
     from agent.runtime.agent import Agent
     from agent.runtime.loop.workers import PoolExecutor
     from agent.runtime.operate.notify import ServiceManager
@@ -52,8 +52,12 @@ async def _until_told(config: Path, settings: Settings) -> None:
     from agent.runtime.operate.watchdog import watch
     from agent.runtime.supervisor import Health
 
-    told, changed, manager = asyncio.Event(), asyncio.Event(), ServiceManager.of()
-    for number, event in ((signal.SIGTERM, told), (signal.SIGINT, told), (signal.SIGHUP, changed)):
+    stopping, changed, manager = asyncio.Event(), asyncio.Event(), ServiceManager.of()
+    for number, event in (
+        (signal.SIGTERM, stopping),
+        (signal.SIGINT, stopping),
+        (signal.SIGHUP, changed),
+    ):
         asyncio.get_running_loop().add_signal_handler(number, event.set)
     async with PoolExecutor(settings.agent.workers) as executor:
         agent = Agent(settings, executor, _log)
@@ -67,7 +71,7 @@ async def _until_told(config: Path, settings: Settings) -> None:
             manager.ready(agent.summary)
 
         work = asyncio.create_task(agent.run(ready), name="agent")
-        stop = asyncio.create_task(told.wait(), name="signals")
+        stop = asyncio.create_task(stopping.wait(), name="signals")
         await asyncio.wait({work, stop}, return_when=asyncio.FIRST_COMPLETED)
         manager.stopping()
         work.cancel()
@@ -79,7 +83,7 @@ async def _until_told(config: Path, settings: Settings) -> None:
 
 
 def _serve_http(agent: Agent, settings: HttpSettings) -> None:
-    """Tell health and metrics while the agent works."""
+    """Serve health and metrics while the agent runs."""
     from agent.runtime.operate.http import serve
     from agent.runtime.operate.metrics import Metrics
     from agent.runtime.supervisor import Health

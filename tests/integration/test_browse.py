@@ -97,7 +97,7 @@ async def test_the_loops_are_found_and_the_configuration_can_be_watched(tmp_path
 @pytest.mark.parametrize(
     ("words", "fault"),
     [
-        (["-o", "{there}"], "{there}: is there already; remove it, or name another file"),
+        (["-o", "{there}"], "{there}: exists already; remove it, or name another file"),
         (["--user", "me", "--password-env", "X"], "login needs security: without, nobody knows who gets"),
         (["--certificate", "c.pem"], "security.key: is missing"),
         (["--pv", "*.PV"], "Invalid value for '--pv' / '--op': --pv and --op belong together"),

@@ -1,7 +1,7 @@
-"""What the daemon says on stderr: lines for people, or JSON for machines.
+"""Log messages of the daemon on stderr: lines for people, or JSON for machines.
 
-A message names what it is about in fields of its own, where its author gave them by ``extra``: ``event``,
-``connection``, ``loop``. Nothing else of a record is told, so nothing gets out that nobody meant to tell.
+A message has the fields ``event``, ``connection`` and ``loop`` where its author set them by ``extra``. No
+other field of a record is printed, so nothing is published by accident.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ LIBRARIES = {
     "mqtt": logging.CRITICAL,
     "uvicorn": logging.ERROR,
 }
-"""The least that libraries may tell, whatever the level: what they lose the supervisor tells, once; asyncua
-writes passwords at DEBUG; strangers who speak no HTTP are not worth a line each."""
+"""Lowest severity logged of libraries, whatever the level: the supervisor logs lost connections, once;
+asyncua writes passwords at DEBUG; a client that does not use HTTP is not worth a line each."""
 
 
 class LogFormat(StrEnum):
@@ -35,7 +35,7 @@ class LogFormat(StrEnum):
 
 
 class LogLevel(StrEnum):
-    """The least that is told."""
+    """Lowest severity to log."""
 
     DEBUG = "debug"
     INFO = "info"
@@ -75,7 +75,7 @@ class ForJournal(logging.Formatter):
 def set_up(
     form: LogFormat, level: LogLevel, stream: TextIO = sys.stderr, environment: Mapping[str, str] = os.environ
 ) -> None:
-    """Say from now on what happens, from ``level`` up."""
+    """Log messages of ``level`` and above from now on."""
     journal = _is_journal(stream, environment)
     formatter: logging.Formatter
     if form is LogFormat.JSON:
