@@ -20,7 +20,7 @@ DOCS = ROOT / "docs"
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
-COMMAND = re.compile(r"(?:^ {4}(?:\$ )?|`)slipjump ([a-z]+)", re.MULTILINE)
+COMMAND = re.compile(r"(?:^ {4}|^\$ |`)slipjump ([a-z]+)", re.MULTILINE)
 
 
 @pytest.mark.parametrize(
