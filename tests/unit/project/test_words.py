@@ -19,38 +19,31 @@ FORBIDDEN = re.compile(
 )
 
 BOUNDS = {
-    "CHANGELOG.md": 23,
-    "README.md": 7,
+    "CHANGELOG.md": 22,
     "agent": 1,
-    "agent/alarms": 6,
     "agent/analysis": 42,
-    "agent/cli": 22,
+    "agent/cli": 5,
     "agent/physics": 22,
     "agent/plots": 2,
     "agent/report": 3,
-    "agent/runtime": 62,
-    "agent/settings": 11,
+    "agent/runtime": 11,
     "agent/workbench": 31,
-    "config": 4,
     "connectors": 21,
     "connectors/modbus": 11,
     "connectors/modbus_server": 10,
     "connectors/mqtt": 19,
     "connectors/opcua": 20,
-    "connectors/opcua_server": 34,
-    "connectors/sparkplug": 24,
-    "docs": 80,
-    "docs/decisions": 141,
-    "docs/effects": 0,
-    "docs/howto": 62,
-    "docs/methods": 0,
-    "docs/workbench": 0,
+    "connectors/opcua_server": 32,
+    "connectors/sparkplug": 23,
+    "docs": 2,
+    "docs/decisions": 132,
+    "docs/howto": 2,
     "simulators": 4,
     "simulators/draws": 10,
     "simulators/servers": 6,
 }
 """Largest number of such words in a place. It may be lowered, never raised."""
-HELP_BOUND = 5
+HELP_BOUND = 2
 """The same for the help of all commands together."""
 
 REPLACED = (
