@@ -66,9 +66,9 @@ def digest(sources: Iterable[Path]) -> str:
 def use_cache_of_this_source() -> None:
     """Keep compiled kernels in a folder named for the source they come from.
 
-    numba looks at the file of a kernel only, not at those of the kernels it calls: without this, a changed
-    callee would go on running as it was. So in a folder of the user's choice, too: a volume or /var/cache
-    outlives the next version.
+    numba checks the file of a kernel only, not those of the kernels it calls: without this folder, the old
+    code of a changed callee would run. A folder that the user chose needs this, too: a volume or /var/cache
+    still exists when the next version is installed.
     """
     cache = Path(os.environ.get("NUMBA_CACHE_DIR", PACKAGE / "__pycache__"))
     if not os.access(next(each for each in (cache, *cache.parents) if each.is_dir()), os.W_OK):
@@ -84,32 +84,33 @@ def use_cache_of_this_source() -> None:
 def kernel(function: F) -> F:
     """Compile ``function`` with numba, cached on disk.
 
-    Each kernel keeps a slow, obvious twin in ``tests/reference`` that it is compared with. No fastmath:
-    NaN marks missing data and must stay NaN.
+    A test compares each kernel with a slow, obvious version in ``tests/reference``. No fastmath: NaN marks
+    missing data and must stay NaN.
     """
     return cast("F", numba.njit(cache=True, nogil=True)(function))
 
 
 class _BeforeCompilation(event.Listener):  # type: ignore[misc]  # numba has no types
-    def __init__(self, tell: Callable[[], None]) -> None:
-        self._tell = tell
+    def __init__(self, notify: Callable[[], None]) -> None:
+        self._notify = notify
 
     def on_start(self, _: event.Event) -> None:
-        self._tell()
+        self._notify()
 
     def on_end(self, _: event.Event) -> None:
         pass
 
 
-def before_compilation(tell: Callable[[], None]) -> None:
-    """Have ``tell`` called in this process whenever a kernel is not in the cache and must be compiled."""
-    event.register("numba:compile", _BeforeCompilation(tell))
+def before_compilation(notify: Callable[[], None]) -> None:
+    """Call ``notify`` in this process whenever a kernel is not in the cache and must be compiled."""
+    event.register("numba:compile", _BeforeCompilation(notify))
 
 
 def inlined_kernel(function: F) -> F:
     """Compile ``function`` like ``kernel``, a copy of it within each kernel that calls it.
 
-    For what is called for few samples at a time: handing over its arrays would take as long as its work.
+    For functions that are called for few samples at a time: passing their arrays would take as long as the
+    work.
     """
     return cast("F", numba.njit(cache=True, nogil=True, inline="always")(function))
 

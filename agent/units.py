@@ -15,7 +15,7 @@ class FrictionBands:
     f_s: float
     """Static friction band, OP units; a resting valve starts when the force exceeds it."""
     f_d: float
-    """Kinetic friction band, OP units; what still holds back a moving valve. 0 <= f_d <= f_s."""
+    """Kinetic friction band, OP units; the friction of a moving valve. 0 <= f_d <= f_s."""
 
     @property
     def s(self) -> float:
@@ -29,7 +29,7 @@ class FrictionBands:
 
     @property
     def dead_band(self) -> float:
-        """Dead band 2 f_D, OP units: what a reversal costs beyond the stick band."""
+        """Dead band 2 f_D, OP units: travel of OP that a reversal loses beyond the stick band."""
         return 2 * self.f_d
 
     @classmethod

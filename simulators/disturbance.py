@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from simulators.parameters import Drift, LoadStep, Sinusoid, Wander
+    from simulators.parameters import Drift, LoadStepParameters, SinusoidParameters, Wander
 
 
 class Load:
@@ -17,9 +17,9 @@ class Load:
 
     def __init__(
         self,
-        sinusoid: Sinusoid,
+        sinusoid: SinusoidParameters,
         drift: Drift,
-        steps: Sequence[LoadStep],
+        steps: Sequence[LoadStepParameters],
         wander: Wander,
         ts: float,
         rng: np.random.Generator,

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from simulators.disturbance import Load, at_time
-from simulators.process import Process
-from simulators.valve import STEP, Valve
+from simulators.process import SimulatedProcess
+from simulators.valve import STEP, SimulatedValve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,9 +27,9 @@ class Field:
         ts = scenario.ts
         self._steps = math.ceil(ts / STEP[scenario.valve.law])
         self._dt = ts / self._steps
-        self._valve = Valve(scenario.valve, scenario.op_range, scenario.controller.op)
+        self._valve = SimulatedValve(scenario.valve, scenario.op_range, scenario.controller.op)
         self._balance = float(self._valve.flow(np.array([scenario.controller.op]))[0])
-        self._process = Process(scenario.process, self._dt)
+        self._process = SimulatedProcess(scenario.process, self._dt)
         self._load = Load(scenario.disturbance, scenario.drift, scenario.load_steps, scenario.wander, ts, rng)
         self._keep = math.exp(-ts / scenario.sensor_tau) if scenario.sensor_tau else 0.0
         self._sensed = 0.0

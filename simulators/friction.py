@@ -31,7 +31,7 @@ Motion = tuple[float, float, float]
 """Position (OP units), speed (OP units per second) and mean deflection of the bristles (LuGre, OP units)."""
 
 
-class Stem(NamedTuple):
+class StemParameters(NamedTuple):
     """A stem in its packing, in numbers a compiled loop takes."""
 
     f_s: float
@@ -59,7 +59,7 @@ class Stem(NamedTuple):
 class Actuator(NamedTuple):
     """The valve around the stem, in numbers a compiled loop takes."""
 
-    stem: Stem
+    stem: StemParameters
     lugre: bool
     """LuGre's law; otherwise Karnopp's."""
     tau_ip: float
@@ -73,7 +73,7 @@ class Actuator(NamedTuple):
 
 
 @kernel
-def sliding_friction(speed: float, stem: Stem) -> float:
+def sliding_friction(speed: float, stem: StemParameters) -> float:
     """Friction of a stem that moves at ``speed`` OP units per second (Stribeck), OP units."""
     closing = math.copysign(1.0, speed) < 0.0  # so that a stem about to close may say so by -0.0
     f_s, f_d = (stem.f_s_closing, stem.f_d_closing) if closing else (stem.f_s, stem.f_d)
@@ -81,7 +81,7 @@ def sliding_friction(speed: float, stem: Stem) -> float:
 
 
 @kernel
-def karnopp_step(motion: Motion, p: float, dt: float, stem: Stem) -> Motion:
+def karnopp_step(motion: Motion, p: float, dt: float, stem: StemParameters) -> Motion:
     """Motion one step of ``dt`` s later under Karnopp's law, with the actuator force ``p`` in OP units."""
     x, v, z = motion
     force = p - x
@@ -97,7 +97,7 @@ def karnopp_step(motion: Motion, p: float, dt: float, stem: Stem) -> Motion:
 
 
 @kernel
-def lugre_step(motion: Motion, p: float, dt: float, stem: Stem) -> Motion:
+def lugre_step(motion: Motion, p: float, dt: float, stem: StemParameters) -> Motion:
     """Motion one step of ``dt`` s later under LuGre, with the actuator force ``p`` in OP units.
 
     The bristles' equation is solved for the new speed, with the wear-off rate |v|/g(v) of the step before.

@@ -123,7 +123,7 @@ class Noise(Part):
     """Time over which it forgets itself, s; 0 is white."""
 
 
-class Sinusoid(Part):
+class SinusoidParameters(Part):
     """Load swinging at the process input."""
 
     amplitude: NotNegative = 0.0
@@ -132,7 +132,7 @@ class Sinusoid(Part):
     """s."""
 
 
-class LoadStep(Part):
+class LoadStepParameters(Part):
     """Another load at the process input from a time on."""
 
     time: NotNegative

@@ -33,7 +33,7 @@ def lag(inputs: FloatArray, level: float, keep: float) -> FloatArray:
     return outputs
 
 
-class Process:
+class SimulatedProcess:
     """The process of one loop, moving through time, in deviations from its operating point."""
 
     def __init__(self, parameters: ProcessParameters, dt: float) -> None:

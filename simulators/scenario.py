@@ -20,14 +20,14 @@ from simulators.parameters import (
     ControllerParameters,
     Drift,
     GainStep,
-    LoadStep,
+    LoadStepParameters,
     Noise,
     NotNegative,
     Part,
     ProcessParameters,
     Quantisation,
     SetPointStep,
-    Sinusoid,
+    SinusoidParameters,
     ValveParameters,
     Wander,
 )
@@ -69,8 +69,8 @@ class Scenario(Part):
     sensor_tau: NotNegative = 0.0
     """Lag of the transmitter, s."""
     noise: Noise = Noise()
-    disturbance: Sinusoid = Sinusoid()
-    load_steps: tuple[LoadStep, ...] = ()
+    disturbance: SinusoidParameters = SinusoidParameters()
+    load_steps: tuple[LoadStepParameters, ...] = ()
     wander: Wander = Wander()
     drift: Drift = Drift()
     quantisation: Quantisation = Quantisation()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.jit import kernel
-from simulators.friction import Actuator, Stem, stroke
+from simulators.friction import Actuator, StemParameters, stroke
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,7 +31,7 @@ def play(positions: FloatArray, plug: float, slack: float) -> FloatArray:
     return moved
 
 
-class Valve:
+class SimulatedValve:
     """The valve of one loop, moving through time.
 
     It starts at rest and as far behind its balance as friction can hold it: a sticking loop then begins
@@ -41,7 +41,7 @@ class Valve:
     def __init__(self, parameters: ValveParameters, op_range: tuple[float, float], op: float) -> None:
         low, high = op_range
         span = high - low
-        stem = Stem(
+        stem = StemParameters(
             f_s=parameters.f_s,
             f_d=parameters.f_d,
             f_s_closing=parameters.f_s * parameters.closing,

@@ -1,4 +1,4 @@
-"""What a physical effect is: named, bounded parameters and what they do at one stage between OP and PV."""
+"""The interface of a physical effect: bounded parameters and what they do at one stage from OP to PV."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 P = TypeVar("P")
-"""A process that the effect knows: ``LinearProcess``, ``TwoTanks``."""
+"""A process that the effect can change: ``LinearProcess``, ``TwoTanks``."""
 Stage = Literal["valve", "process", "sensor", "disturbance"]
 
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What a record lends to the bounds of parameters."""
+    """Properties of a record that set the bounds of parameters."""
 
     ts: float
     """s."""
@@ -57,25 +57,25 @@ class Parameter:
     low: float
     high: float
     null: float | None = None
-    """Value at which the effect is not there; None where no value of this parameter alone removes it."""
+    """Value that removes the effect; None where no value of this parameter alone removes it."""
     log: bool = False
     """Searched by its logarithm; ``low`` > 0 then."""
     of_record: bool = False
-    """Belongs to one record, not to the loop, like where the valve stands at first: another fits it anew."""
+    """Belongs to one record, not to the loop, like the first valve position: each record fits its own."""
     natural: bool = False
-    """Nature sets the bounds, not the search, so that the value may well lie at one: a share, a ratio."""
+    """Physics sets the bounds, not the search, so a value at a bound is plausible: a share, a ratio."""
     by_law: float = 0.0
-    """Part of its value by which it may be another under another law of the same effect, which nobody knows:
-    its interval is at least so wide."""
+    """Part of its value by which it may differ under another law of the same effect. The true law is not
+    known, so the interval is at least so wide."""
 
     @property
     def instant(self) -> bool:
-        """Whether it says when something happened in the record."""
+        """Whether it is the time of an event in the record."""
         return self.of_record and self.unit == "s"
 
 
 class Effect(Protocol):
-    """One physical effect. Its stage says which of the four forms of ``apply`` it has."""
+    """One physical effect. Its stage decides which of the four forms of ``apply`` it has."""
 
     @property
     def name(self) -> str:
@@ -84,7 +84,7 @@ class Effect(Protocol):
 
     @property
     def family(self) -> str:
-        """Effects that one record may not tell apart."""
+        """Effects that one record may not be able to distinguish."""
         ...
 
     @property
@@ -111,10 +111,10 @@ class ValveEffect(Effect, Protocol):
 
 
 class SensorEffect(Effect, Protocol):
-    """Changes what the transmitter makes of PV; must be linear in it."""
+    """Changes the measured PV, as a transmitter does; must be linear in PV."""
 
     def apply(self, pv: FloatArray, values: FloatArray, ts: float) -> FloatArray:
-        """Return what is measured of ``pv``, (n,), PV units."""
+        """Return the measured value of ``pv``, (n,), PV units."""
         ...
 
 
@@ -122,7 +122,7 @@ class DisturbanceEffect(Effect, Protocol):
     """Adds to PV with coefficients that are solved for, not searched."""
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:
-        """Return what is added but for its coefficients, (n, k).
+        """Return the columns that are added, each to be multiplied by its coefficient, (n, k).
 
         Args:
             time: From the start of the record, s, (n,).
@@ -134,10 +134,10 @@ class DisturbanceEffect(Effect, Protocol):
 
 @runtime_checkable
 class SpottedEffect(Effect, Protocol):
-    """An effect that a scan of its parameters misses, but that shows in what a model without it leaves."""
+    """An effect that a scan of its parameters misses, but that the residual of a model without it shows."""
 
     def spotted(self, residual: FloatArray, facts: Facts) -> FloatArray:
-        """Return values (m, k) to begin from, in the order of ``parameters``; none where nothing shows.
+        """Return start values (m, k), in the order of ``parameters``; none where the residual shows none.
 
         ``residual`` is PV less the model, PV units, (n,), NaN where missing.
         """
@@ -145,7 +145,7 @@ class SpottedEffect(Effect, Protocol):
 
 
 class ProcessEffect(Effect, Protocol[P]):
-    """Makes another process of a process."""
+    """Changes a process into another process."""
 
     def change(self, process: P, values: FloatArray) -> P:
         """Return the process with the effect; times are in s."""

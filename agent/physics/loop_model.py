@@ -59,13 +59,13 @@ class LoopModel:
         return self.layout(facts).position(op, values)
 
     def columns(self, op: FloatArray, values: FloatArray, facts: Facts) -> FloatArray:
-        """Return the response of gain one, then what disturbances add but for coefficients, (n, 1 + k)."""
+        """Return the response of gain one, then the columns of the disturbances, (n, 1 + k)."""
         return self.layout(facts).columns(op, values)
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """A model on a record: which of the values are whose."""
+    """A model on a record: which values belong to the base and which to each effect."""
 
     base: Base
     ts: float
@@ -87,7 +87,7 @@ class Layout:
         return position
 
     def response(self, position: FloatArray, values: FloatArray) -> FloatArray:
-        """Return what the transmitter makes of a valve position, OP units, for gain one, (n,)."""
+        """Return the measured response to a valve position, OP units, for gain one, (n,)."""
         process = self.base.process(values[self.own])
         for effect, own in self.effects:
             if effect.stage == "process":
@@ -100,17 +100,17 @@ class Layout:
         return response
 
     def columns(self, op: FloatArray, values: FloatArray) -> FloatArray:
-        """Return the response of gain one, then what disturbances add but for coefficients, (n, 1 + k)."""
+        """Return the response of gain one, then the columns of the disturbances, (n, 1 + k)."""
         response = self.response(self.position(op, values), values)
         return np.column_stack((response, *(added for _, added in self._added(response, values))))
 
     def owners(self, op: FloatArray, values: FloatArray) -> tuple[str, ...]:
-        """Return of each of the ``columns`` which effect adds it; the response is no effect's: empty."""
+        """Return for each of the ``columns`` the effect that adds it; empty for the response."""
         added = self._added(np.zeros_like(op), values)
         return ("", *(effect.name for effect, columns in added for _ in range(columns.shape[1])))
 
     def _added(self, response: FloatArray, values: FloatArray) -> list[tuple[Effect, FloatArray]]:
-        """Return each disturbance with what it adds but for coefficients, (n, k)."""
+        """Return each disturbance with its columns, (n, k)."""
         disturbances = [pair for pair in self.effects if pair[0].stage == "disturbance"]
         if not disturbances:
             return []

@@ -41,8 +41,8 @@ from simulators.draws.random_moves import random_moved
 from simulators.draws.random_plants import Kind, random_plant
 from simulators.parameters import ProcessParameters, ValveParameters
 from simulators.plant import simulate
-from simulators.process import Process as SimulatedProcess
-from simulators.valve import STEP, Valve
+from simulators.process import SimulatedProcess
+from simulators.valve import STEP, SimulatedValve
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -89,7 +89,7 @@ def slow_triangle() -> tuple[FloatArray, FloatArray]:
 def integrated_valve(friction: Literal["karnopp", "lugre"], op: FloatArray) -> FloatArray:
     """Return the positions of a physical valve with the friction of ``BANDS``, OP units, OP held for 1 s."""
     parameters = ValveParameters(law=friction, f_s=BANDS.f_s, f_d=BANDS.f_d)
-    valve = Valve(parameters, (-50.0, 50.0), float(op[0]))
+    valve = SimulatedValve(parameters, (-50.0, 50.0), float(op[0]))
     return np.array([valve.stroke(each, round(1 / STEP[friction]), STEP[friction])[-1] for each in op])
 
 

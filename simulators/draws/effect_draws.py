@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from agent.units import FrictionBands
-from simulators.parameters import GainStep, LoadStep, Sinusoid
+from simulators.parameters import GainStep, LoadStepParameters, SinusoidParameters
 from simulators.scenario import Scenario
 
 EffectName = Literal[
@@ -107,7 +107,7 @@ def inverse_response(rng: np.random.Generator, scenario: Scenario) -> Scenario:
 
 def sinusoid(rng: np.random.Generator, scenario: Scenario) -> Scenario:
     """A load that swings."""
-    wave = Sinusoid(amplitude=_size(rng, scenario), period=log_uniform(rng, 25, 150))
+    wave = SinusoidParameters(amplitude=_size(rng, scenario), period=log_uniform(rng, 25, 150))
     return scenario.model_copy(update={"disturbance": wave})
 
 
@@ -116,7 +116,7 @@ def load_step(rng: np.random.Generator, scenario: Scenario) -> Scenario:
     shares = np.sort(rng.uniform(0.1, 0.9, rng.integers(1, 4)))
     loads = np.cumsum(_size(rng, scenario) * rng.choice([-1.0, 1.0], len(shares)))
     steps = [
-        LoadStep(time=_within(share, scenario), load=float(load))
+        LoadStepParameters(time=_within(share, scenario), load=float(load))
         for share, load in zip(shares, loads, strict=True)
     ]
     return scenario.model_copy(update={"load_steps": tuple(steps)})

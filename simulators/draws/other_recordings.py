@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from simulators.draws.random_moves import log_uniform
-from simulators.parameters import Drift, GainStep, LoadStep, SetPointStep
+from simulators.parameters import Drift, GainStep, LoadStepParameters, SetPointStep
 from simulators.plant import simulate
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def other_recording(scenario: Scenario, rng: np.random.Generator, *, one_way: bo
             "seed": int(rng.integers(2**31)),
             "set_points": _set_points(scenario, rng, one_way=one_way),
             "load_steps": tuple(
-                LoadStep(time=float(time), load=float(step.load * rng.choice([-1.0, 1.0])))
+                LoadStepParameters(time=float(time), load=float(step.load * rng.choice([-1.0, 1.0])))
                 for time, step in zip(
                     _times(rng, scenario, len(scenario.load_steps)), scenario.load_steps, strict=True
                 )

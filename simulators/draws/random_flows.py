@@ -16,12 +16,12 @@ from simulators.draws.random_moves import keeps_promise, log_uniform, sticking
 from simulators.parameters import (
     ControllerParameters,
     Drift,
-    LoadStep,
+    LoadStepParameters,
     Noise,
     ProcessParameters,
     Quantisation,
     SetPointStep,
-    Sinusoid,
+    SinusoidParameters,
     ValveParameters,
     Wander,
 )
@@ -118,10 +118,10 @@ def _set_points(
 
 def _loads(
     rng: np.random.Generator, s: float, duration: float
-) -> dict[str, Drift | Wander | Sinusoid | tuple[LoadStep, ...]]:
+) -> dict[str, Drift | Wander | SinusoidParameters | tuple[LoadStepParameters, ...]]:
     """Draw one load or two of: a walk, a ramp, one that wanders about zero, steps, a slow wave."""
     names = rng.choice(["walk", "ramp", "wander", "steps", "wave"], size=rng.integers(1, 3), replace=False)
-    loads: dict[str, Drift | Wander | Sinusoid | tuple[LoadStep, ...]] = {}
+    loads: dict[str, Drift | Wander | SinusoidParameters | tuple[LoadStepParameters, ...]] = {}
     walk = ramp = 0.0
     for name in names:
         size = s * log_uniform(rng, *LOAD)
@@ -132,10 +132,12 @@ def _loads(
         elif name == "wander":
             loads["wander"] = Wander(std=size / 2, correlation=log_uniform(rng, 10, 300))
         elif name == "wave":
-            loads["disturbance"] = Sinusoid(amplitude=size / 2, period=duration * log_uniform(rng, 0.05, 1.0))
+            loads["disturbance"] = SinusoidParameters(
+                amplitude=size / 2, period=duration * log_uniform(rng, 0.05, 1.0)
+            )
         else:
             times = np.sort(rng.uniform(0.0, duration, rng.integers(1, 8)))
             loads["load_steps"] = tuple(
-                LoadStep(time=float(time), load=float(size * rng.uniform(-1, 1))) for time in times
+                LoadStepParameters(time=float(time), load=float(size * rng.uniform(-1, 1))) for time in times
             )
     return loads | {"drift": Drift(walk=walk, ramp=ramp)}

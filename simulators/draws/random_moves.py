@@ -12,7 +12,7 @@ import numpy as np
 
 from agent.units import FrictionBands
 from simulators.draws.random_plants import SHAPES, random_draw
-from simulators.parameters import Drift, SetPointStep, Sinusoid, ValveParameters
+from simulators.parameters import Drift, SetPointStep, SinusoidParameters, ValveParameters
 from simulators.plant import simulate
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def random_moved(seed: int, kind: MovedKind) -> Scenario:
 def _swung(rng: np.random.Generator, seed: int) -> Scenario:
     scenario = random_draw(seed, "stiction").scenario
     s = scenario.valve.f_s + scenario.valve.f_d
-    load = Sinusoid(amplitude=s * log_uniform(rng, *LOAD), period=log_uniform(rng, 25, 150))
+    load = SinusoidParameters(amplitude=s * log_uniform(rng, *LOAD), period=log_uniform(rng, 25, 150))
     return scenario.model_copy(update={"disturbance": load})
 
 

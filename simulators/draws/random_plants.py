@@ -19,7 +19,7 @@ from simulators.parameters import (
     Noise,
     ProcessParameters,
     Quantisation,
-    Sinusoid,
+    SinusoidParameters,
     ValveParameters,
 )
 from simulators.plant import simulate
@@ -96,9 +96,11 @@ def _draw(rng: np.random.Generator, kind: Kind, shape: tuple[float, float], name
     acting: Literal["reverse", "direct"] = "direct" if rng.random() < 0.3 else "reverse"
     slack = kind == "stiction" and shape == SHAPES[0]  # a pure dead band cycles only with an integrator
     process = _process(rng, 1.0 if acting == "reverse" else -1.0, integrating=slack)
-    disturbance, drift = Sinusoid(), Drift()
+    disturbance, drift = SinusoidParameters(), Drift()
     if kind == "sinusoid":
-        disturbance = Sinusoid(amplitude=_log_uniform(rng, 1, 10), period=_log_uniform(rng, 25, 150))
+        disturbance = SinusoidParameters(
+            amplitude=_log_uniform(rng, 1, 10), period=_log_uniform(rng, 25, 150)
+        )
     elif kind == "drift":
         drift = Drift(walk=_log_uniform(rng, 0.05, 0.4), ramp=rng.uniform(-0.003, 0.003))
     return Scenario(

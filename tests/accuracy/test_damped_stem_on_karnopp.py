@@ -11,7 +11,7 @@ from agent.physics.valves.two_state import two_state
 from simulators.draws.hidden_effects import hidden_effect_plant
 from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
-from simulators.valve import STEP, Valve
+from simulators.valve import STEP, SimulatedValve
 
 UNEXPLAINED = 0.001
 """Share of the variance of the position."""
@@ -33,7 +33,9 @@ def driven(scenario):
     record = simulate(scenario)
     start = np.flatnonzero(np.diff(record.mv[6:]) == 0)[0] + 6
     op, rests = record.op[start:-1], record.mv[start]
-    valve = Valve(scenario.valve, scenario.op_range, rests + scenario.valve.f_s)  # which it holds just yet
+    valve = SimulatedValve(
+        scenario.valve, scenario.op_range, rests + scenario.valve.f_s
+    )  # which it holds just yet
     steps = math.ceil(scenario.ts / STEP["karnopp"])
     ways = np.array([valve.stroke(each, steps, scenario.ts / steps) for each in op])
     np.testing.assert_allclose(ways[:, -1], record.mv[start + 1 :], rtol=0, atol=0.02)

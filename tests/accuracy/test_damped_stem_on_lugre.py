@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agent.physics.valves.damped_stem import damped_stem
-from simulators.friction import Actuator, Stem, stroke
+from simulators.friction import Actuator, StemParameters, stroke
 
 STIFFNESS, STRIBECK, DAMPING = 1e4, 0.02, 0.3
 STEP = 2e-4  # s, of LuGre's integration
@@ -15,7 +15,7 @@ HOLD = 20  # samples for the force to rise slowly
 
 def lugre_moves(f_s, f_d, supply, before, after):
     """Whether a stem moved on by LuGre from 0 breaks away when OP, held at ``before``, becomes ``after``."""
-    stem = Stem(f_s, f_d, f_s, f_d, 2.6e-5, DAMPING, STRIBECK, 1e-3, STIFFNESS, 0.1)
+    stem = StemParameters(f_s, f_d, f_s, f_d, 2.6e-5, DAMPING, STRIBECK, 1e-3, STIFFNESS, 0.1)
     actuator = Actuator(stem, True, supply, math.inf, -1e9, 1e9)
     state = np.zeros(4)
     for op in np.append(np.linspace(0, before, 4 * HOLD), [before, after, after]):

@@ -5,7 +5,7 @@ import pytest
 
 from agent.physics.processes import PROCESSES
 from simulators.parameters import ProcessParameters
-from simulators.process import Process as SimulatedProcess
+from simulators.process import SimulatedProcess
 from tests.reference.process_superposition import interpolated_lag
 
 EACH = pytest.mark.parametrize("process", PROCESSES, ids=lambda process: process.name)

@@ -17,7 +17,7 @@ from agent.physics import valves
 from agent.physics.valves import LAWS
 from agent.units import FrictionBands
 from simulators.parameters import ValveParameters
-from simulators.valve import STEP, Valve
+from simulators.valve import STEP, SimulatedValve
 
 F_S, F_D = 5.0, 2.0
 BANDS = FrictionBands(f_s=F_S, f_d=F_D)
@@ -50,7 +50,7 @@ def physical(friction, op, x0):
     OP goes in a straight line from sample to sample: held for a second, a ramp is a row of steps, and the
     stem rests between them.
     """
-    stem = Valve(ValveParameters(law=friction, f_s=F_S, f_d=F_D), (-100.0, 100.0), x0)
+    stem = SimulatedValve(ValveParameters(law=friction, f_s=F_S, f_d=F_D), (-100.0, 100.0), x0)
     stem._state[1] = x0
     dt, pieces = STEP[friction], 20
     line = np.interp(np.arange(1, pieces * (op.size + 1)) / pieces, np.arange(op.size + 1), [x0, *op])

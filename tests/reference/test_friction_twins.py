@@ -7,7 +7,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from simulators import process
-from simulators.friction import Actuator, Stem, stroke
+from simulators.friction import Actuator, StemParameters, stroke
 
 HOLD = 1.2  # s, long enough for a stroke to end
 FINE = 2e-4  # s, step of Karnopp's twin
@@ -17,7 +17,7 @@ FINEST = 4e-5  # s, step of LuGre's twin, whose bristles are fast
 @st.composite
 def stems(draw):
     f_s = draw(st.floats(1.0, 8.0))
-    return Stem(
+    return StemParameters(
         f_s=f_s,
         f_d=f_s * (kinetic := draw(st.floats(0.3, 1.0))),
         f_s_closing=(closing := draw(st.floats(1.0, 8.0))),

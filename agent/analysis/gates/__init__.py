@@ -1,4 +1,4 @@
-"""Whether a window can tell anything about its valve; each thing that stands in the way is named.
+"""Whether a window is fit for a verdict on its valve; each fault of the record has a name.
 
 Source: reference ``methods.md`` sections 3 (preparation) and 5 (pitfalls). One group of gates a file.
 """
@@ -19,11 +19,11 @@ __all__ = ["ALL_KINDS", "GateFault", "closed_kinds", "gates"]
 
 
 def gates(window: LoopWindow, oscillation: Oscillation) -> tuple[GateFault, ...]:
-    """Return everything that stands in the way of some methods or of all; empty where nothing does.
+    """Return every fault that forbids a verdict to some methods or to all; empty where there is none.
 
     Args:
         window: The stretch to judge.
-        oscillation: What ``detect_oscillation`` saw in it.
+        oscillation: The result of ``detect_oscillation`` for it.
     """
     short = too_short(window)
     if short:

@@ -1,4 +1,4 @@
-"""What a gate says, and which methods it closes."""
+"""The fault that a gate reports, and the methods that it closes."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ LIMIT_CYCLE: frozenset[MethodKind] = frozenset({"limit_cycle"})
 
 @dataclass(frozen=True, slots=True)
 class GateFault:
-    """Something about the record that forbids a verdict to some methods."""
+    """A fault of the record that forbids a verdict to some methods."""
 
     name: str
     """Stable word; docs/methods/gates.md lists them."""
     reason: str
     """The same for an engineer."""
     closes: frozenset[MethodKind] = ALL_KINDS
-    """Kinds of methods that it forbids to speak."""
+    """Kinds of methods that give no verdict on such a record."""
 
 
 def closed_kinds(faults: Iterable[GateFault]) -> frozenset[MethodKind]:
-    """Return the kinds of methods that the faults close; with all of them closed nothing can be said."""
+    """Return the kinds of methods that the faults close; with all of them closed there is no verdict."""
     return frozenset[MethodKind]().union(*(fault.closes for fault in faults))

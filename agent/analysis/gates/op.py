@@ -19,22 +19,20 @@ MIN_SPAN_OF_RANGE = 0.002
 LIMIT_MARGIN = 0.002
 """OP within this part of its range (or span) of a limit stands at the limit."""
 FEWEST_REVERSALS = 2
-"""A stick band shows itself where the valve turns; there and back again is the least."""
+"""A stick band is visible only where the valve reverses; one reversal each way is the least."""
 
 
 def op_faults(window: LoopWindow) -> list[GateFault]:
-    """Return the first of what is wrong with OP itself, and whether it turns often enough."""
+    """Return the first fault of OP itself, else the fault of an OP that reverses too seldom."""
     op = window.op[window.valid]
     if constant(op):
-        return [GateFault("op_constant", f"OP does not move: it stands at {op[0]:g}")]
+        return [GateFault("op_constant", f"OP does not move: it is constant at {op[0]:g}")]
     fault = _still(op, window.hints.op_range) or quantised("OP", op) or _saturated(op, window.hints.op_range)
     if fault is not None:
         return [fault]
     reversals = significant_reversals(op)
     if reversals < FEWEST_REVERSALS:
-        reason = (
-            f"OP turns only {reversals} times, at least {FEWEST_REVERSALS} are needed to see the valve turn"
-        )
+        reason = f"OP reverses only {reversals} times, at least {FEWEST_REVERSALS} reversals are needed"
         return [GateFault("op_few_reversals", reason, SHAPE)]
     return []
 
@@ -54,6 +52,6 @@ def _saturated(op: FloatArray, op_range: tuple[float, float] | None) -> GateFaul
     for limit, at_limit in ((low, op <= low + margin), (high, op >= high - margin)):
         share = float(np.mean(at_limit))
         if share > MAX_SATURATED_SHARE:
-            reason = f"OP stands at {limit:g}, its limit, for {share:.0%} of the record"
+            reason = f"OP is at its limit of {limit:g} for {share:.0%} of the record"
             return GateFault("op_saturated", reason)
     return None

@@ -1,4 +1,4 @@
-"""Whether the transmitter of PV is alive and fine enough."""
+"""Whether the transmitter of PV works and has enough resolution."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
 
 MAX_FROZEN_SHARE = 0.3
-"""Longest time that PV may stand at one value, part of the record."""
+"""Longest time for which PV may keep one value, part of the record."""
 
 
 def pv_faults(window: LoopWindow) -> list[GateFault]:
-    """Return the first of what is wrong with PV itself."""
+    """Return the first fault of PV itself."""
     pv, op = window.pv[window.valid], window.op[window.valid]
     if constant(pv):
-        reason = f"PV does not move: it stands at {pv[0]:g}; is the transmitter alive?"
+        reason = f"PV does not move: it is constant at {pv[0]:g}; check the transmitter"
         return [GateFault("pv_constant", reason)]
     fault = quantised("PV", pv)
     if fault is not None:
@@ -28,8 +28,8 @@ def pv_faults(window: LoopWindow) -> list[GateFault]:
     rest = longest_rest(pv)
     if len(pv[rest]) > MAX_FROZEN_SHARE * len(pv) and not constant(op[rest]):
         share = len(pv[rest]) / len(pv)
-        reason = f"PV stands at exactly {pv[rest][0]:g} for {share:.0%} of the record while OP moves"
-        return [GateFault("pv_frozen", f"{reason}; is the transmitter alive?")]
+        reason = f"PV is exactly {pv[rest][0]:g} for {share:.0%} of the record while OP moves"
+        return [GateFault("pv_frozen", f"{reason}; check the transmitter")]
     return []
 
 

@@ -1,4 +1,4 @@
-"""Whether enough of the record is there, and whether the loop was controlling."""
+"""Whether the record has enough valid samples, and whether the loop was in automatic."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MIN_AUTOMATIC_SHARE = 0.8
 
 
 def too_short(window: LoopWindow) -> tuple[GateFault, ...]:
-    """Return the fault of a record that is too short for any other question."""
+    """Return the fault of a record that is too short for any other test."""
     count = int(np.count_nonzero(window.valid))
     if count >= MIN_SAMPLES:
         return ()
@@ -27,12 +27,12 @@ def too_short(window: LoopWindow) -> tuple[GateFault, ...]:
 
 
 def record_faults(window: LoopWindow) -> list[GateFault]:
-    """Return what is wrong with quality and mode."""
+    """Return the faults of quality and mode."""
     faults = []
     valid = window.valid
     there = float(np.mean(valid))
     if there < MIN_VALID_SHARE:
-        faults.append(GateFault("gaps", f"only {there:.0%} of the record is there, the rest are gaps"))
+        faults.append(GateFault("gaps", f"only {there:.0%} of the samples are valid, the rest are gaps"))
     if window.automatic is not None:
         automatic = float(np.mean(window.automatic[valid]))
         if automatic < MIN_AUTOMATIC_SHARE:

@@ -1,4 +1,4 @@
-"""Whether there is a limit cycle to look at: steady, long and fine enough, and the loop's own."""
+"""Whether the record holds a limit cycle: steady, enough periods and samples, made by the loop itself."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 FEWEST_PERIODS = 5.0
 """Shapes are means over so many periods at least (``methods.md`` 3)."""
 FEWEST_SAMPLES = 10.0
-"""Samples a period below which a triangle cannot be told from a sine: its third harmonic is past the
-Nyquist frequency at 6, and the low-pass of the shape detectors, at ten times the frequency, takes nothing
-out below 20."""
+"""Samples a period below which a triangle and a sine cannot be distinguished: its third harmonic is past the
+Nyquist frequency at 6, and the low-pass of the shape detectors, at ten times the frequency, removes nothing
+below 20."""
 MOST_SET_POINT = 0.2
 """Span of SP, part of that of PV, up to which the oscillation is the loop's own."""
 
 
 def rhythm_faults(window: LoopWindow, oscillation: Oscillation) -> list[GateFault]:
-    """Return what forbids to speak of a limit cycle; all these faults leave travel and model open."""
+    """Return the faults that close the limit cycle methods; travel and model methods stay open."""
     return [
         GateFault(name, reason, LIMIT_CYCLE)
         for name, reason in (*_set_point(window), *_oscillation(window, oscillation))
@@ -37,14 +37,14 @@ def _set_point(window: LoopWindow) -> list[tuple[str, str]]:
     share = float(np.ptp(sp) / np.ptp(window.pv[window.valid])) if sp.size else 0.0
     if share <= MOST_SET_POINT:
         return []
-    return [("sp_moves", f"the set point moves, by {share:.0%} of the span of PV")]
+    return [("sp_moves", f"the set point moves by {share:.0%} of the span of PV")]
 
 
 def _oscillation(window: LoopWindow, oscillation: Oscillation) -> list[tuple[str, str]]:
     if not oscillation.detected or oscillation.period is None:
-        return [("no_oscillation", "the loop shows no oscillation")]
+        return [("no_oscillation", "the loop does not oscillate")]
     if oscillation.regularity is None or oscillation.regularity <= 1:
-        return [("unsteady", "the period of the oscillation is not regular, or too few of them are there")]
+        return [("unsteady", "the period is not regular, or the record holds too few periods")]
     faults = []
     periods = len(window) * window.ts / oscillation.period
     if periods < FEWEST_PERIODS:

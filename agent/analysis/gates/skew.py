@@ -1,8 +1,8 @@
-"""Whether OP and PV were read at the same instants: the controller's own law tells.
+"""Whether OP and PV were read at the same instants, tested with the controller's own law.
 
-A controller computes OP from the error of the same instant. Where OP answers an error that is recorded only
-later, or one recorded some samples ago, one of the two has another clock. Fixed times between OP and PV look
-like a part of a stroke (reference ``methods.md`` section 5). The test is ours.
+A controller computes OP from the error of the same instant. Where OP follows from an error that is recorded
+only later, or from one recorded some samples ago, the two signals have different clocks. A fixed time between
+OP and PV looks like a part of a stroke (reference ``methods.md`` section 5). The test is ours.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ MOST = 5
 KNOWN_LAW = 0.8
 """Share of the increments of OP that the PI law must explain at the best shift."""
 BETTER = 3.0
-"""What the law leaves unexplained without a shift, over what it leaves at the best one."""
+"""Unexplained share without a shift, over the unexplained share at the best shift."""
 LEAST_LEFT = 0.02
-"""Share that it must leave without a shift: a smooth wave obeys a PI law at any shift."""
+"""Least unexplained share without a shift: a smooth wave obeys a PI law at any shift."""
 
 
 def skew_faults(window: LoopWindow, oscillation: Oscillation) -> list[GateFault]:
-    """Return the fault of a record whose OP and PV are so many samples apart that shapes are deceived."""
+    """Return the fault of a record whose OP and PV are so many samples apart that shapes are distorted."""
     shift = skew(window)
     if shift == 0:
         return []
@@ -40,12 +40,13 @@ def skew_faults(window: LoopWindow, oscillation: Oscillation) -> list[GateFault]
     if oscillation.detected and period is not None and period / abs(shift) >= FEWEST_SCANS:
         return []
     samples = f"{abs(shift)} sample{'s' * (abs(shift) > 1)}"
-    what = f"answers PV {samples} before PV is recorded" if shift > 0 else f"answers PV {samples} late"
-    return [GateFault("clock_skew", f"OP {what}: their clocks differ, or the scan of one of them", SHAPE)]
+    when = f"{samples} before PV is recorded" if shift > 0 else f"{samples} late"
+    reason = f"OP responds to PV {when}: their clocks or scans differ"
+    return [GateFault("clock_skew", reason, SHAPE)]
 
 
 def skew(window: LoopWindow) -> int:
-    """Return by how many samples PV is recorded later than the controller saw it; 0 where nothing tells."""
+    """Return by how many samples PV is recorded later than the controller read it; 0 if not known."""
     laws = {shift: _law(window, shift) for shift in range(-MOST, MOST + 1)}
     left = {shift: 1 - law.explained for shift, law in laws.items() if law is not None}
     lawful = [shift for shift, law in laws.items() if law is not None and law.kc * law.ki > 0]

@@ -1,4 +1,4 @@
-"""What a bus or a historian made of OP and PV, which looks like stiction: held, thinned out, drawn as lines.
+"""Transmission faults of OP and PV that look like stiction: values held, sent by exception, interpolated.
 
 Source: reference ``methods.md`` section 5. The tests are ours; the limits come from simulation, see
 docs/methods/gates.md.
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from agent.analysis.results import Oscillation
 
 FEWEST_CHANGES = 20
-"""Changes of a signal below which nothing is said of how it was sent."""
+"""Changes of a signal below which its transmission is not tested."""
 RESTING = 0.3
 """Least part of the samples that repeat the one before in a signal that is sent by exception."""
 BAND_STEPS = 3.0
 """A band of exception is larger than so many steps of the signal's resolution."""
 SMALL_BAND, LARGE_BAND = 0.02, 0.1
-"""Bands of exception, parts of the signal's span, from which shapes and from which models are deceived."""
+"""Bands of exception, parts of the signal's span, that distort shapes (first) and models (second)."""
 FEWEST_SCANS = 20.0
 """Scans a period below which the lag between OP and PV is seen in the shapes."""
 SLOPING = 5.0
@@ -58,7 +58,7 @@ class Changes:
 
 
 def transmission_faults(window: LoopWindow, oscillation: Oscillation) -> list[GateFault]:
-    """Return what the transmission did to OP and to PV."""
+    """Return the transmission faults of OP and of PV."""
     period = oscillation.period if oscillation.detected else None
     faults: list[GateFault] = []
     for signal, values in (("OP", window.op), ("PV", window.pv)):
@@ -90,17 +90,17 @@ def _scan(signal: str, changes: Changes, period: float | None) -> GateFault | No
     every = int(np.gcd.reduce(np.diff(at)))
     if every < 2 or (period is not None and period / every >= FEWEST_SCANS):
         return None
-    reason = f"{signal} has a new value only every {every} samples, later than the rest by up to that"
+    reason = f"{signal} has a new value only every {every} samples, so it lags by up to {every} samples"
     return GateFault(f"{signal.lower()}_slow_scan", reason, SHAPE)
 
 
 def _exception(signal: str, changes: Changes) -> GateFault | None:
-    """Look for a signal that stands still until it has moved by more than a band."""
+    """Look for a signal that keeps its value until it has moved by more than a band."""
     band = float(np.quantile(changes.moves, 0.05))
     share = band / float(np.nanmax(changes.values) - np.nanmin(changes.values))
     if changes.resting < RESTING or band < BAND_STEPS * changes.resolution or share < SMALL_BAND:
         return None
-    reason = f"{signal} is sent by exception: it stands still until it has moved by {share:.0%} of its span"
+    reason = f"{signal} is sent by exception: only moves by {share:.0%} of its span or more arrive"
     return GateFault(f"{signal.lower()}_by_exception", reason, ALL_KINDS if share >= LARGE_BAND else SHAPE)
 
 
@@ -113,5 +113,5 @@ def _interpolated(signal: str, changes: Changes) -> GateFault | None:
     usual, knot = np.quantile(sloping, (0.5, 0.98))
     if usual > 2 * changes.resolution or knot < KNOT * changes.resolution:
         return None
-    reason = f"{signal} is drawn as straight lines between few samples, as historians do"
+    reason = f"{signal} is interpolated by straight lines between few samples, as historians do"
     return GateFault(f"{signal.lower()}_interpolated", reason, SHAPE)

@@ -1,4 +1,4 @@
-"""What the gates ask of the values of one signal."""
+"""Tests of the values of one signal that several gates share."""
 
 from __future__ import annotations
 

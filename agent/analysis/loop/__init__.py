@@ -1,1 +1,1 @@
-"""THE LOOP: what OP and PV say of controller, delay and apparent stiction."""
+"""THE LOOP: controller, delay and apparent stiction, estimated from OP and PV."""

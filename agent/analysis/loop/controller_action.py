@@ -16,11 +16,11 @@ LEAST_EXPLAINED = 0.3
 
 
 def process_gain_sign(window: LoopWindow) -> int:
-    """Return +1 (reverse acting controller), -1 (direct acting), or 0 where it cannot be told.
+    """Return +1 (reverse acting controller), -1 (direct acting), or 0 if it cannot be determined.
 
     Negative feedback makes the process gain and the controller gain agree in sign, and the controller gain is
     in the record: OP is computed from the error by dOP = K_c (de + Ts/T_i e), so a regression of the OP
-    increments on de and e gives its sign (derived). What the engineer configured goes first.
+    increments on de and e gives its sign (derived). A configured sign has priority.
     """
     if window.hints.acting is not None:
         return 1 if window.hints.acting == "reverse" else -1

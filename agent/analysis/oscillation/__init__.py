@@ -34,12 +34,12 @@ DETECTORS: tuple[OscillationDetector, ...] = (
 
 
 def detect_oscillation(window: LoopWindow) -> Oscillation:
-    """Combine the detectors: the loop oscillates where one of them says so that noise does not deceive.
+    """Combine the detectors: the loop oscillates where a noise-proof one of them finds an oscillation.
 
     The others decide only where the wave is regular as well. The most regular answer gives the period; that
     of a single peak of the spectrum only where the signal as a whole is not regular, because a filter makes
-    every wave more so. A regularity of None says that the oscillation was seen by its power or its decay
-    alone.
+    every wave more regular. A regularity of None means that the oscillation was found by its power or its
+    decay alone.
     """
     answers = [(detector, detector.detect(window)) for detector in DETECTORS]
     decisive = [
@@ -55,5 +55,5 @@ def detect_oscillation(window: LoopWindow) -> Oscillation:
 
 
 def _standing(answer: Oscillation) -> tuple[bool, bool, float]:
-    """Order answers by how well they know the period: regular ones, then those of the whole signal."""
+    """Order answers by the quality of their period: regular ones first, then those of the whole signal."""
     return answer.regularity is not None, answer.share is None, answer.regularity or 0.0

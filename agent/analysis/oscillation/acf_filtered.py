@@ -73,7 +73,7 @@ class AcfFiltered:
 def oscillations(window: LoopWindow) -> tuple[Oscillation, ...]:
     """Return every oscillation of the control error or of OP, the largest part of its signal's power first.
 
-    What has a whole fraction of a stronger one's period is taken for its harmonic and left out.
+    An oscillation whose period is a whole fraction of a stronger one's is a harmonic and is left out.
     """
     found = [each for values in (window.error, window.op) for each in components(values, window.ts)]
     kept: list[Oscillation] = []

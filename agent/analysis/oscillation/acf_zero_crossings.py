@@ -25,7 +25,7 @@ CROSSINGS = 11
 MIN_CROSSINGS = 4
 """Three intervals are the fewest that have a spread."""
 MIN_SAMPLES_PER_PERIOD = 5.0
-"""Faster waves cannot be told from sampling and quantisation."""
+"""Faster waves cannot be distinguished from sampling and quantisation."""
 TWO_SIDED_95 = 1.96
 """Standard normal deviate of a two-sided 5 % test."""
 
@@ -92,7 +92,7 @@ def significant_crossings(acf: Autocorrelation, chance: FloatArray) -> FloatArra
 
 
 def regular_crossings(crossings: FloatArray, ts: float) -> Oscillation:
-    """Return what the lags (samples) of the crossings say of period and regularity; ``ts`` in s."""
+    """Return the oscillation that the lags (samples) of the crossings show; ``ts`` in s."""
     if len(crossings) < MIN_CROSSINGS:
         return Oscillation(detected=False, period=None, regularity=None)
     periods = 2 * ts * np.diff(crossings)
@@ -102,7 +102,7 @@ def regular_crossings(crossings: FloatArray, ts: float) -> Oscillation:
 
 
 def acf_oscillation(signal: FloatArray, ts: float) -> Oscillation:
-    """Return what the zero crossings of the ACF of ``signal`` (n,) say; ``ts`` in s."""
+    """Return the oscillation that the zero crossings of the ACF of ``signal`` (n,) show; ``ts`` in s."""
     acf = autocorrelation(detrended(signal))
     crossings = np.empty(0) if acf is None else significant_crossings(acf, swing_of_noise(acf))
     return regular_crossings(crossings, ts)

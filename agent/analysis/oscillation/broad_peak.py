@@ -1,8 +1,8 @@
 """A broad peak of the spectrum: an oscillation whose period wanders.
 
-Such an oscillation has no line, and its autocorrelation soon forgets it; but its power still stands an octave
-wide above what is slower and what is faster. Noise of any colour and drift fall with the frequency. The idea
-is that of every spectral test; the test itself is ours, and its limits are from simulation.
+Such an oscillation has no line, and its autocorrelation decays soon; but its power still exceeds, an octave
+wide, that of the slower and the faster octave. Noise of any colour and drift fall with the frequency. The
+idea is that of every spectral test; the test itself is ours, and its limits are from simulation.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ noise of any colour does."""
 
 @dataclass(frozen=True, slots=True)
 class BroadPeak:
-    """Answers with the clearer peak of control error and OP; it says nothing of regularity."""
+    """Answers with the clearer peak of control error and OP; it gives no regularity."""
 
     name: str = "broad_peak"
     noise_proof: bool = True

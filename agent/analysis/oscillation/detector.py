@@ -1,4 +1,4 @@
-"""What every oscillation detector is."""
+"""The interface of every oscillation detector."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 class OscillationDetector(Protocol):
-    """Says whether a loop oscillates, how fast and how regularly."""
+    """Detects whether a loop oscillates, how fast and how regularly."""
 
     @property
     def name(self) -> str:
@@ -19,7 +19,7 @@ class OscillationDetector(Protocol):
 
     @property
     def noise_proof(self) -> bool:
-        """Whether it says oscillation of at most one in twenty records of noise, whatever its colour."""
+        """Whether it finds an oscillation in at most one of twenty records of noise, whatever its colour."""
         ...
 
     def detect(self, window: LoopWindow) -> Oscillation:

@@ -21,7 +21,7 @@ SUPERVISION = 100
 NOISE_SIGMAS = 3.0
 """How far noise reaches, standard deviations: no crossing and no load where the range of PV is unknown."""
 MIN_PERIODS = 4
-"""Periods below this number tell nothing of regularity."""
+"""With fewer periods the regularity is not estimated."""
 
 
 @dataclass(frozen=True, slots=True)

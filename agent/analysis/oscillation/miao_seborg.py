@@ -1,4 +1,4 @@
-"""How much of the autocorrelation's swing is left after a period.
+"""The decay ratio of the autocorrelation: its second swing over its first.
 
 Source: T. Miao and D. E. Seborg, "Automatic detection of excessively oscillatory feedback control loops",
 IEEE Conference on Control Applications (1999) 359; reference ``methods.md`` 2.4, from memory of the paper.
@@ -41,7 +41,7 @@ class Decay:
 
 @dataclass(frozen=True, slots=True)
 class MiaoSeborg:
-    """Answers with the slower decay of control error and OP; it says nothing of regularity."""
+    """Answers with the slower decay of control error and OP; it gives no regularity."""
 
     name: str = "miao_seborg"
     noise_proof: bool = True

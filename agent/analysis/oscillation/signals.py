@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
 
 ROUND_OFF = 1e-9
-"""Movement below this part of the largest value is the arithmetic's, not the signal's."""
+"""Movement below this part of the largest value is round-off, not the signal."""
 SAMPLING_SD = 1 / math.sqrt(12)
 """Standard deviation of an instant known to one sample, samples."""
 
@@ -22,8 +22,8 @@ def detrended(signal: FloatArray) -> FloatArray:
     """Return ``signal`` less its least-squares line, as a part of its largest value, shape (n,).
 
     A slow drift would otherwise hide the crossings of zero, and the squares of very large or small units
-    would overflow. All NaN where fewer than three samples are finite; exactly zero where only the
-    arithmetic's own noise is left.
+    would overflow. All NaN where fewer than three samples are finite; exactly zero where only
+    round-off remains.
     """
     finite = np.isfinite(signal)
     if np.count_nonzero(finite) < 3:

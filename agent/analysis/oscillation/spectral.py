@@ -30,7 +30,7 @@ CYCLES = 2
 
 @dataclass(frozen=True, slots=True)
 class SpectralPeak:
-    """Answers with the higher peak of control error and OP; it says nothing of regularity."""
+    """Answers with the higher peak of control error and OP; it gives no regularity."""
 
     name: str = "spectral_peak"
     noise_proof: bool = True

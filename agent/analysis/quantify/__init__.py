@@ -9,7 +9,7 @@ from agent.analysis.quantify.karra_karim2009 import KarraKarim2009
 from agent.analysis.quantify.lee2008 import Lee2008
 from agent.analysis.quantify.quantifier import Quantifier
 from agent.analysis.quantify.srinivasan2005 import Srinivasan2005
-from agent.analysis.quantify.stenman2003 import Stenman2003
+from agent.analysis.quantify.stenman2003 import Stenman2003Quantifier
 
 __all__ = ["QUANTIFIERS", "Quantifier", "quantifier"]
 
@@ -21,7 +21,7 @@ QUANTIFIERS: tuple[Quantifier, ...] = (
     Jelali2008("genetic"),
     Jelali2008("pattern"),
     Srinivasan2005(),
-    Stenman2003(),
+    Stenman2003Quantifier(),
     KarraKarim2009(),
 )
 

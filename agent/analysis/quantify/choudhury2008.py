@@ -19,7 +19,7 @@ from agent.analysis.loop.ellipse import apparent_stiction
 from agent.analysis.quantify.valves.bounded_search import bands, within
 from agent.analysis.quantify.valves.joint_fit import (
     NO_STICTION,
-    Record,
+    CentredRecord,
     answer,
     failed,
     free_delays,
@@ -65,7 +65,7 @@ class Choudhury2008:
         missing = lack(window)
         if missing is not None:
             return failed(self.name, missing)
-        record = Record.of(window, CHOUDHURY)
+        record = CentredRecord.of(window, CHOUDHURY)
         structures = structures_to_try(window)
         anywhere = free_delays(window, structures)
         delays = anywhere if window.hints.delay is None else np.array([window.hints.delay])

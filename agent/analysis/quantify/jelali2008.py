@@ -20,7 +20,7 @@ from agent.analysis.quantify.valves.bounded_search import bands, pattern_search,
 from agent.analysis.quantify.valves.genetic_search import genetic_search
 from agent.analysis.quantify.valves.joint_fit import (
     NO_STICTION,
-    Record,
+    CentredRecord,
     answer,
     failed,
     free_delays,
@@ -65,7 +65,7 @@ class Jelali2008:
         missing = lack(window)
         if missing is not None:
             return failed(self.name, missing)
-        record = Record.of(window, CHOUDHURY)
+        record = CentredRecord.of(window, CHOUDHURY)
         structures = structures_to_try(window)
         highest = structures[-1:]
         delays = np.array([_fixed_delay(window)])

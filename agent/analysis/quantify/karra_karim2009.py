@@ -18,7 +18,7 @@ from agent.analysis.quantify.processes.armax_model import best_valves, better, w
 from agent.analysis.quantify.root_cause import root_cause
 from agent.analysis.quantify.valves.bounded_search import RESOLUTION, grid
 from agent.analysis.quantify.valves.joint_fit import (
-    Record,
+    CentredRecord,
     answer,
     failed,
     free_delays,
@@ -56,7 +56,7 @@ class KarraKarim2009:
         missing = lack(window)
         if missing is not None:
             return failed(self.name, missing)
-        record = Record.of(window, KANO)
+        record = CentredRecord.of(window, KANO)
         structures = structures_to_try(window)
         anywhere = free_delays(window, structures)
         delays = anywhere if window.hints.delay is None else np.array([window.hints.delay])
@@ -70,7 +70,7 @@ class KarraKarim2009:
 
 
 def _search(
-    record: Record, largest: float, delays: NDArray[np.int64], structures: tuple[int, ...]
+    record: CentredRecord, largest: float, delays: NDArray[np.int64], structures: tuple[int, ...]
 ) -> Model | None:
     """Return the best model of the coarse grid, or of the fine one about its valve."""
     coarse = best_valves(record, grid(largest, COARSE), delays, structures, WALK)

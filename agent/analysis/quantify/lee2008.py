@@ -17,7 +17,7 @@ import numpy as np
 from agent.analysis.quantify.valves.bounded_search import grid_search, random_search
 from agent.analysis.quantify.valves.joint_fit import (
     NO_STICTION,
-    Record,
+    CentredRecord,
     answer,
     failed,
     free_delays,
@@ -50,7 +50,7 @@ class Lee2008:
         missing = lack(window)
         if missing is not None:
             return failed(self.name, missing)
-        record = Record.of(window)
+        record = CentredRecord.of(window)
         structures = structures_to_try(window)
         anywhere = free_delays(window, structures)
         delays = anywhere if window.hints.delay is None else np.array([window.hints.delay])

@@ -26,7 +26,7 @@ from agent.analysis.results import CauseShare
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.quantify.valves.joint_fit import Record
+    from agent.analysis.quantify.valves.joint_fit import CentredRecord
     from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import Quantification
     from agent.physics.processes.arx import Arx
@@ -47,7 +47,7 @@ SWINGING_BIAS = 0.5
 
 def root_cause(
     window: LoopWindow,
-    record: Record,
+    record: CentredRecord,
     found: Quantification,
     delays: NDArray[np.int64],
     structures: tuple[int, ...],
@@ -120,7 +120,9 @@ def own_swing(process: Arx, controller: PiController) -> tuple[float, float]:
     return period, float(min(np.abs(slowest) ** period, 1.0))
 
 
-def _linear_model(record: Record, delays: NDArray[np.int64], structures: tuple[int, ...]) -> Armax | None:
+def _linear_model(
+    record: CentredRecord, delays: NDArray[np.int64], structures: tuple[int, ...]
+) -> Armax | None:
     """Return the most likely plausible process without stiction beside a bias that may swing."""
     mv = valve_position(record.op, 0.0, 0.0, record.law)
     fits = (

@@ -17,7 +17,7 @@ import numpy as np
 from agent.analysis.quantify.processes.armax_model import best_valves, better, without_stiction
 from agent.analysis.quantify.valves.bounded_search import RESOLUTION
 from agent.analysis.quantify.valves.joint_fit import (
-    Record,
+    CentredRecord,
     answer,
     failed,
     free_delays,
@@ -49,7 +49,7 @@ class Srinivasan2005:
         missing = lack(window)
         if missing is not None:
             return failed(self.name, missing)
-        record = Record.of(window, HE)  # with f_D = 0 it is Stenman's valve
+        record = CentredRecord.of(window, HE)  # with f_D = 0 it is Stenman's valve
         structures = structures_to_try(window)
         anywhere = free_delays(window, structures)
         delays = anywhere if window.hints.delay is None else np.array([window.hints.delay])

@@ -25,8 +25,8 @@ from agent.analysis.quantify.processes.output_error import fit_process, plausibl
 from agent.analysis.quantify.srinivasan2005 import one_parameter
 from agent.analysis.quantify.valves.joint_fit import (
     NO_STICTION,
+    CentredRecord,
     Model,
-    Record,
     answer,
     failed,
     free_delays,
@@ -61,7 +61,7 @@ ROUNDS = 5
 
 
 @dataclass(frozen=True, slots=True)
-class Stenman2003:
+class Stenman2003Quantifier:
     """Most probable sequence of jumps, process in free run."""
 
     name: str = "stenman2003"
@@ -71,7 +71,7 @@ class Stenman2003:
         missing = lack(window)
         if missing is not None:
             return failed(self.name, missing)
-        record = Record.of(window, HE)
+        record = CentredRecord.of(window, HE)
         structures = structures_to_try(window)
         anywhere = free_delays(window, structures)
         delays = anywhere if window.hints.delay is None else np.array([window.hints.delay])
@@ -101,7 +101,7 @@ def force_at_jumps(op: FloatArray, stem: FloatArray) -> float:
 
 
 def _best_sequence(
-    record: Record, largest: float, delays: NDArray[np.int64], structures: tuple[int, ...]
+    record: CentredRecord, largest: float, delays: NDArray[np.int64], structures: tuple[int, ...]
 ) -> Model | None:
     """Return the best model from several starts, None where no process is plausible."""
     bands = one_parameter(largest)
@@ -116,7 +116,7 @@ def _best_sequence(
     return min(models, key=lambda model: model.error, default=None)
 
 
-def _alternate(record: Record, model: Model) -> Model:
+def _alternate(record: CentredRecord, model: Model) -> Model:
     """Seek the sequence behind the process and the process behind the sequence, as long as that helps."""
     for _ in range(ROUNDS):
         known = np.where(np.isnan(record.op), np.nan, model.mv)
@@ -131,7 +131,7 @@ def _alternate(record: Record, model: Model) -> Model:
     return model
 
 
-def _behind_stem(record: Record, stem: FloatArray, model: Model) -> Model | None:
+def _behind_stem(record: CentredRecord, stem: FloatArray, model: Model) -> Model | None:
     """Return the process of the same structure and delay behind these positions, None where implausible."""
     known = np.where(np.isnan(record.op), np.nan, stem)
     if np.isnan(known).all():

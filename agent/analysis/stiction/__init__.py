@@ -55,12 +55,12 @@ DETECTORS: tuple[StictionDetector, ...] = (
 def detect_stiction(
     window: LoopWindow, oscillation: Oscillation, faults: Iterable[GateFault] = ()
 ) -> dict[str, MethodResult]:
-    """Return what each detector says of ``window``, by its name.
+    """Return the result of each detector for ``window``, by its name.
 
     Args:
         window: The stretch to judge.
-        oscillation: What ``detect_oscillation`` saw in it.
-        faults: What the gates found; a detector of a kind that one of them closes is not asked.
+        oscillation: The result of ``detect_oscillation`` for it.
+        faults: The faults that the gates found; a detector of a kind that one of them closes is skipped.
     """
     closed = {kind: fault.reason for fault in faults for kind in fault.closes}
     return {

@@ -62,7 +62,7 @@ independent: 2 K bic^2 has a chi-square distribution with 2 degrees of freedom."
 
 @dataclass(frozen=True, slots=True)
 class SquaredBicoherence:
-    """What the detector saw; L pairs of frequencies."""
+    """What the detector measured; L pairs of frequencies."""
 
     squared: FloatArray
     """0 to 1, (L,), at ``F1`` and ``F2``."""
@@ -96,16 +96,19 @@ class SquaredBicoherence:
         return float(F2[highest]) / LINES, float(F1[highest]) / LINES
 
     def judge(self) -> tuple[MethodVerdict, str]:
-        """Return what can be said without a look at OP, and why."""
+        """Return the verdict that follows without OP, and its reason."""
         found = f"NGI {self.ngi:.3f}, NLI {self.nli:.3f} over {self.segments} segments"
         if self.nonlinear:
-            return "undecided", f"the loop is not linear, by what this cannot tell: {found}"
+            return "undecided", f"the loop is not linear, the cause is not known: {found}"
         if self.segments < ENOUGH_SEGMENTS:
-            return "undecided", f"to call the loop linear needs {ENOUGH_SEGMENTS} segments: {found}"
+            return (
+                "undecided",
+                f"too few segments to call it linear, {ENOUGH_SEGMENTS} are needed: {found}",
+            )
         if self.harmonic == "seen":
-            return "undecided", f"the wave has a third harmonic, which the bicoherence does not see: {found}"
+            return "undecided", f"the wave has a third harmonic, which the bicoherence cannot detect: {found}"
         if self.harmonic == "hidden":
-            return "undecided", f"no coupling is seen, but noise would hide a third harmonic: {found}"
+            return "undecided", f"no coupling is found, but noise would hide a third harmonic: {found}"
         return "no_stiction", f"the loop is linear: {found}"
 
 
@@ -117,7 +120,7 @@ class Bicoherence:
     kind: MethodKind = "limit_cycle"
 
     def detect(self, window: LoopWindow, oscillation: Oscillation) -> MethodResult:
-        """Call the loop linear, or leave open what its nonlinearity is."""
+        """Call the loop linear, or undecided: the cause of a nonlinearity stays open."""
         seen = error_bicoherence(window, oscillation)
         if isinstance(seen, str):
             return MethodResult("not_applicable", None, seen)
@@ -126,7 +129,7 @@ class Bicoherence:
 
 
 def error_bicoherence(window: LoopWindow, oscillation: Oscillation) -> SquaredBicoherence | str:
-    """Return the bicoherence of the control error, or in words the limit that is broken."""
+    """Return the bicoherence of the control error, or the limit that is broken as a text."""
     stretch = longest_stretch(window)
     period = period_of(stretch, oscillation, periods=FEWEST_PERIODS, samples=FEWEST_SAMPLES)
     if isinstance(period, str):
@@ -164,7 +167,7 @@ def squared_bicoherence(values: FloatArray, hop: int) -> FloatArray:
     segments = np.lib.stride_tricks.sliding_window_view(values, SEGMENT)[::hop]
     tapered = signal.detrend(segments, type="constant") * signal.windows.hann(SEGMENT)
     x = fft.fft(tapered, LINES)
-    x[np.abs(x) < ROUND_OFF * np.max(np.abs(x))] = 0.0  # else the arithmetic's own noise would be coupled
+    x[np.abs(x) < ROUND_OFF * np.max(np.abs(x))] = 0.0  # else the bicoherence would couple round-off noise
     pairs, sums = x[:, F1] * x[:, F2], x[:, F1 + F2]
     powers = np.mean(np.abs(pairs) ** 2, axis=0) * np.mean(np.abs(sums) ** 2, axis=0)
     coupled = np.abs(np.mean(pairs * sums.conj(), axis=0)) ** 2

@@ -3,8 +3,8 @@
 Source: M. A. A. S. Choudhury, S. L. Shah, N. F. Thornhill and D. S. Shook, "Automatic detection and
 quantification of stiction in control valves", Control Engineering Practice 14 (2006) 1395; fuzzy c-means
 after J. C. Bezdek (1981). Reconstructed from reference ``methods.md`` 3.8. Settled here: the width of the
-strip, and from when on the two heaps of points are two. What is said of the ellipse's width holds for this
-one.
+strip, and the distance from which there are two clusters. Controller and process widen this distance too, as
+they widen the ellipse (``choudhury_ellipse``).
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ STRIP = 0.25
 FEWEST_POINTS = 6
 """In the strip."""
 APART = 4.0
-"""Distance of the centres over the deviation within the heaps from which there are two. One heap of evenly
-spread points, cut in the middle, has 3.5; one of Gaussian points 2.6 (derived)."""
+"""Distance of the centres over the deviation within the clusters from which there are two. One cluster of
+evenly spread points, cut in the middle, has 3.5; one of Gaussian points 2.6 (derived)."""
 MOST_ROUNDS = 100
 SETTLED = 1e-9
 """Step of the centres over the span of the points at which the search ends."""
@@ -35,7 +35,7 @@ SETTLED = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Clusters:
-    """What the detector saw."""
+    """What the detector measured."""
 
     cycles: Cycles
     inside: FloatArray
@@ -52,7 +52,7 @@ class Clusters:
 
     @property
     def apart(self) -> bool:
-        """Whether there are two heaps."""
+        """Whether there are two clusters."""
         nearest = np.min(np.abs(self.inside[:, None] - np.array(self.centres)), axis=1)
         return self.apparent > APART * float(np.sqrt(np.mean(nearest**2)))
 
@@ -72,23 +72,23 @@ class ChoudhuryCmeans:
         cycles = op_pv_cycles(window, nonlinearity)
         seen = None if cycles is None else clusters(cycles)
         if seen is None:
-            return MethodResult("undecided", None, "too few points are where PV is near its mean")
+            return MethodResult("undecided", None, "too few points lie near the mean of PV")
         index = seen.apparent / span_of(window)
         found = f"apparent stiction {seen.apparent:.3g}, {index:.0%} of the span of OP"
         if not nonlinearity.nonlinear:
             verdict, reason = nonlinearity.judge()
             return MethodResult(verdict, index, reason, seen)
         if index < LEAST_WIDTH:
-            return MethodResult(
-                "no_stiction", index, f"not linear, but OP comes back as it went: {found}", seen
-            )
+            return MethodResult("no_stiction", index, f"not linear, but OP has one path: {found}", seen)
         if not seen.apart:
-            return MethodResult("undecided", index, f"not linear, but the two heaps of OP mix: {found}", seen)
-        return MethodResult("stiction", index, f"not linear, and OP comes back another way: {found}", seen)
+            return MethodResult(
+                "undecided", index, f"not linear, but the clusters of OP overlap: {found}", seen
+            )
+        return MethodResult("stiction", index, f"not linear, and OP has two paths: {found}", seen)
 
 
 def clusters(cycles: Cycles) -> Clusters | None:
-    """Cluster OP where PV is near its mean; None where fewer than six points are, or all alike."""
+    """Cluster OP where PV is near its mean; None with fewer than six points, or if all are equal."""
     strip = STRIP * float(np.std(cycles.pv))
     inside = cycles.op[np.abs(cycles.pv) < strip]
     if len(inside) < FEWEST_POINTS or np.ptp(inside) == 0:

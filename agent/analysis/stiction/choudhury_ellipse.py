@@ -2,8 +2,8 @@
 
 Source: M. A. A. S. Choudhury, S. L. Shah, N. F. Thornhill and D. S. Shook, "Automatic detection and
 quantification of stiction in control valves", Control Engineering Practice 14 (2006) 1395; reconstructed
-from reference ``methods.md`` 3.8. The paper asks for a good fit without a number; ours is
-``LARGEST_MISFIT``. A loop with another nonlinearity than the valve's draws an ellipse too, and the width is
+from reference ``methods.md`` 3.8. The paper requires a good fit without a number; ours is
+``LARGEST_MISFIT``. A loop with another nonlinearity than the valve's gives an ellipse too, and the width is
 no measure of S: controller and process widen it (``agent.analysis.loop.ellipse``).
 """
 
@@ -30,7 +30,7 @@ LARGEST_MISFIT = 0.3
 
 @dataclass(frozen=True, slots=True)
 class OpPvEllipse:
-    """What the detector saw."""
+    """What the detector measured."""
 
     cycles: Cycles
     ellipse: Ellipse
@@ -63,7 +63,7 @@ class ChoudhuryEllipse:
         cycles = op_pv_cycles(window, nonlinearity)
         ellipse = None if cycles is None else fit_ellipse(cycles.op, cycles.pv)
         if cycles is None or ellipse is None:
-            return MethodResult("undecided", None, "OP and PV draw no ellipse")
+            return MethodResult("undecided", None, "no ellipse fits OP over PV")
         seen = OpPvEllipse(cycles, ellipse)
         index = seen.apparent / span_of(window)
         found = f"apparent stiction {seen.apparent:.3g}, {index:.0%} of the span of OP"
@@ -71,7 +71,7 @@ class ChoudhuryEllipse:
             verdict, reason = nonlinearity.judge()
             return MethodResult(verdict, index, reason, seen)
         if index < LEAST_WIDTH:
-            return MethodResult("no_stiction", index, f"not linear, but the ellipse is thin: {found}", seen)
+            return MethodResult("no_stiction", index, f"not linear, but the ellipse is narrow: {found}", seen)
         if seen.misfit > LARGEST_MISFIT:
-            return MethodResult("undecided", index, f"not linear, but the ellipse is unclear: {found}", seen)
-        return MethodResult("stiction", index, f"not linear, and OP and PV draw an ellipse: {found}", seen)
+            return MethodResult("undecided", index, f"not linear, but no ellipse fits well: {found}", seen)
+        return MethodResult("stiction", index, f"not linear, and an ellipse fits OP over PV: {found}", seen)

@@ -1,10 +1,10 @@
-"""In short windows: OP goes somewhere and the stem does not.
+"""Short windows in which OP moves and the stem does not.
 
 Source: S. K. Damarla, B. Huang and others, 2022 and 2023; reconstructed from reference ``methods.md`` 3.14.
-Settled here: slopes are compared in standard deviations of their signal, for a ratio of OP to PV units says
-nothing; the F test sets the variance about the mean against that from sample to sample, because the variances
-of successive windows hardly differ where OP ramps; moves below 2 % of the span count as none; a window is
-stuck where two of the three tests say so, for noise fools each alone.
+Settled here: slopes are compared in standard deviations of their signal, because a ratio of OP to PV units
+has no meaning; the F test compares the variance about the mean with that from sample to sample, because the
+variances of successive windows hardly differ where OP ramps; moves below 2 % of the span count as none; a
+window is stuck where two of the three tests agree, because noise misleads each test alone.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ STICKING, SOUND = 0.15, 0.05
 
 @dataclass(frozen=True, slots=True)
 class StuckWindows:
-    """What the detector saw; w windows of 6 samples each."""
+    """What the detector measured; w windows of 6 samples each."""
 
     op: FloatArray
     """OP about its first value, OP units, (w, 6)."""
@@ -77,9 +77,9 @@ class Damarla:
             reason = f"only {count} windows of {WINDOW} samples, at least {FEWEST_WINDOWS} are needed"
             return MethodResult("not_applicable", None, reason)
         seen = stuck_windows(stem)
-        found = f"in {seen.omega:.0%} of the windows OP goes somewhere and the stem does not"
+        found = f"in {seen.omega:.0%} of the windows OP moves and the stem does not"
         if seen.stick_band is not None and seen.omega >= STICKING:
-            found = f"{found}, over {seen.stick_band:.3g} of OP"
+            found = f"{found}, over {seen.stick_band:.3g} OP units"
             return MethodResult("stiction", seen.omega, found, seen)
         return MethodResult("no_stiction" if seen.omega <= SOUND else "undecided", seen.omega, found, seen)
 
@@ -112,13 +112,13 @@ def slope(windows: FloatArray) -> FloatArray:
 
 
 def varies(windows: FloatArray) -> BoolArray:
-    """F test: tell the windows (w, 6) that vary more about their mean than from sample to sample, (w,)."""
+    """F test: mark the windows (w, 6) that vary more about their mean than from sample to sample, (w,)."""
     from_sample_to_sample = np.mean(np.diff(windows, axis=1) ** 2, axis=1) / 2
     return np.asarray(np.var(windows, axis=1, ddof=1) > VARIANCE_RATIO * from_sample_to_sample)
 
 
 def is_arranged(windows: FloatArray) -> BoolArray:
-    """Reverse arrangements: tell the windows (w, 6) whose pairs fall, or rise, more than by chance, (w,)."""
+    """Reverse arrangements: mark the windows (w, 6) whose pairs fall, or rise, more than by chance, (w,)."""
     earlier, later = np.triu_indices(WINDOW, 1)
     falls = np.sum(np.sign(windows[:, earlier] - windows[:, later]), axis=1)
     return np.asarray(np.abs(falls) > FEWEST_ARRANGEMENTS)

@@ -1,4 +1,4 @@
-"""What every stiction detector is."""
+"""The interface of every stiction detector."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 class StictionDetector(Protocol):
-    """Tells from the shape of the signals whether a valve sticks, without a model of the loop."""
+    """Judges from the shape of the signals whether a valve sticks, without a model of the loop."""
 
     @property
     def name(self) -> str:
@@ -19,7 +19,7 @@ class StictionDetector(Protocol):
 
     @property
     def kind(self) -> MethodKind:
-        """What it looks at, so that gates close it where that is not to be had."""
+        """What it looks at; a gate closes it where the record does not show that."""
         ...
 
     def detect(self, window: LoopWindow, oscillation: Oscillation) -> MethodResult:

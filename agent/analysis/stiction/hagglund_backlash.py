@@ -33,7 +33,7 @@ half cycles long enough sticking valves have 1.15 to 1.48, swinging loads 1.57 a
 
 @dataclass(frozen=True, slots=True)
 class Backlash:
-    """What the detector saw."""
+    """What the detector measured."""
 
     error: FloatArray
     """Control error without trend, smoothed, PV units, (n,)."""
@@ -55,7 +55,8 @@ class Backlash:
 class HagglundBacklash:
     """For self-regulating loops under PI control whose half cycles are long against the integral time.
 
-    It says how much and knows no sound valve: where its conditions do not hold it says nothing.
+    It estimates the dead band and never calls a valve sound: where its conditions do not hold it gives no
+    verdict.
     """
 
     name: str = "hagglund_backlash"
@@ -67,31 +68,31 @@ class HagglundBacklash:
             return MethodResult("not_applicable", None, "PV of an integrating loop never settles")
         controller = pi_controller(window)
         if controller is None or controller.explained < LEAST_EXPLAINED or controller.kc * controller.ki <= 0:
-            return MethodResult("not_applicable", None, "OP does not follow from the error by a PI law")
+            return MethodResult("not_applicable", None, "a PI law does not explain OP")
         seen = backlash(window, oscillation, controller)
         if isinstance(seen, str):
             return MethodResult("not_applicable", None, seen)
         share = seen.dead_band / window.op_span
         most = f"at most {seen.dead_band:.3g} (OP units)"
         if seen.peak > SQUARE_UP_TO * seen.height:
-            reason = f"the error is no square; if the valve makes it, the dead band is {most}"
+            reason = f"the error is not a square wave; if the valve causes it, the dead band is {most}"
             return MethodResult("undecided", share, reason, seen)
         reason = f"the integral crosses a dead band of {most} in each half cycle"
         return MethodResult("stiction", share, reason, seen)
 
 
 def _broken_condition(seen: Backlash) -> str | None:
-    """Return in words which of the published conditions does not hold."""
+    """Return as a text the published condition that does not hold."""
     times = seen.half_cycle / seen.integral_time
     if times < FEWEST_INTEGRAL_TIMES:
         return f"a half cycle lasts {times:.1f} integral times, {FEWEST_INTEGRAL_TIMES:.0f} are needed"
     if seen.peak > HIGHEST_PEAK * seen.height:
-        return "the error has peaks, so more than the valve moves PV"
+        return "the error has peaks, so a disturbance moves PV as well as the valve"
     return None
 
 
 def backlash(window: LoopWindow, oscillation: Oscillation, controller: PiController) -> Backlash | str:
-    """Measure the half cycles of the error; in plain words the condition that is broken where one is."""
+    """Measure the half cycles of the error; if a condition does not hold, return it as a text."""
     stretch = longest_stretch(window)
     found = shape_signal(stretch.error, stretch, window, oscillation)
     if isinstance(found, str):
@@ -123,7 +124,7 @@ def dead_band(samples: float, height: float, controller: PiController, gain: flo
         samples: Duration of the half cycle dt, samples.
         height: Mean absolute error in it dy, PV units.
         controller: Its ``ki`` is K Ts / Ti.
-        gain: Static gain of the process Kp, PV units per OP unit. A record alone does not tell it; without it
+        gain: Static gain of the process Kp, PV units per OP unit. A record alone does not show it; without it
             the result is an upper bound.
     """
     return (abs(controller.ki) * samples - 1 / abs(gain)) * height

@@ -43,7 +43,8 @@ def index(mean: FloatArray) -> float:
 class HagglundShape:
     """Looks at the control error of self-regulating loops.
 
-    It finds squares, as fast processes make them. An index below zero clears no valve: a triangle has -0.88.
+    It finds the square waves of fast processes. An index below zero does not show a sound valve: a triangle
+    has -0.88.
     """
 
     name: str = "hagglund_shape"
@@ -52,7 +53,7 @@ class HagglundShape:
     def detect(self, window: LoopWindow, oscillation: Oscillation) -> MethodResult:
         """Judge by the limit 0 of Hägglund (2011); the index runs from -1 to 1."""
         if window.hints.integrating:
-            return MethodResult("not_applicable", None, "the error of an integrating loop is never a square")
+            return MethodResult("not_applicable", None, "an integrating loop never makes a square wave")
         stretch = longest_stretch(window)
         half = shape_half_cycles(stretch.error, stretch, window, oscillation)
         if isinstance(half, str):
@@ -62,7 +63,7 @@ class HagglundShape:
         seen = FittedHalfCycles(half, {"sine": sine, "square": square})
         if found > 0:
             return MethodResult(
-                "stiction", found, f"the error is rather a square than a sine: {found:.2f}", seen
+                "stiction", found, f"the error is a square wave rather than a sine: {found:.2f}", seen
             )
-        reason = f"the error is no square, as with a free valve or a slow process: {found:.2f}"
+        reason = f"the error is not a square wave, as with a free valve or a slow process: {found:.2f}"
         return MethodResult("undecided", found, reason, seen)

@@ -27,7 +27,7 @@ FEWEST_PERIODS = 5.0
 
 @dataclass(frozen=True, slots=True)
 class CrossCorrelation:
-    """What the detector saw."""
+    """What the detector measured."""
 
     lag: FloatArray
     """Samples, one period to each side, (2m + 1,)."""
@@ -51,7 +51,9 @@ class HorchCcf:
     def detect(self, window: LoopWindow, oscillation: Oscillation) -> MethodResult:
         """Judge by the rule of Horch (1999); the index is delta tau, 0 for even and 1 for odd."""
         if window.hints.integrating:
-            return MethodResult("not_applicable", None, "OP and PV of an integrating loop are always odd")
+            return MethodResult(
+                "not_applicable", None, "the correlation is always odd in an integrating loop"
+            )
         stretch = longest_stretch(window)
         if oscillation.period is None or len(stretch) * window.ts < FEWEST_PERIODS * oscillation.period:
             return MethodResult("not_applicable", None, f"fewer than {FEWEST_PERIODS:.0f} periods in a row")
@@ -60,10 +62,15 @@ class HorchCcf:
             return MethodResult("undecided", None, "the correlation of OP and PV does not cross zero")
         found = f"delta rho {seen.delta_rho:.2f}, delta tau {seen.delta_tau:.2f}"
         if seen.delta_rho > ODD_RHO and seen.delta_tau > ODD_TAU:
-            return MethodResult("stiction", seen.delta_tau, f"OP and PV correlate oddly: {found}", seen)
+            return MethodResult("stiction", seen.delta_tau, f"the correlation is odd: {found}", seen)
         if seen.delta_rho < EVEN_RHO and seen.delta_tau < EVEN_TAU:
-            return MethodResult("no_stiction", seen.delta_tau, f"OP and PV correlate evenly: {found}", seen)
-        return MethodResult("undecided", seen.delta_tau, f"neither odd nor even: {found}", seen)
+            return MethodResult("no_stiction", seen.delta_tau, f"the correlation is even: {found}", seen)
+        return MethodResult(
+            "undecided",
+            seen.delta_tau,
+            f"the correlation is neither odd nor even: {found}",
+            seen,
+        )
 
 
 def cross_correlation(op: FloatArray, pv: FloatArray, most: int) -> CrossCorrelation | None:

@@ -1,9 +1,9 @@
 """The histogram of PV's derivative: two humps where PV is a sine, one where it is a broken line.
 
 Source: A. Horch, "Condition Monitoring of Control Loops", PhD thesis, KTH 2000; reconstructed from reference
-``methods.md`` 3.2. Added are: the distribution of sine and noise is kept where it has two humps, for with a
-small sine it is the Gaussian and could never fit worse; the dead zone of the index; the checks of noise and
-steadiness.
+``methods.md`` 3.2. Added: the distribution of sine and noise keeps to the range where it has two humps,
+because with a small sine it is the Gaussian and could never fit worse; the dead zone of the index; the checks
+of noise and steadiness.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ Density = Callable[["FloatArray", "FloatArray"], "FloatArray"]
 
 @dataclass(frozen=True, slots=True)
 class DerivativeHistogram:
-    """What the detector saw of the derivative at mean 0 and deviation 1; all arrays have shape (k,)."""
+    """What the detector measured, the derivative at mean 0 and deviation 1; all arrays have shape (k,)."""
 
     order: int
     """1 or 2: how often PV was differenced."""
@@ -81,30 +81,32 @@ class HorchHistogram:
     def detect(self, window: LoopWindow, oscillation: Oscillation) -> MethodResult:
         """Compare the two fits; the index is the logarithm of their ratio, > 0 where the Gaussian is better.
 
-        An integrating loop is looked at in the second difference, one of an unknown kind in the first.
+        For an integrating loop it takes the second difference, for a loop of unknown kind the first.
         """
         stretch, order = longest_stretch(window), 2 if window.hints.integrating else 1
         period = period_of(stretch, oscillation, periods=FEWEST_PERIODS, samples=FEWEST_SAMPLES)
         if isinstance(period, str):
             return MethodResult("not_applicable", None, period)
         if not noise_in_derivative(stretch.pv, period, order) < LARGEST_NOISE:
-            return MethodResult("not_applicable", None, "too much noise on PV to look at its derivative")
+            return MethodResult("not_applicable", None, "too much noise on PV to use its derivative")
         seen = derivative_histogram(stretch.pv, period, order)
         if seen is None:
-            return MethodResult("undecided", None, "PV has no derivative to speak of")
+            return MethodResult("undecided", None, "the derivative of PV is constant")
         return _judge(seen)
 
 
 def _judge(seen: DerivativeHistogram) -> MethodResult:
     if not seen.spread < LARGEST_SPREAD:
-        reason = "the swings differ too much: noise that drives a loop gives the same histogram"
+        reason = "the half cycles differ too much: noise that drives a loop gives the same histogram"
         return MethodResult("not_applicable", None, reason, seen)
-    found = f"ln of the errors' ratio {seen.index:.2f}"
+    found = f"ln of the ratio of errors {seen.index:.2f}"
     if seen.index > DEAD_ZONE:
-        return MethodResult("stiction", seen.index, f"PV is like a broken line: {found}", seen)
+        return MethodResult("stiction", seen.index, f"PV is rather a broken line than a sine: {found}", seen)
     if seen.index < -DEAD_ZONE:
-        return MethodResult("no_stiction", seen.index, f"PV is like a sine: {found}", seen)
-    return MethodResult("undecided", seen.index, f"sine and broken line fit alike: {found}", seen)
+        return MethodResult(
+            "no_stiction", seen.index, f"PV is rather a sine than a broken line: {found}", seen
+        )
+    return MethodResult("undecided", seen.index, f"sine and broken line fit equally well: {found}", seen)
 
 
 def noise_in_derivative(pv: FloatArray, period: float, order: int) -> float:

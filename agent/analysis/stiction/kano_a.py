@@ -38,7 +38,7 @@ class KanoA:
         seen = stem if isinstance(stem, str) else stuck_intervals(stem)
         if isinstance(seen, str):
             return MethodResult("not_applicable", None, seen)
-        found = f"the stem stands for {seen.share:.0%} of the time while OP moves"
+        found = f"the stem does not move for {seen.share:.0%} of the time while OP moves"
         if seen.share > STICKS:
             return MethodResult("stiction", seen.share, found, seen)
         return MethodResult("no_stiction" if seen.share < FREE else "undecided", seen.share, found, seen)

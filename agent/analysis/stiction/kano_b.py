@@ -30,7 +30,7 @@ UNLIKE = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Parallelogram:
-    """What the detector saw; numbers of a side are 0 where there are fewer than three each way."""
+    """What the detector measured; numbers of a side are 0 where there are fewer than three each way."""
 
     stuck: StuckIntervals
     strokes: int
@@ -63,12 +63,12 @@ class KanoB:
         seen = parallelogram(stuck)
         index = seen.s / float(np.ptp(stuck.stem.op))
         if seen.s == 0 or len(seen.sides) < LEAST_SHARE * seen.strokes:
-            found = f"the stem stands in {len(seen.sides)} of the {seen.strokes} strokes of OP"
+            found = f"the stem stops in {len(seen.sides)} of the {seen.strokes} strokes of OP"
             return MethodResult("no_stiction" if stuck.stem.measured else "undecided", index, found, seen)
-        found = f"OP goes {seen.s:.3g} while the stem stands, give or take {seen.spread:.0%}"
+        found = f"OP travels {seen.s:.3g} OP units while the stem stops, with a spread of {seen.spread:.0%}"
         if seen.spread < LARGEST_SPREAD and seen.unlikeness < UNLIKE:
             return MethodResult("stiction", index, found, seen)
-        return MethodResult("undecided", index, f"{found}: its stops are unlike each other", seen)
+        return MethodResult("undecided", index, f"{found}: the stops differ too much", seen)
 
 
 def parallelogram(stuck: StuckIntervals) -> Parallelogram:

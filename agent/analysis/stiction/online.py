@@ -45,8 +45,8 @@ def area_ratio(mean: FloatArray) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
-    """How a batch detector looks at half cycles."""
+class ShapeIndex:
+    """How a batch detector measures half cycles."""
 
     name: str
     """That of the batch detector."""
@@ -56,11 +56,11 @@ class Shape:
     """Of the mean of the measures (k,)."""
 
 
-HE = Shape("he_curve_fit", he_curve_fit.measures, he_curve_fit.index)
+HE = ShapeIndex("he_curve_fit", he_curve_fit.measures, he_curve_fit.index)
 OF_ERROR = (
-    Shape("rossi_scali", rossi_scali.measures, rossi_scali.index),
-    Shape("hagglund_shape", hagglund_shape.measures, hagglund_shape.index),
-    Shape("singhal_salsbury", log_area_ratio, area_ratio),
+    ShapeIndex("rossi_scali", rossi_scali.measures, rossi_scali.index),
+    ShapeIndex("hagglund_shape", hagglund_shape.measures, hagglund_shape.index),
+    ShapeIndex("singhal_salsbury", log_area_ratio, area_ratio),
 )
 """Only self-regulating loops show these."""
 
@@ -68,7 +68,7 @@ OF_ERROR = (
 class OnlineShape:
     """One signal and the indices of its half cycles."""
 
-    def __init__(self, shapes: tuple[Shape, ...]) -> None:
+    def __init__(self, shapes: tuple[ShapeIndex, ...]) -> None:
         self._shapes = shapes
         self._stream = HalfCycleStream()
         self._means: list[FloatArray] = []

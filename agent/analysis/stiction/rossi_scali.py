@@ -1,4 +1,4 @@
-"""A sine, or the answer to a relay: a sticking valve switches as a relay does, and PV follows it.
+"""A sine or a relay response: a sticking valve switches as a relay does, and PV follows it.
 
 Source: M. Rossi, C. Scali, "A comparison of techniques for automatic detection of stiction: simulation and
 application to industrial data", Journal of Process Control 15 (2005) 505; reconstructed from reference
@@ -54,7 +54,7 @@ class RossiScali:
         """Judge by the limits of Rossi and Scali (2005); the index runs from -1 to 1."""
         if window.hints.integrating:
             return MethodResult(
-                "not_applicable", None, "PV of an integrating loop answers no relay like this"
+                "not_applicable", None, "PV of an integrating loop has another response to a relay"
             )
         stretch = longest_stretch(window)
         half = shape_half_cycles(stretch.error, stretch, window, oscillation)
@@ -63,9 +63,11 @@ class RossiScali:
         found = index(measures(half).mean(axis=0))
         seen = FittedHalfCycles.of(half, sine=SINE, triangle=TRIANGLE, relay=RELAY)
         if found > LIMIT:
-            reason = f"PV answers a relay, or is a triangle, rather than a sine: {found:.2f}"
+            reason = f"PV is a relay response or a triangle rather than a sine: {found:.2f}"
             return MethodResult("stiction", found, reason, seen)
         if found < -LIMIT:
-            reason = f"PV is a sine rather than a triangle or the answer to a relay: {found:.2f}"
+            reason = f"PV is a sine rather than a triangle or a relay response: {found:.2f}"
             return MethodResult("no_stiction", found, reason, seen)
-        return MethodResult("undecided", found, f"sine and relay fit PV alike: {found:.2f}", seen)
+        return MethodResult(
+            "undecided", found, f"sine and relay response fit equally well: {found:.2f}", seen
+        )

@@ -28,7 +28,7 @@ ONE_SIDED_95 = 0.95
 
 @dataclass(frozen=True, slots=True)
 class PeakAreas:
-    """What the detector saw."""
+    """What the detector measured."""
 
     error: FloatArray
     """Smoothed control error about its line, PV units, (n,)."""
@@ -56,7 +56,7 @@ class SinghalSalsbury:
     def detect(self, window: LoopWindow, oscillation: Oscillation) -> MethodResult:
         """Judge the ratio of the areas before and after the peaks, which is the index."""
         if window.hints.integrating:
-            reason = "the peaks of an integrating loop say nothing of its valve"
+            reason = "the peaks of an integrating loop do not depend on its valve"
             return MethodResult("not_applicable", None, reason)
         stretch = longest_stretch(window)
         period = period_of(stretch, oscillation, periods=FEWEST_HALF_CYCLES / 2, samples=FEWEST_SAMPLES)
@@ -70,7 +70,7 @@ class SinghalSalsbury:
 
 
 def _judge(seen: PeakAreas) -> MethodResult:
-    found = f"the error's area before its peaks is {seen.mean:.2f} of that after them"
+    found = f"the area before the peaks of the error is {seen.mean:.2f} of that after them"
     if seen.mean > LATE and seen.low > 1:
         return MethodResult("stiction", seen.mean, f"late peaks: {found}", seen)
     if seen.high < LATE:

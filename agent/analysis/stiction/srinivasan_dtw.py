@@ -2,8 +2,8 @@
 
 Source: R. Srinivasan, R. Rengaswamy, R. Miller, "Control loop performance assessment. 1. A qualitative
 approach for stiction diagnosis", Industrial & Engineering Chemistry Research 44 (2005) 6708; reconstructed
-from its abstract (reference ``methods.md`` 3.15). Which signal is looked at, the slopes of the saw-teeth, the
-band of the warping and the shares that decide are settled here.
+from its abstract (reference ``methods.md`` 3.15). Settled here: the signal, the slopes of the saw-teeth, the
+band of the warping and the shares that decide.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ CYCLE = (0.5, 1.5)
 
 @dataclass(frozen=True, slots=True)
 class LabelledCycles:
-    """What the detector saw."""
+    """What the detector measured."""
 
     cycles: FloatArray
     """From one upward crossing of zero to the next, mean 0 and standard deviation 1, (m, 100)."""

@@ -5,7 +5,7 @@ IEEE Transactions on Control Systems Technology 13 (2005) 434; reconstructed fro
 3.12.
 
 The paper finds nonlinearity, and in a plant that swings as a whole the loop with most of it, whose valve is
-then looked at. So this detector never names stiction. A wave that repeats itself exactly has surrogates
+then examined. So this detector never names stiction. A wave that repeats itself exactly has surrogates
 that do so as well, and the test has no power; so a loop is called linear only where its third harmonic is
 known to be absent.
 """
@@ -48,7 +48,7 @@ in quantised signals, fall alike in all units."""
 
 @dataclass(frozen=True, slots=True)
 class SurrogateErrors:
-    """What the detector saw: sums of squared prediction errors, variances of the signal."""
+    """What the detector measured: sums of squared prediction errors, variances of the signal."""
 
     error: float
     """Of the signal."""
@@ -69,7 +69,7 @@ class ThornhillSurrogates:
     kind: MethodKind = "limit_cycle"
 
     def detect(self, window: LoopWindow, oscillation: Oscillation) -> MethodResult:
-        """Call the loop linear, or leave open what its nonlinearity is."""
+        """Call the loop linear, or undecided: the cause of a nonlinearity stays open."""
         stretch = longest_stretch(window)
         period = period_of(stretch, oscillation, periods=FEWEST_PERIODS, samples=FEWEST_SAMPLES)
         if isinstance(period, str):
@@ -78,13 +78,13 @@ class ThornhillSurrogates:
         block = int(np.ceil(period / MOST_SAMPLES))
         seen = surrogate_errors(block_means(error, block), period / block)
         if seen is None:
-            return MethodResult("undecided", None, "the control error stands still or repeats itself exactly")
+            return MethodResult("undecided", None, "the control error is constant or repeats itself exactly")
         found = f"N {seen.index:.2f}"
         if seen.index > 1:
-            reason = f"the loop is not linear, by what this cannot tell: {found}"
+            reason = f"the loop is not linear, the cause is not known: {found}"
             return MethodResult("undecided", seen.index, reason, seen)
         if third_harmonic(error, period) != "absent":
-            reason = f"no nonlinearity is seen, but a third harmonic may be there: {found}"
+            reason = f"no nonlinearity is found, but a third harmonic cannot be excluded: {found}"
             return MethodResult("undecided", seen.index, reason, seen)
         return MethodResult("no_stiction", seen.index, f"the loop is linear: {found}", seen)
 

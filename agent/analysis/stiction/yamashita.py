@@ -1,4 +1,4 @@
-"""How often OP moves and the stem does not, in symbols.
+"""How often OP moves and the stem does not, counted with symbols.
 
 Source: Y. Yamashita, "An automatic method for detection of valve stiction in process control loops", Control
 Engineering Practice 14 (2006) 503; definitions from reference ``methods.md`` 3.5.
@@ -25,12 +25,12 @@ AFTER_NO_STICTION: dict[str, frozenset[str]] = {
     "IS": frozenset({"DD", "DI", "SD", "ID", "DS"}),
     "DS": frozenset({"DI", "SI", "ID", "II", "IS"}),
 }
-"""After OP moved against a standing stem: what the stem of a sticking valve does not do next."""
+"""Pairs that a sticking valve does not show next after OP moved and the stem did not."""
 
 
 @dataclass(frozen=True, slots=True)
 class QualitativeShape:
-    """What the detector saw."""
+    """What the detector measured."""
 
     op: FloatArray
     """OP at about 20 samples a period, OP units, (m,)."""
@@ -58,8 +58,8 @@ class Yamashita:
             return MethodResult("not_applicable", None, stem)
         seen = qualitative_shape(stem)
         if seen is None:
-            return MethodResult("undecided", None, "neither OP nor the stem makes a step beyond its noise")
-        found = f"in {seen.rho_1:.0%} of the steps only OP moves, as behind stiction in {seen.rho_3:.0%}"
+            return MethodResult("undecided", None, "neither OP nor the stem moves by more than its noise")
+        found = f"only OP moves in {seen.rho_1:.0%} of the steps, with a stiction pattern in {seen.rho_3:.0%}"
         return MethodResult("stiction" if seen.rho_3 > CHANCE else "no_stiction", seen.rho_3, found, seen)
 
 

@@ -1,4 +1,4 @@
-"""What a model of the workbench begins with: a process, one kind a name."""
+"""Process bases: the process with which a model of the workbench begins, each kind with a name."""
 
 from __future__ import annotations
 

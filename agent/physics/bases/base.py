@@ -1,4 +1,4 @@
-"""What every process base of the workbench is."""
+"""The interface of every process base of the workbench."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Base(Protocol):
 
 @runtime_checkable
 class StartingBase(Protocol):
-    """A base that knows better than chance where a fit should begin."""
+    """A base that gives its own start values for a fit, better than random ones."""
 
     def starts(self, op: FloatArray, pv: FloatArray, facts: Facts) -> FloatArray:
         """Return values (m, k) in the order of ``parameters``; OP and PV (n,) without gaps."""

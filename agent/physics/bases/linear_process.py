@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 NO_LAG = 0.01
-"""Time constant, samples, below which a lag leaves no trace: it is over within the sample."""
+"""Time constant, samples, below which a lag has no visible effect: it ends within the sample."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +33,8 @@ class LinearProcess:
     """Time constants, s, >= 0."""
     integrates: bool = False
     lead: float = 0.0
-    """Time constant of a first move the wrong way: the response loses this times its own speed, s. A dead
-    time alone has no speed to lose."""
+    """Time constant of a first move the wrong way, s: the response is reduced by this times its own speed. It
+    has no effect on a dead time alone."""
     creep: float = 0.0
     """Speed at which the response goes on, over the response, 1/s: it adds this times the integral
     of its deviation from its mean."""
@@ -42,9 +42,9 @@ class LinearProcess:
     def respond(self, position: FloatArray, ts: float) -> FloatArray:
         """Return the deviation of PV for gain one, (n,), in OP units (integrating: OP units times s).
 
-        From rest at the first position; an integrator stands still at the mean position. Exact for a position
-        that is held between samples, but that third and further lags and those behind an integrator take
-        straight lines from sample to sample, as does the integral of ``creep``.
+        From rest at the first position; an integrator is constant at the mean position. Exact for a position
+        that is held between samples, except that third and further lags, lags behind an integrator and the
+        integral of ``creep`` use straight lines from sample to sample.
 
         Args:
             position: OP units, (n,), no NaN.

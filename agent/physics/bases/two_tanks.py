@@ -2,8 +2,8 @@
 
     dx1/dt = pump u - q1,    dx2/dt = q1 - q2,    q = flow x^exponent
 
-with both levels counted by the volume that lifts PV by one unit. Torricelli's law has the exponent 1/2; what
-else the water passes changes it, so it is free. Tanks may have limits (the effect ``overflow``).
+with both levels in the volume that lifts PV by one unit. Torricelli's law has the exponent 1/2; other
+resistances in the outlet change it, so it is free. Tanks may have limits (the effect ``overflow``).
 
 Source: M. Schoukens, J.-P. Noel, "Three benchmarks addressing open challenges in nonlinear system
 identification", IFAC-PapersOnLine 50 (2017) 446; free exponents as in reference ``missing_effect.md`` 2.3.
@@ -57,12 +57,12 @@ class TwoTanks(NamedTuple):
     limit_2: float = math.inf
     """PV at which the lower tank overflows."""
     share: float = 0.0
-    """Part of what the upper tank spills that falls into the lower."""
+    """Part of the upper tank's spill that falls into the lower tank."""
 
     def respond(self, position: FloatArray, ts: float) -> FloatArray:
         """Return PV, (n,), for what is set at the pump, (n,), OP units, held from sample to sample.
 
-        The first value is that of the first moment, before anything was pumped.
+        The first value is PV at the start, before anything was pumped.
         """
         return levels(position, ts / STEPS, self)
 
@@ -78,8 +78,8 @@ def inflows(upper: float, lower: float, pumped: float, tanks: TwoTanks) -> tuple
 def levels(command: FloatArray, dt: float, tanks: TwoTanks) -> FloatArray:
     """Return PV at each sample, (n,), by the midpoint rule in steps of ``dt`` s.
 
-    What a step brings above a limit is spilled at its end: so PV is continuous in all numbers, as a search
-    by derivatives needs it.
+    The part of a step above a limit is spilled at its end, so PV is continuous in all numbers, which a search
+    by derivatives needs.
     """
     pv = np.empty(command.size)
     full = tanks.limit_2 - tanks.zero
@@ -107,7 +107,7 @@ class TwoTanksBase:
     linear: bool = False
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return the numbers of ``TwoTanks`` in their order, up to where the tanks stand at first."""
+        """Return the numbers of ``TwoTanks`` in their order, up to the levels at the first sample."""
         span = facts.pv_high - facts.pv_low
         pumped = span / (facts.duration * facts.op_span), span / (facts.ts * facts.op_span)
         low, high = EXPONENTS

@@ -51,12 +51,12 @@ def effects() -> tuple[Effect, ...]:
     """Return the effects built in and those of installed packages.
 
     Raises:
-        ValueError: Two have the same name; the message says whose.
+        ValueError: Two have the same name; the message names the package.
     """
     known = {each.name: each for each in EFFECTS}
     for entry in entry_points(group=ENTRY_POINTS):
         own: Effect = entry.load()()
         if own.name in known:
-            raise ValueError(f"{entry.value} offers an effect {own.name!r}, which there is already")
+            raise ValueError(f"{entry.value} offers an effect {own.name!r}, but this name is already in use")
         known[own.name] = own
     return tuple(known.values())

@@ -1,4 +1,4 @@
-"""Air that takes its time: the actuator follows OP behind a first-order lag."""
+"""Slow air supply: the actuator follows OP behind a first-order lag."""
 
 from __future__ import annotations
 

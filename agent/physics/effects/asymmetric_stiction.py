@@ -32,9 +32,10 @@ if TYPE_CHECKING:
 class AsymmetricStiction:
     """Dead band 2 f_D and a slip jump of its own in either direction: S of a direction is their sum.
 
-    Friction by direction has four bands, but f_S and f_D raised in one direction and lowered as much in the
-    other only shift the position, which no record of PV tells from its level. Kinetic friction alike in both
-    directions is one of these valves that are the same (docs/effects/asymmetric_stiction.md).
+    Friction by direction has four bands. But raising f_S and f_D in one direction and lowering them as much
+    in the other only shifts the position, and no record of PV distinguishes that from another level. Equal
+    kinetic friction in both directions is one of these equivalent valves
+    (docs/effects/asymmetric_stiction.md).
     """
 
     name: str = "asymmetric_stiction"

@@ -1,4 +1,4 @@
-"""Trim whose flow is no straight line over the stroke: equal-percentage or quick-opening."""
+"""Trim with a nonlinear flow over the stroke: equal-percentage or quick-opening."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ REACH = 8.0
 
 @dataclass(frozen=True, slots=True)
 class Characteristic:
-    """Slope that grows (curvature > 0, equal-percentage) or falls (quick-opening) by one share everywhere.
+    """Slope that grows (curvature > 0, equal-percentage) or falls (quick-opening) at a constant rate.
 
     Equal-percentage after IEC 60534-2-4: flow over full flow R^(x - 1), R the rangeability; curvature is
     ln R over the full stroke. Gain and level are solved for, so that only the shape counts; it is counted

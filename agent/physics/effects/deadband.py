@@ -37,9 +37,10 @@ def backlash(command: FloatArray, width: float, x0: float) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Deadband:
-    """Slack: a dead band without a slip jump, behind a stem that takes its time.
+    """Slack: a dead band without a slip jump, behind a stem with a lag.
 
-    Without the stem's own lag each spike of OP would move the edges of the band, and S be told too wide.
+    Without the stem's own lag each spike of OP would move the edges of the band, and S would be estimated
+    too large.
     """
 
     name: str = "deadband"

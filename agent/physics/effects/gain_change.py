@@ -1,4 +1,4 @@
-"""Process whose gain is another from an instant on: fouling, a by-pass opened, another product."""
+"""Process whose gain changes at an instant: fouling, a by-pass opened, another product."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ EDGE = 0.1
 
 @dataclass(frozen=True, slots=True)
 class GainChange:
-    """More or less of the response from an instant on; how much is solved for.
+    """A larger or smaller response from an instant on; the amount is solved for.
 
-    At one OP the change makes no difference: where the flow is zero, or the load takes the rest. OP and PV
-    do not tell where that is, so it is searched; the level changes with its distance from where OP stood.
-    PV takes the new gain up with a lag, the process's own where its inflow is what changed.
+    At one OP the change makes no difference: where the flow is zero, or where the load balances it. OP and PV
+    do not show this OP, so it is searched; the level changes with its distance from the OP at the instant.
+    PV follows the new gain with a lag, the process's own where its inflow changed.
     """
 
     name: str = "gain_change"
@@ -35,7 +35,7 @@ class GainChange:
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return the instant, where the change makes no difference, and the lag.
 
-        The second less the mean response before, in spans of the response.
+        The second is counted from the mean response before the instant, in spans of the response.
         """
         first, last = EDGE * facts.duration, (1 - EDGE) * facts.duration
         return (

@@ -1,4 +1,4 @@
-"""What friction and slack share: where the stem rests at first, how it moves, values from bands."""
+"""Shared by friction and slack: first rest position of the stem, its motion, parameter values from bands."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 S_BY_LAW, J_BY_LAW = 0.10, 0.33
-"""``Parameter.by_law`` of S, and of what tells static from kinetic friction. A Stribeck curve and a stem of
-bristles move alike with bands that differ so much: nine in ten of 13 loops of
+"""``Parameter.by_law`` of S, and of the difference of static and kinetic friction. A Stribeck curve and a
+stem of bristles move alike with bands that differ so much: nine in ten of 13 loops of
 ``simulators.draws.hidden_effects``, seeds 7100 to 7113, are within both (12 and 12 of 13)."""
 MOTION = ("damping", "supply", "rest", "give")
 """Parameters of ``motion_of``."""
@@ -31,7 +31,7 @@ STIFF = MOTION[:3]
 
 @runtime_checkable
 class HysteresisEffect(ValveEffect, Protocol):
-    """A valve that answers OP by which way OP came; its error over S and J is a needle."""
+    """A valve whose position depends on the direction of OP; its error over S and J has a narrow minimum."""
 
     def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:
         """Return the values of this effect, in their order, nearest to a valve with ``bands`` and ``stem``.
@@ -44,8 +44,8 @@ class HysteresisEffect(ValveEffect, Protocol):
 def start_of(facts: Facts) -> Parameter:
     """OP at the first slip less OP at the first sample; below 0 that slip is downward.
 
-    Not where the stem rests: with this one S and J may change without moving the first slip, so that a search
-    stays in its basin (docs/methods/free_run.md).
+    The position at rest is not used: with this parameter S and J may change without moving the first slip, so
+    that a search stays in its basin (docs/methods/free_run.md).
     """
     return Parameter("start", "OP", -facts.op_span, facts.op_span, of_record=True)
 
@@ -64,9 +64,9 @@ def rest_before(op: float, f_s_up: float, f_s_down: float, start: float) -> floa
 
 
 def motion_of(facts: Facts, names: Sequence[str] = MOTION) -> tuple[Parameter, ...]:
-    """How a stem moves once it slips: its damping, its supply of air, where it comes to rest, its bristles.
+    """Motion of a stem once it slips: its damping, its supply of air, where it comes to rest, its bristles.
 
-    Nobody knows them beforehand, and S and J that are searched with those of another stem are others.
+    They are not known beforehand, and with the motion of another stem a search finds another S and J.
     ``names``: which of them.
     """
     ranges = zip(

@@ -1,4 +1,4 @@
-"""Process that does not come to rest: PV goes on moving after its first answer."""
+"""Process that does not come to rest: PV goes on moving after its first response."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 FASTEST = 50.0
-"""Creep times period: the integral is then eight times the first answer at the frequency of the loop."""
+"""Creep times period: the integral is then eight times the first response at the frequency of the loop."""
 
 
 @dataclass(frozen=True, slots=True)
 class Integrating:
-    """PV adds the integral of its own answer: 1 + creep/s behind the lags.
+    """PV adds the integral of its own response: 1 + creep/s behind the lags.
 
     With creep 1/tau a first-order process becomes an integrator, with a large one an integrator behind a lag.
     """
@@ -32,7 +32,7 @@ class Integrating:
     bases: tuple[str, ...] = ("fopdt", "sopdt")
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return the speed at which PV goes on, over its first answer."""
+        """Return the speed at which PV goes on, over its first response."""
         return (Parameter("creep", "1/s", 0.0, FASTEST / facts.period, null=0.0),)
 
     def change(self, process: LinearProcess, values: FloatArray) -> LinearProcess:

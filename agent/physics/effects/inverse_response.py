@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 MOST_LEAD = 1 / (4 * math.pi)
 """Part of the period, so that the zero lies at twice the frequency of the loop, which no feedback exceeds
-(Skogestad and Postlethwaite, Multivariable Feedback Control, 2005, 5.7). A slower one would make of the model
-the controller turned round: minus the rate of OP, which is PV of any loop under integral action."""
+(Skogestad and Postlethwaite, Multivariable Feedback Control, 2005, 5.7). With a slower zero the model would
+be the inverted controller: minus the rate of OP, which is PV of any loop under integral action."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""A load that changes up to three times, and stays or goes again."""
+"""A load that changes up to three times, and stays or returns."""
 
 from __future__ import annotations
 
@@ -15,25 +15,26 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 EDGE = 0.05
-"""Share of the record at either end in which a step is not told from the level."""
+"""Share of the record at either end in which a step cannot be distinguished from the level."""
 STEPS = 3
 """In all."""
 INSTANTS = 120
-"""Of the record that a search looks at before it begins."""
+"""Instants of the record that are scanned before a search begins."""
 LAGS = (0.0, 0.25, 1.0)
-"""There, in periods."""
+"""Lags of that scan, periods."""
 LEAST_ENERGY = 1e-6
-"""A sample, of a step that is told from the others."""
+"""Least energy per sample by which a step must differ from the others."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoadStep:
     """Three steps behind a lag of their own on PV; their heights are solved for.
 
-    One step alone does not find a load that comes and goes again, as of a pump or a batch: it leaves nearly
-    as much as none. Of a load that changes once the others are small. A load enters through the process,
-    but seldom by the valve's way: the lag is searched, not taken from the process. None at all is a step of
-    the level or of the transmitter, one of four periods is a slow load on an integrating process.
+    One step alone does not find a load that comes and goes again, as of a pump or a batch: the residual is
+    nearly as large as without it. For a load that changes once the other two steps are small. A load enters
+    through the process, but seldom on the path of the valve: the lag is searched, not taken from the process.
+    No lag at all is a step of the level or of the transmitter, a lag of four periods is a slow load on an
+    integrating process.
     """
 
     name: str = "load_step"
@@ -57,7 +58,7 @@ class LoadStep:
         return np.stack([stepped(time, instant, tau) for instant in instants], axis=1)
 
     def spotted(self, residual: FloatArray, facts: Facts) -> FloatArray:
-        """Return for each of some lags the steps that leave the least, one after the other, (m, 4)."""
+        """Return for each of some lags the steps with the smallest residual, one after the other, (m, 4)."""
         first, last = EDGE * facts.duration, (1 - EDGE) * facts.duration
         time = np.asarray(facts.ts * np.arange(len(residual)), dtype=np.float64)
         known = np.isfinite(residual)
@@ -86,5 +87,5 @@ def _explains_most(columns: FloatArray, besides: FloatArray, residual: FloatArra
     basis, _ = np.linalg.qr(besides)
     left = residual - basis @ (basis.T @ residual)
     energy = np.einsum("ij,ij->j", columns, columns) - np.sum((basis.T @ columns) ** 2, axis=0)
-    told = energy > LEAST_ENERGY * len(columns)
-    return int(np.argmax(np.where(told, (columns.T @ left) ** 2 / np.where(told, energy, 1.0), 0.0)))
+    distinct = energy > LEAST_ENERGY * len(columns)
+    return int(np.argmax(np.where(distinct, (columns.T @ left) ** 2 / np.where(distinct, energy, 1.0), 0.0)))

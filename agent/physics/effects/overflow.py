@@ -1,4 +1,4 @@
-"""Tanks that run over: neither rises beyond its limit; part of what the upper spills falls into the lower."""
+"""Tanks that overflow: no level exceeds its limit; part of the upper tank's spill falls into the lower."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Actuator that cannot move faster than its air lets it."""
+"""Actuator whose speed is limited by its air supply."""
 
 from __future__ import annotations
 

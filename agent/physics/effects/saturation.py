@@ -24,9 +24,9 @@ STARTS = 12
 class Saturation:
     """A lower and an upper stop.
 
-    One may lie anywhere: behind it OP winds up as far as the controller lets it. Two that act and are close
-    together would make a relay of the valve, and what is left of OP's triangle passes for stiction: such a
-    pair is taken for none.
+    One stop may lie anywhere: beyond it OP winds up as far as the controller allows. Two stops that act and
+    are close together would turn the valve into a relay, and the rest of OP's triangle would look like
+    stiction: such a pair counts as no stops.
     """
 
     name: str = "saturation"
@@ -48,7 +48,7 @@ class Saturation:
         return np.vstack((lower, np.column_stack((np.full(STARTS, facts.op_low), places))))
 
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
-        """Return the position between the stops, or as it is where they would make a relay of the valve."""
+        """Return the position between the stops, or unchanged where they would make the valve a relay."""
         low, high = float(values[0]), float(values[1])
         least, most = float(position.min()), float(position.max())
         if low > least and high < most and high - low < NARROWEST * (most - least):

@@ -1,4 +1,4 @@
-"""Transmitter or its filter that shows PV late."""
+"""Transmitter or filter with a lag."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class SensorLag:
-    """A first-order lag between PV and what is measured of it."""
+    """A first-order lag between PV and its measured value."""
 
     name: str = "sensor_lag"
     family: str = "extra_lag"
@@ -29,5 +29,5 @@ class SensorLag:
         return (Parameter("tau", "s", 0.0, facts.period, null=0.0),)
 
     def apply(self, pv: FloatArray, values: FloatArray, ts: float) -> FloatArray:
-        """Return what the transmitter shows."""
+        """Return the output of the transmitter."""
         return lagged(pv, float(values[0]) / ts)

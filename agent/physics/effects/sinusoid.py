@@ -1,4 +1,4 @@
-"""A load that swings at one frequency, whatever the loop does."""
+"""A load that oscillates at one frequency, independent of the loop."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 PADDING = 4
 """Lines of the spectrum for each that the record resolves, so that no wave falls between two."""
 LINES = 6
-"""Of the spectrum that a search begins from."""
+"""Lines of the spectrum from which a search begins."""
 
 
 @dataclass(frozen=True, slots=True)

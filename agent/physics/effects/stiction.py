@@ -37,8 +37,8 @@ class Stiction:
     stage: Stage = "valve"
     bases: tuple[str, ...] = ()
     law: StictionLaw | None = None
-    """Of ``agent/physics/valves``; None: the damped stem, which is between one that rests after each slip and
-    one that slides on (docs/methods/damped_stem.md), with constants that are searched too."""
+    """Of ``agent/physics/valves``; None: the damped stem, which is between a stem that rests after each slip
+    and one that slides on (docs/methods/damped_stem.md), with constants that are searched too."""
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return S, J/S, where the stem first slips, and how it moves."""

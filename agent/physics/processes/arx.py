@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Arx(NamedTuple):
-    """Coefficients of the difference equation above. A named tuple, for the compiled loops know these."""
+    """Coefficients of the difference equation above. A named tuple, because compiled loops accept these."""
 
     a1: float
     a2: float
@@ -35,9 +35,9 @@ class Arx(NamedTuple):
 def simulate_arx(process: Arx, mv: NDArray[np.float64], pv: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the simulated output, PV units, shape (n,).
 
-    Past outputs are the simulated ones (free run). The measured PV serves only where there is no past to go
-    on from: at the start, and after a gap in ``mv``, until the model has the two outputs and two inputs
-    that it needs. Those samples are NaN in what is returned: they are not the model's.
+    Past outputs are the simulated ones (free run). The measured PV is used only where the model has no past:
+    at the start, and after a gap in ``mv``, until it has the two outputs and two inputs that it needs. Those
+    samples are NaN in the result: they are not the model's.
 
     Args:
         process: The difference equation.

@@ -14,6 +14,6 @@ from agent.jit import kernel
 
 @kernel
 def split_delay(delay: float) -> tuple[int, float]:
-    """Return the whole samples of a delay and what is left, 0 <= part < 1."""
+    """Return the whole samples of a delay and the remaining part, 0 <= part < 1."""
     whole = int(delay)
     return whole, delay - whole

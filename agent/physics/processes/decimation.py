@@ -1,6 +1,6 @@
 """Fewer samples of a record, after the valve and never before it.
 
-Where the stem slips depends on every move of OP, and holding block means shifts the dead time: run valve and
+Every move of OP affects where the stem slips, and holding block means shifts the dead time. So run valve and
 process at the rate of the record, then take block means of the response and of PV. Reference ``methods.md``
 0.7; docs/methods/decimation.md.
 """
@@ -31,7 +31,7 @@ def block_means(signal: NDArray[np.float64], factor: int) -> NDArray[np.float64]
         ValueError: ``factor`` is below 1.
     """
     if factor < 1:
-        raise ValueError("a block has at least one sample")
+        raise ValueError("a block must have at least one sample")
     means = np.empty(signal.size // factor)
     for block in range(means.size):
         total = 0.0

@@ -20,7 +20,7 @@ def fopdt(
 ) -> None:
     """Write the response of gain one into ``out``, exact for a position that is held between samples.
 
-    PV rests at position(0) before the first sample. A NaN position makes NaN of all that follows it.
+    PV rests at position(0) before the first sample. A NaN position makes all that follows it NaN.
     Source: zero-order-hold equivalent (see ``dead_time``); docs/methods/fopdt.md derives it.
 
     Args:

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 def integrator(position: NDArray[np.float64], level: float, delay: float, out: NDArray[np.float64]) -> None:
     """Write the response of slope one into ``out``, exact for a position that is held between samples.
 
-    The process stands still, at zero, before the first sample. A NaN position makes NaN of all that follows.
+    The process is at rest, at zero, before the first sample. A NaN position makes all that follows NaN.
     Source: zero-order-hold equivalent (see ``dead_time``); docs/methods/integrator.md.
 
     Args:
         position: Valve position, OP units, shape (n,).
-        level: Position at which PV stands still, OP units; the mean position keeps the numbers small.
+        level: Position at which PV is constant, OP units; the mean position keeps the numbers small.
         delay: Samples, >= 1, may have a fraction; y(t) depends first on position(t - floor(delay)).
         out: Response, OP units times samples, shape (n,).
     """

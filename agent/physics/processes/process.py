@@ -1,4 +1,4 @@
-"""What every process between valve and PV is, and the parameters that they share."""
+"""The form of every process between valve and PV, and the parameters that they share."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class ProcessParameter:
 
 
 TAU = ProcessParameter("tau", "samples", least=0.2)
-"""A lag of 0.2 samples is over, to 0.7 %, after one: a shorter one leaves no trace in a record."""
+"""A lag of 0.2 samples has ended, to 0.7 %, after one sample: a record does not show a shorter one."""
 TAU2 = ProcessParameter("tau2", "samples", least=TAU.least)
 DELAY = ProcessParameter("delay", "samples", least=1.0)
 """Dead time plus the sample for which a position is held."""

@@ -19,7 +19,7 @@ def passed_on(slow: float, fast: float, duration: float) -> float:
     """Return the part of the slow lag's deviation that is in the fast lag after ``duration``.
 
     slow (exp(-duration / slow) - exp(-duration / fast)) / (slow - fast), written so that equal time constants
-    are no special case but that of 0/0.
+    are a special case only for 0/0.
     """
     gap = duration * (slow - fast) / (slow * fast)
     share = -math.expm1(-gap) / gap if gap > 0.0 else 1.0
@@ -37,7 +37,7 @@ def sopdt(
 ) -> None:
     """Write the response of gain one into ``out``, exact for a position that is held between samples.
 
-    Both lags rest at position(0) before the first sample. A NaN position makes NaN of all that follows it.
+    Both lags rest at position(0) before the first sample. A NaN position makes all that follows it NaN.
     Source: zero-order-hold equivalent (see ``dead_time``); docs/methods/sopdt.md derives it.
 
     Args:

@@ -28,7 +28,7 @@ def law(name: str) -> StictionLaw:
     """Return the law of that name.
 
     Raises:
-        ValueError: There is none; the message lists those there are.
+        ValueError: There is none; the message lists the known names.
     """
     for candidate in LAWS:
         if candidate.name == name:

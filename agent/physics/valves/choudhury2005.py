@@ -1,9 +1,10 @@
 """Sticking valve with dead band, stick band and slip jump: Choudhury, Thornhill and Shah (2005).
 
 Control Engineering Practice 13:641, in the form that is consistent with the forces. The published flow chart
-asks how far OP has gone since it last turned; noise turns OP at every sample, so that the stem may stay
-behind by more than friction can hold. Asked instead for the force on the stem, with (S + J) / 2 as the bound
-after every turn of OP (reference ``methods.md`` 1.4), the model is the two-state valve (``two_state``).
+tests how far OP has moved since its last reversal; noise reverses OP at every sample, so that the stem may
+stay behind by more than friction can hold. With a test of the force on the stem instead, with (S + J) / 2 as
+the bound after every reversal of OP (reference ``methods.md`` 1.4), the model is the two-state valve
+(``two_state``).
 """
 
 from __future__ import annotations

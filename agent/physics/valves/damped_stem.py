@@ -1,4 +1,4 @@
-"""Sticking valve whose stem takes its time and may slide on: an overdamped stem in a packing.
+"""Sticking valve whose stem has a lag and may slide on: an overdamped stem in a packing.
 
 A slip is not over at once: air reaches the actuator late, viscous damping slows the stem, and friction that
 rises again at low speed (Stribeck) stops it a little short of its balance. Whether it is at rest when OP
@@ -31,20 +31,20 @@ SUPPLY = (0.02, 0.5)
 REST = (3e-4, 0.3)
 """Range of the force over f_D at which a stem stops, over f_S - f_D."""
 GIVE = (0.01, 0.5)
-"""Range of what bristles give, where they do; from 0.5 on a sudden step may take a stem away at f_D."""
+"""Range of the deflection of bristles that bend; from 0.5 on a sudden step may move a stem at f_D."""
 SQUARINGS = 5
 PART = 2.0**-SQUARINGS
-"""Of a sample, to which the moment of rest is found."""
+"""Resolution with which the time of rest is found, samples."""
 AT_ONCE = 0.05
 """Damping and supply together, samples, below which a slip begins and ends within the sample."""
 NEWTON = 4
-"""Steps towards the moment of an early break-away; they come from one side."""
+"""Newton steps towards the time of an early break-away; they approach it from one side."""
 MEMORY = 6
-"""Samples after which the supply has forgotten what OP was."""
+"""Samples after which an earlier OP no longer affects the force of the supply."""
 
 
 class Motion(NamedTuple):
-    """What of a stem every sample needs: an exponential takes as long as the rest of a sample."""
+    """Values of a stem that every sample needs, computed once: an exponential costs as much as all else."""
 
     damping: float
     """Time constant of the stem, samples."""
@@ -55,15 +55,15 @@ class Motion(NamedTuple):
     give: float
     """Of the bristles (``damped_stem``)."""
     damping_keeps: float
-    """What is left of a way after a sample."""
+    """Share of a distance that remains after a sample."""
     supply_keeps: float
-    """What is left of a step of OP after a sample."""
+    """Share of a step of OP that remains after a sample."""
     feeds: float
     """Damping over supply less damping."""
     part_slows: float
-    """What is left of a way after a part of a sample."""
+    """Share of a distance that remains after ``PART`` of a sample."""
     part_fills: float
-    """What is left of a step of OP after it."""
+    """Share of a step of OP that remains after it."""
     at_once: bool
     """Whether a slip ends within the sample."""
 
@@ -81,8 +81,8 @@ def damped_stem(
 ) -> NDArray[np.float64]:
     """Return the mean valve position over each sample, OP units, shape (n,).
 
-    The mean, held, moves a process as the stem on its way does, but for the shape of the way; where the stem
-    is at the end of a sample, held, moves it too soon by another time after each slip.
+    The mean, held, moves a process as the moving stem does, except for the shape of the motion; the position
+    at the end of a sample, held, would move it too soon, by a time that differs from slip to slip.
 
     Args:
         op: Controller output, OP units, shape (n,).
@@ -128,7 +128,7 @@ def damped_stem_by_direction(
 
 @kernel
 def stem_motion(damping: float, supply: float, rest: float, give: float = 0.0) -> Motion:
-    """Return what ``strokes`` takes of a stem; ``damping`` and ``supply`` in samples."""
+    """Return the values of a stem that ``strokes`` needs; ``damping`` and ``supply`` in samples."""
     if abs(supply - damping) < 1e-6 * damping:
         supply *= 1.0 + 1e-5
     return Motion(
@@ -160,22 +160,22 @@ def stem_at(x: float, force: float) -> NDArray[np.float64]:
 
 @kernel
 def left_at_break_away(step: float, over: float, lead: float, most: float, keeps: float) -> float:
-    """Return what of a step of OP has not reached the stem when it breaks away, OP units; 0: it holds.
+    """Return the part of a step of OP that is still to come when the stem breaks away, OP units; 0: it holds.
 
     Bristles that are being bent creep, and creep the faster the nearer the force is to f_S. While the force
     rises at the rate R, no creep below Stribeck's speed v_s balances it once it is within 3 (J/f_S)^(1/3)
     (R / (2 stiffness v_s))^(2/3) f_S of f_S: there the stem breaks away (derived from LuGre, Canudas de Wit
-    1995, to leading order). R is what is left of the step, y, over ``supply``; so it holds while
+    1995, to leading order). R is the remaining part y of the step over ``supply``; so it holds while
     over - y + min(lead y^(2/3), most) < 0.
 
     Args:
         step: Of OP beyond the force at the start of the sample, towards the break-away, OP units, > 0.
         over: OP beyond the balance with f_S, OP units.
         lead: 3 (J give^2)^(1/3), OP units to the power of 1/3, > 0.
-        most: By how much friction can be loosened: to where the stem comes to rest, OP units.
-        keeps: Share of the step that is left after the sample.
+        most: Largest reduction of friction: to the force at which the stem comes to rest, OP units.
+        keeps: Share of the step that remains after the sample.
     """
-    nearest = min(8.0 / 27.0 * lead**3, (most / lead) ** 1.5)  # where it is most nearly taken away
+    nearest = min(8.0 / 27.0 * lead**3, (most / lead) ** 1.5)  # where it is closest to break-away
     least = min(max(nearest, step * keeps), step)
     if over - least + min(lead * np.cbrt(least) ** 2, most) < 0.0:
         return 0.0
@@ -243,7 +243,8 @@ def strokes(
             force = settled_force(op, t, supply_keeps)
         before = force
         force = op[t] + (before - op[t]) * supply_keeps
-        # From when it moves: the force, the way to go, and what is left of way and step at the sample's end.
+        # At the start of motion: the force and the distance to go; then the shares of distance and step that
+        # remain at the end of the sample.
         begins, way = before, 0.0
         free, fed, moves = damping_keeps, supply_keeps, 1.0
         part_slows, part_fills = stem.part_slows, stem.part_fills
@@ -312,7 +313,7 @@ def strokes(
 
 @kernel
 def settled_force(op: NDArray[np.float64], t: int, supply_keeps: float) -> float:
-    """Return the force before sample t; what OP (n,) was ``MEMORY`` samples ago is forgotten."""
+    """Return the force before sample t; OP (n,) more than ``MEMORY`` samples ago has no effect."""
     first = max(t - MEMORY, 0)
     while first < t and math.isnan(op[first]):
         first += 1
@@ -330,16 +331,17 @@ def settled_force(op: NDArray[np.float64], t: int, supply_keeps: float) -> float
 def at_rest(
     own: float, forced: float, stop: float, part_slows: float, part_fills: float
 ) -> tuple[float, float, float]:
-    """Return when a stem comes to rest, and what is left then of ``own`` and of a step of OP, by bisection.
+    """Return when a stem comes to rest, and what remains of ``own`` and of a step of OP, by bisection.
 
     Args:
         own: Way to go at the start that only slows down, OP units.
         forced: Way that the rise of the force adds, OP units.
         stop: Way at which the stem rests, OP units.
-        part_slows: What is left of ``own`` after a part of the time in which it moves.
-        part_fills: What is left of ``forced`` then.
+        part_slows: Share of ``own`` that remains after a part of the time in which it moves.
+        part_fills: Share of ``forced`` that remains then.
     """
-    # What is left after a half, a quarter and so on of the time: squares, for roots take five times as long.
+    # Shares that remain after a half, a quarter and so on of the time: squares, because roots take five times
+    # as long.
     slows_2, fills_2 = part_slows * part_slows, part_fills * part_fills
     slows_4, fills_4 = slows_2 * slows_2, fills_2 * fills_2
     slows_8, fills_8 = slows_4 * slows_4, fills_4 * fills_4

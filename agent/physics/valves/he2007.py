@@ -1,7 +1,7 @@
 """Sticking valve with a static and a kinetic friction band: He, Wang, Pottmann and Qin (2007).
 
 IECR 46:4549. The published flow chart keeps the force that is still held by friction, u_r. Written with the
-stem position x instead (u_r = u - x) it needs no memory but x, and gives the same numbers.
+stem position x instead (u_r = u - x) it needs no state but x, and gives the same numbers.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def he2007(op: NDArray[np.float64], f_s: float, f_d: float, x0: float) -> NDArra
     """Return the valve positions, OP units, shape (n,).
 
     The stem rests until the force on it, OP minus position, exceeds ``f_s``; then it slips until only ``f_d``
-    of that force is left. A force of exactly ``f_s`` does not move it. While OP is NaN the position holds.
+    of that force remains. A force of exactly ``f_s`` does not move it. While OP is NaN the position holds.
 
     Args:
         op: Controller output, OP units, shape (n,).

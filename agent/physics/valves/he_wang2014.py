@@ -28,9 +28,9 @@ def he_wang2014(
 ) -> NDArray[np.float64]:
     """Return the valve positions, OP units, shape (n,).
 
-    The stem rests until the force on it exceeds ``f_s``; then it goes ``K`` times the way to the balance,
-    where ``f_d`` of that force would be left. The slip jump is K (f_S - f_D). While OP is NaN the position
-    holds.
+    The stem rests until the force on it exceeds ``f_s``; then it moves ``K`` times the distance to the
+    balance, where ``f_d`` of that force would remain. The slip jump is K (f_S - f_D). While OP is NaN the
+    position holds.
 
     Args:
         op: Controller output, OP units, shape (n,).

@@ -2,7 +2,7 @@
 
 DYCOPS 2004. The published flow chart keeps the OP at which the stem stopped, u_s, and the direction d of its
 last stroke, and compares d (u - u_s) with J and -d (u - u_s) with S. A resting stem stands f_D behind u_s,
-so both comparisons ask for the same force, f_S = (S + J) / 2. Written with that force the model needs no
+so both comparisons require the same force, f_S = (S + J) / 2. Written with that force the model needs no
 u_s, and a wrong d or u_s at the start cannot move the stem. The limits of the stroke, which the paper puts
 on OP, are left out.
 """
@@ -64,7 +64,7 @@ def kano2004(
 
 @dataclass(frozen=True, slots=True)
 class Kano2004:
-    """Kano's valve, alike in both directions."""
+    """Kano's valve, with the same friction in both directions."""
 
     name: str = "kano2004"
     reference: str = "Kano, Maruta, Kugemoto, Shimizu, DYCOPS 2004"

@@ -1,4 +1,4 @@
-"""What every stiction law is."""
+"""The interface of every stiction law."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class StictionLaw(Protocol):
-    """Moves a valve stem by OP alone. Compiled searches call the law's kernel instead."""
+    """Gives the valve position from OP alone. Compiled searches call the law's kernel instead."""
 
     @property
     def name(self) -> str:

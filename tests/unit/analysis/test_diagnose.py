@@ -142,7 +142,7 @@ def test_constant_op_is_not_testable():
     found = judged(replace(WINDOW, op=np.full(N, 40.0)), STICKING)
     assert (found.verdict, found.cause, found.confidence) == ("not_testable", "undecided", 0.0)
     assert found.quantification is None
-    assert found.reasons == ("OP does not move: it stands at 40",)
+    assert found.reasons == ("OP does not move: it is constant at 40",)
     assert found.advice[0].startswith("take another record")
 
 

@@ -163,7 +163,7 @@ def test_units_do_not_matter(unit):
 
 def test_reasons_are_sentences_with_numbers():
     (fault,) = found(op=np.full(N, 55.5))
-    assert fault.reason == "OP does not move: it stands at 55.5"
+    assert fault.reason == "OP does not move: it is constant at 55.5"
 
 
 def test_several_faults_are_all_told():

@@ -7,7 +7,7 @@ from simulators.field import response
 from simulators.parameters import (
     ControllerParameters,
     GainStep,
-    LoadStep,
+    LoadStepParameters,
     ProcessParameters,
     ValveParameters,
 )
@@ -91,7 +91,7 @@ def test_gain_and_load_step():
     still = np.full(305, 60.0)
     pv = moved(scenario(gain_steps=(GainStep(time=100, factor=1.5),)), still)
     assert (pv[90], pv[110]) == (pytest.approx(10.0), pytest.approx(15.0))
-    pv = moved(scenario(load_steps=(LoadStep(time=100, load=-2.0),)), still)
+    pv = moved(scenario(load_steps=(LoadStepParameters(time=100, load=-2.0),)), still)
     assert (pv[90], pv[110]) == (pytest.approx(10.0), pytest.approx(8.0))
 
 
@@ -101,4 +101,4 @@ def test_parts_that_cannot_be_are_refused():
     with pytest.raises(ValueError, match="stops: expected"):
         ValveParameters(stops=(60.0, 40.0))
     with pytest.raises(ValueError, match="load_steps: must be in order of time"):
-        scenario(load_steps=(LoadStep(time=5, load=1), LoadStep(time=1, load=2)))
+        scenario(load_steps=(LoadStepParameters(time=5, load=1), LoadStepParameters(time=1, load=2)))

@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 
 from simulators.disturbance import FirstOrderNoise, Load
-from simulators.parameters import Drift, LoadStep, Sinusoid, Wander
+from simulators.parameters import Drift, LoadStepParameters, SinusoidParameters, Wander
 
 
 def load(sinusoid=None, drift=None, steps=(), wander=None, n=2000):
     rng = np.random.default_rng(1)
-    source = Load(sinusoid or Sinusoid(), drift or Drift(), steps, wander or Wander(), 1.0, rng)
+    source = Load(sinusoid or SinusoidParameters(), drift or Drift(), steps, wander or Wander(), 1.0, rng)
     return np.array([source.over(float(t)) for t in range(n)])
 
 
@@ -16,7 +16,7 @@ def test_no_disturbance_is_no_load():
 
 
 def test_sinusoid_has_its_amplitude_and_period():
-    values = load(Sinusoid(amplitude=3.0, period=50.0))
+    values = load(SinusoidParameters(amplitude=3.0, period=50.0))
     assert values.max() == pytest.approx(3.0, abs=0.01)
     assert np.argmax(np.abs(np.fft.rfft(values))) == 2000 / 50
 
@@ -28,7 +28,9 @@ def test_ramp_and_walk():
 
 
 def test_steps_stand_in_place_of_each_other():
-    values = load(steps=(LoadStep(time=10.0, load=2.0), LoadStep(time=20.0, load=-1.0)), n=30)
+    values = load(
+        steps=(LoadStepParameters(time=10.0, load=2.0), LoadStepParameters(time=20.0, load=-1.0)), n=30
+    )
     assert values == pytest.approx(np.repeat([0.0, 2.0, -1.0], 10))
 
 

@@ -11,7 +11,7 @@ from simulators.parameters import (
     ProcessParameters,
     Quantisation,
     SetPointStep,
-    Sinusoid,
+    SinusoidParameters,
     ValveParameters,
 )
 from simulators.plant import Plant, quantised, simulate
@@ -34,7 +34,7 @@ STICKING = ValveParameters(law="karnopp", f_s=5.0, f_d=1.0)
 
 
 def test_run_at_once_equals_run_row_by_row():
-    loop = scenario(valve=STICKING, drift=Drift(walk=0.05), disturbance=Sinusoid(amplitude=1))
+    loop = scenario(valve=STICKING, drift=Drift(walk=0.05), disturbance=SinusoidParameters(amplitude=1))
     plant = Plant(loop)
     record = simulate(loop)
     for i in range(loop.samples):
@@ -76,7 +76,7 @@ def test_set_point_steps_are_followed():
 
 
 def test_sinusoid_swings_the_loop():
-    record = simulate(scenario(disturbance=Sinusoid(amplitude=5.0, period=50.0), noise=Noise()))
+    record = simulate(scenario(disturbance=SinusoidParameters(amplitude=5.0, period=50.0), noise=Noise()))
     assert np.argmax(np.abs(np.fft.rfft(record.pv - record.pv.mean()))) == 600 / 50
 
 

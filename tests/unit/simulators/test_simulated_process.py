@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from simulators.parameters import ProcessParameters
-from simulators.process import Process
+from simulators.process import SimulatedProcess
 
 DT = 0.01
 
 
 def step_response(seconds, flow=2.0, load=0.0, **parameters):
-    process = Process(ProcessParameters(**parameters), DT)
+    process = SimulatedProcess(ProcessParameters(**parameters), DT)
     answer = []
     for _ in range(seconds):
         process.respond(np.full(100, flow), load)
@@ -39,7 +39,7 @@ def test_load_enters_behind_the_dead_time():
 
 
 def test_dead_time_longer_than_a_sampling_time_keeps_order():
-    process = Process(ProcessParameters(kind="integrating", gain=1.0, delay=2.5), DT)
+    process = SimulatedProcess(ProcessParameters(kind="integrating", gain=1.0, delay=2.5), DT)
     seen = []
     for flow in (1.0, 0.0, 0.0, 0.0, 0.0):
         process.respond(np.full(100, flow), 0.0)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from simulators.parameters import ValveParameters
-from simulators.valve import STEP, Valve
+from simulators.valve import STEP, SimulatedValve
 
 F_S, F_D = 5.0, 2.0
 BRISTLES = 5 * F_S / 10_000  # OP units a LuGre stem gives way while it sticks
@@ -18,7 +18,7 @@ CLOSE = 0.02 * F_S  # what the Stribeck speed adds to the kinetic friction
 
 def valve(law, *, f_s=F_S, f_d=F_D, op=50.0, **other):
     """A valve at rest and in balance."""
-    made = Valve(ValveParameters(law=law, f_s=f_s, f_d=f_d, **other), (0.0, 100.0), op)
+    made = SimulatedValve(ValveParameters(law=law, f_s=f_s, f_d=f_d, **other), (0.0, 100.0), op)
     made._state[1] = op
     return made
 
@@ -151,7 +151,7 @@ def test_stops_end_the_travel(law):
 
 
 def test_valve_starts_behind_its_balance_by_the_static_friction():
-    started = Valve(ValveParameters(law="karnopp", f_s=5, f_d=2), (0.0, 100.0), 50.0)
+    started = SimulatedValve(ValveParameters(law="karnopp", f_s=5, f_d=2), (0.0, 100.0), 50.0)
     assert started.position == 45.0
     assert hold(started, 50.0) == 45.0
     assert hold(started, 50.1) > 47.0

@@ -5,7 +5,7 @@ import pytest
 
 from agent.units import FrictionBands
 from simulators.parameters import ValveParameters
-from simulators.valve import Valve
+from simulators.valve import SimulatedValve
 
 MASS, SPRING = 1.6, 210_490.0  # kg, N/m
 AREA, LOW, HIGH = 0.0445, 41_368.0, 180_000.0  # m2, Pa, Pa
@@ -30,14 +30,14 @@ def test_friction_in_per_cent_of_op_is_that_of_the_force_over_the_range():
 
 
 def test_the_simulated_valve_breaks_away_at_its_static_friction():
-    valve = Valve(PARAMETERS, (0.0, 100.0), 50.0)  # it starts f_S behind
+    valve = SimulatedValve(PARAMETERS, (0.0, 100.0), 50.0)  # it starts f_S behind
     start = valve.position
     broke_away = next(op for op in np.arange(50.0, 51.0, 0.01) if valve.stroke(op, 500, 0.002)[-1] > start)
     assert broke_away - start == pytest.approx(12.64, abs=0.02)
 
 
 def test_it_slides_behind_by_kinetic_and_viscous_friction():
-    valve = Valve(PARAMETERS, (0.0, 100.0), 20.0)
+    valve = SimulatedValve(PARAMETERS, (0.0, 100.0), 20.0)
     slope, dt = 10.0, 0.002  # OP units per second
     op = np.arange(20.0, 80.0, slope * dt)
     behind = op[-1] - [valve.stroke(each, 1, dt)[-1] for each in op][-1]

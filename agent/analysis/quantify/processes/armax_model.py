@@ -20,7 +20,7 @@ from agent.units import FrictionBands
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.quantify.valves.joint_fit import Record
+    from agent.analysis.quantify.valves.joint_fit import CentredRecord
     from agent.analysis.record.recording import FloatArray
 
 KEPT_VALVES = 30
@@ -30,7 +30,11 @@ KEPT_DELAYS = 2
 
 
 def best_valves(
-    record: Record, bands: FloatArray, delays: NDArray[np.int64], structures: tuple[int, ...], walk: float
+    record: CentredRecord,
+    bands: FloatArray,
+    delays: NDArray[np.int64],
+    structures: tuple[int, ...],
+    walk: float,
 ) -> Model | None:
     """Return the best model over the valves that plain least squares ranks first, or None.
 
@@ -51,7 +55,7 @@ def best_valves(
 
 
 def without_stiction(
-    record: Record, delays: NDArray[np.int64], structures: tuple[int, ...], walk: float
+    record: CentredRecord, delays: NDArray[np.int64], structures: tuple[int, ...], walk: float
 ) -> Model | None:
     """Return the best model without stiction over all delays, None where none is plausible."""
     none = np.zeros((1, 2))
@@ -67,7 +71,7 @@ def better(best: Model | None, linear: Model | None, delays: NDArray[np.int64]) 
 
 
 def _behind_valve(
-    record: Record,
+    record: CentredRecord,
     bands: FloatArray,
     errors: FloatArray,
     delays: NDArray[np.int64],

@@ -14,7 +14,7 @@ from scipy import ndimage
 
 from agent.analysis.quantify.processes.output_error import FIRST_ORDER, INTEGRATOR, SECOND_ORDER
 from agent.analysis.quantify.valves.bounded_search import RESOLUTION, grid
-from agent.analysis.quantify.valves.joint_fit import Record, free_delays, lack, structures_to_try
+from agent.analysis.quantify.valves.joint_fit import CentredRecord, free_delays, lack, structures_to_try
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def error_map(window: LoopWindow, resolution: float = RESOLUTION) -> ErrorMap | 
     structures = structures_to_try(window)
     delays = free_delays(window, structures) if window.hints.delay is None else np.array([window.hints.delay])
     bands = grid(window.op_span, resolution)
-    record = Record.of(window)
+    record = CentredRecord.of(window)
     errors = np.maximum(record.errors(bands, delays, structures).min(axis=2), EXACT * record.variance)
     if not np.isfinite(errors).any():
         return None

@@ -56,7 +56,7 @@ class Model:
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
+class CentredRecord:
     """OP and PV as the objective takes them."""
 
     op: FloatArray
@@ -70,7 +70,7 @@ class Record:
     """Of the valve, see ``valve_law``."""
 
     @classmethod
-    def of(cls, window: LoopWindow, law: int = HE) -> Record:
+    def of(cls, window: LoopWindow, law: int = HE) -> CentredRecord:
         """Return the record of a window in which ``lack`` misses nothing."""
         op = np.where(np.isfinite(window.op), window.op, np.nan)
         pv = np.where(np.isfinite(window.pv), window.pv, np.nan)
@@ -120,7 +120,12 @@ class Record:
 
 
 def answer(
-    name: str, window: LoopWindow, record: Record, best: Model | None, linear: Model | None, threshold: float
+    name: str,
+    window: LoopWindow,
+    record: CentredRecord,
+    best: Model | None,
+    linear: Model | None,
+    threshold: float,
 ) -> Quantification:
     """Return what the best valve says against the best model without stiction.
 

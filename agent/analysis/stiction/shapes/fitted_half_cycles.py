@@ -1,4 +1,4 @@
-"""From a record to half cycles fit for a look at their shape, or to the limit that forbids it.
+"""Half cycles of a record that are fit for a test of their shape, or the limit that is broken.
 
 Source: reference ``methods.md`` section 3, common preparation, and 3.1 for the dead time.
 """
@@ -24,7 +24,7 @@ FEWEST_HALF_CYCLES = 8
 """Of the ten in five periods the two at the ends may be cut."""
 FEWEST_SAMPLES = 10.0
 """Samples a period. From ten on sampled sines, triangles and squares fall on the right side of the limits of
-He (2007) and of Rossi and Scali (2005); the paper of Lee et al. (2008) asks for 50."""
+He (2007) and of Rossi and Scali (2005); the paper of Lee et al. (2008) requires 50."""
 LARGEST_NOISE = 0.17
 """Noise behind the low-pass over the standard deviation of the signal. A sine misses a triangle by 1.45 % of
 its power, so with noise of s^2 He's index of a triangle is (0.0145 + s^2) / (0.0145 + 2 s^2): 0.6 at 0.17."""
@@ -34,7 +34,7 @@ LONGEST_DELAY = 1 / 6
 
 @dataclass(frozen=True, slots=True)
 class FittedHalfCycles:
-    """What a detector of shapes saw."""
+    """What a detector of shapes measured."""
 
     half_cycles: FloatArray
     """Without their sign, parts of the largest value of the signal, (m, 100)."""
@@ -50,12 +50,12 @@ class FittedHalfCycles:
 def shape_signal(
     values: FloatArray, stretch: Stretch, window: LoopWindow, oscillation: Oscillation
 ) -> tuple[FloatArray, float] | str:
-    """Return a signal fit for a look at its shape, or in plain words the limit that is broken.
+    """Return a signal that is fit for a test of its shape, or the limit that is broken as a text.
 
     Args:
         values: OP or the control error of ``stretch``, (n,).
-        stretch: The part of the window that is looked at.
-        window: Its hints tell the dead time, if it is known.
+        stretch: The part of the window that is used.
+        window: Its hints hold the dead time, if it is known.
         oscillation: That of the window.
 
     Returns:
@@ -66,7 +66,7 @@ def shape_signal(
         return period
     delay = window.hints.delay
     if delay is not None and delay > LONGEST_DELAY * period:
-        return f"a dead time of {delay / period:.2f} periods hides the shape, it may be {LONGEST_DELAY:.2f}"
+        return f"a dead time of {delay / period:.2f} periods hides the shape, {LONGEST_DELAY:.2f} is allowed"
     if not (detrended(stretch.op).any() and detrended(stretch.pv).any()):
         return "OP or PV does not move"
     rest = detrended(values)

@@ -1,4 +1,4 @@
-"""How well a sine, a triangle and the answer to a relay fit half cycles of an oscillation.
+"""How well a sine, a triangle and a relay response fit half cycles of an oscillation.
 
 Every half cycle is brought to the same 100 points, so that a shape is a table of candidates with one column
 for each place of the peak or time constant, and the best fit of all half cycles a product of matrices.
@@ -81,9 +81,9 @@ def _triangles() -> FloatArray:
 
 
 def _relays() -> FloatArray:
-    """Return what a first-order process with dead time does between two crossings under a relay.
+    """Return the response of a first-order process with dead time to a relay, between two crossings.
 
-    The relay switches at the crossing, the process feels it a dead time later. The dead time follows from
+    The relay switches at the crossing, the process responds a dead time later. The dead time follows from
     the time constant, because the curve must come back to zero at the end.
     """
     t, tau = T[:, None], np.geomspace(FASTEST_RELAY, SLOWEST_RELAY, RELAYS)[None, :]
@@ -98,4 +98,4 @@ SINE = _unit_columns(np.sin(np.pi * T)[:, None])
 TRIANGLE = _unit_columns(_triangles())
 """Two straight lines through the crossings that meet at any of the points, (100, 100)."""
 RELAY = _unit_columns(_relays())
-"""Answers to a relay for every time constant, (100, 60)."""
+"""Relay responses for every time constant, (100, 60)."""

@@ -1,8 +1,8 @@
 """The stem's position beside OP: the measured one, or PV where it moves in short steps as a stem does.
 
-Methods that compare valve and OP need the position. In a fast loop, mostly flow, PV stands for it. Whether a
-loop is fast the record tells only where its valve jumps: then PV makes its way in short steps. A PV that
-moves all the time comes from a slow process or from a free valve, and these look alike.
+Methods that compare valve and OP need the position. In a fast loop, mostly flow, PV is used in its place. A
+record shows that a loop is fast only where its valve jumps: then PV moves in short steps. A PV that moves all
+the time comes from a slow process or from a free valve, and the record cannot distinguish the two.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ FEWEST_SAMPLES = 10.0
 FEWEST_PERIODS = 3.0
 """As many strokes each way as the detectors average over at least."""
 SHORT_STEPS = 0.2
-"""Part of the time in which PV makes half of its way, up to which it stands for the stem.
+"""Part of the time in which PV makes half of its way, up to which it is used in place of the stem.
 
-Behind a lag tau a step has half of its way behind it after 0.69 tau, so that a square wave of period P is
-below while tau < P / 7. A sine needs 1/3 of the time, a triangle 1/2.
+Behind a lag tau a step has made half of its way after 0.69 tau, so that a square wave of period P is below
+while tau < P / 7. A sine needs 1/3 of the time, a triangle 1/2.
 """
 
 
@@ -47,18 +47,18 @@ class Stem:
     width: int
     """Samples in a mean."""
     measured: bool
-    """False where PV stands for the stem."""
+    """False where PV is used in place of the stem."""
 
 
 def stem_of(window: LoopWindow, oscillation: Oscillation) -> Stem | str:
-    """Return OP and stem of the longest stretch without a gap; in words why not where no stem is seen.
+    """Return OP and stem of the longest stretch without a gap, or the reason why no stem is known.
 
     Where no oscillation is known, the first zero of OP's autocorrelation is taken for a quarter period.
     """
     stretch = longest_stretch(window)
     period = _time_scale(stretch.op) if oscillation.period is None else oscillation.period / window.ts
     if period is None or len(stretch) < FEWEST_PERIODS * period:
-        return f"OP goes up and down fewer than {FEWEST_PERIODS:.0f} times without a gap"
+        return f"OP moves up and down fewer than {FEWEST_PERIODS:.0f} times without a gap"
     if period < FEWEST_SAMPLES:
         return f"fewer than {FEWEST_SAMPLES:.0f} samples a period"
     width = max(1, round(period / SAMPLES))
@@ -67,10 +67,10 @@ def stem_of(window: LoopWindow, oscillation: Oscillation) -> Stem | str:
         return stem or "OP or the measured valve position does not move"
     sign = process_gain_sign(window)
     if sign == 0:
-        return "no valve position is measured, and which way OP moves PV cannot be told"
+        return "no valve position is measured, and the direction in which OP moves PV is not known"
     stem = _side_by_side(stretch.op, sign * stretch.pv, width, measured=False)
     if stem is None or time_of_half_the_way(stem.position) > SHORT_STEPS:
-        return "no valve position is measured, and PV moves too slowly to stand for it"
+        return "no valve position is measured, and PV moves too slowly to be used in its place"
     return stem
 
 
@@ -84,8 +84,8 @@ def time_of_half_the_way(position: FloatArray) -> float:
 def _side_by_side(op: FloatArray, position: FloatArray, width: int, *, measured: bool) -> Stem | None:
     """Return ``op`` and ``position`` (n,) with a scan taken off; None where one of them stands.
 
-    A loop is read before its OP is sent, so that a stem answers one sample late. Left in, it would be a stem
-    which stands while OP moves.
+    A loop is read before its OP is sent, so the stem follows one sample late. If this delay stayed in, it
+    would look like a stem that stands while OP moves.
     """
     late = _moving_mean(op[:-1], width), _moving_mean(position[1:], width)
     at_once = _moving_mean(op, width), _moving_mean(position, width)

@@ -1,4 +1,4 @@
-"""The part of a window that the shape detectors look at, cut into half cycles.
+"""The part of a window that the shape detectors use, cut into half cycles.
 
 Source: reference ``methods.md`` section 3, common preparation.
 """
@@ -60,16 +60,16 @@ def longest_stretch(window: LoopWindow) -> Stretch:
 
 
 def period_of(stretch: Stretch, oscillation: Oscillation, *, periods: float, samples: float) -> float | str:
-    """Return the period in samples; in words why it cannot show a shape.
+    """Return the period in samples, or the reason why the stretch cannot show a shape.
 
     Args:
-        stretch: The part that is looked at.
+        stretch: The part that is used.
         oscillation: Its oscillation.
         periods: The fewest periods without a gap that the method needs.
         samples: The fewest samples a period that it needs.
     """
     if oscillation.period is None:
-        return "no oscillation with a period is known"
+        return "the period of the oscillation is not known"
     period = oscillation.period / stretch.ts
     if len(stretch) < periods * period:
         return f"fewer than {periods:.0f} periods without a gap"

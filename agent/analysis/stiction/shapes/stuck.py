@@ -32,7 +32,7 @@ FREE = 2.0
 
 @dataclass(frozen=True, slots=True)
 class StuckIntervals:
-    """What the detectors of Kano saw."""
+    """What the detectors of Kano measured."""
 
     stem: Stem
     intervals: tuple[slice, ...]
@@ -49,11 +49,11 @@ class StuckIntervals:
 
 
 def stuck_intervals(stem: Stem) -> StuckIntervals | str:
-    """Return when the stem is stuck; in words why not where noise hides it."""
+    """Return when the stem is stuck, or the reason if noise hides it."""
     op_span, span = float(np.ptp(stem.op)), float(np.ptp(stem.position))
     band = max(LEAST_BAND * span, NOISE * noise_of_stem(stem))
     if band > WIDEST_BAND * span:
-        return "too much noise on the position to see whether the stem stands"
+        return "too much noise on the position to detect when the stem stands"
     move = FREE * band / span * op_span
     stands = standing(stem.position, band)
     stuck = tuple(each for each in stands if np.ptp(stem.op[each]) >= move)
