@@ -1,1 +1,1 @@
-"""Plants with known faults, and servers that put them on a bus. Truth that the identifier does not have."""
+"""Plants with known faults, and servers that put them on a bus. Only they know the truth of a fault."""

@@ -1,18 +1,18 @@
-"""When simulated time comes in wall time."""
+"""The wall time at which a simulated time is due."""
 
 from __future__ import annotations
 
 import asyncio
 
 SLACK = 0.1
-"""Lateness that is caught up with, s of wall time; what goes beyond shifts all that follows."""
+"""Largest lateness that is caught up, s of wall time; a larger one delays all that follows."""
 
 
 class Clock:
     """Simulated time in step with the event loop's clock, times a factor.
 
-    The first wait ties the two together. Who comes late is not made to wait and nothing is ever skipped;
-    much lateness is not made up for by a burst either, the clock falls behind instead.
+    The first wait fixes the start. A late caller does not wait and nothing is skipped; a large lateness is
+    not followed by a burst, the clock falls behind instead.
     """
 
     def __init__(self, factor: float | None) -> None:

@@ -1,4 +1,4 @@
-"""What happens to a loop from outside: load swings, steps, wanders, drifts; noise of the transmitter."""
+"""Disturbances of a loop: loads that oscillate, step, wander or drift; noise of the transmitter."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Load:
         self._walk = 0.0
 
     def over(self, time: float) -> float:
-        """Load held over the sampling time that begins at ``time`` s, OP units. To be asked once a sample."""
+        """Load held over the sampling time that begins at ``time`` s, OP units. Call it once a sample."""
         wave = self._sinusoid
         phase = 2.0 * math.pi * (time + self._ts / 2.0) / wave.period
         self._walk += self._drift.walk * math.sqrt(self._ts) * self._rng.standard_normal()

@@ -36,7 +36,7 @@ class Field:
 
     @property
     def pv(self) -> float:
-        """What the transmitter makes of PV now, without noise, PV units."""
+        """Output of the transmitter now, without noise, PV units."""
         return self._scenario.controller.sp + self._sensed
 
     @property
@@ -54,7 +54,7 @@ class Field:
 
 
 def response(scenario: Scenario, op: FloatArray) -> FloatArray:
-    """PV that the field makes of a given OP, without noise and converters, PV units, (n,).
+    """PV of the field for a given OP, without noise and converters, PV units, (n,).
 
     Args:
         scenario: Of its controller only the operating point counts, where the field begins; no warm-up.

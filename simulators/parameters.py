@@ -73,14 +73,14 @@ class ValveParameters(Part):
         elif not 0 < self.f_s >= self.f_d:
             raise ValueError(f"expected 0 <= f_d <= f_s and f_s > 0, got f_s {self.f_s:g}, f_d {self.f_d:g}")
         elif self.law == "lugre" and self.f_d == 0:
-            raise ValueError("f_d must be > 0 with lugre, whose bristles else never wear off")
+            raise ValueError("f_d must be > 0 with lugre: its bristles relax only with kinetic friction")
         if self.stops is not None and not self.stops[0] < self.stops[1]:
             raise ValueError(f"stops: expected [low, high], got [{self.stops[0]:g}, {self.stops[1]:g}]")
         return self
 
 
 class ProcessParameters(Part):
-    """What the flow through the valve does to PV."""
+    """Response of PV to the flow through the valve."""
 
     kind: Literal["first_order", "second_order", "integrating"] = "first_order"
     gain: float
@@ -120,11 +120,11 @@ class Noise(Part):
     std: NotNegative = 0.0
     """PV units."""
     correlation: NotNegative = 0.0
-    """Time over which it forgets itself, s; 0 is white."""
+    """Correlation time, s; 0 is white."""
 
 
 class SinusoidParameters(Part):
-    """Load swinging at the process input."""
+    """Load that oscillates at the process input."""
 
     amplitude: NotNegative = 0.0
     """OP units."""
@@ -142,7 +142,7 @@ class LoadStepParameters(Part):
 
 
 class GainStep(Part):
-    """Another effect of the flow from a time on, as where the pressure before the valve changes."""
+    """A change of the gain of the flow at a time, as where the pressure before the valve changes."""
 
     time: NotNegative
     """s from the start of the record."""
@@ -156,7 +156,7 @@ class Wander(Part):
     std: NotNegative = 0.0
     """OP units."""
     correlation: PositiveFloat = 30.0
-    """Time over which it forgets itself, s."""
+    """Correlation time, s."""
 
 
 class Drift(Part):

@@ -17,7 +17,7 @@ from simulators.source import Source
 
 _LOG = logging.getLogger(__name__)
 _FIRST_WAIT = 30.0
-"""Longest wait for the reader to take the first row: it may have to connect yet, s."""
+"""Longest wait for the reader to take the first row: it may still have to connect, s."""
 _WAIT = 5.0
 """Longest wait for it to take any other, s."""
 _LOOK = 0.001
@@ -31,7 +31,8 @@ async def play(sources: Sequence[Source], server: LoopServer, clock: Clock, seen
     """Put all rows of all sources on the server, in step with the clock, each source from its own start.
 
     With ``seen``, no row is put while more than ``server.lead`` rows of its loop wait for the reader, and the
-    last rows are waited for as well. A reader that takes nothing for 5 s is left behind, which is logged.
+    last rows are waited for as well. After 5 s without progress of the reader the next row is put and a
+    warning is logged.
     """
     readers = {source.loop: Reader(source.loop, server.lead, seen) for source in sources if seen is not None}
     for elapsed, loop, row in _in_time_order(sources):
@@ -45,7 +46,7 @@ async def play(sources: Sequence[Source], server: LoopServer, clock: Clock, seen
     for reader in readers.values():
         await reader.finished()
         if reader.slips:
-            _LOG.warning("%s: its reader was left behind %d times", reader.loop, reader.slips)
+            _LOG.warning("%s: the reader was too slow %d times", reader.loop, reader.slips)
 
 
 class Reader:

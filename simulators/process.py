@@ -1,4 +1,4 @@
-"""What the flow through the valve does to PV: lags or an integrator behind a dead time."""
+"""Response of PV to the flow through the valve: lags or an integrator behind a dead time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @kernel
 def lag(inputs: FloatArray, level: float, keep: float) -> FloatArray:
-    """Answer of a first-order lag to inputs held over each step, same unit, shape (n,).
+    """Response of a first-order lag to inputs held over each step, same unit, shape (n,).
 
     Args:
         inputs: Shape (n,).

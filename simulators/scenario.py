@@ -1,6 +1,6 @@
-"""A scenario: one control loop with its faults, as a YAML file tells it.
+"""A scenario: one control loop with its faults, as a YAML file describes it.
 
-Every number is a parameter of the simulated plant; the truth a diagnosis is held against follows from
+Every number is a parameter of the simulated plant; the truth with which a diagnosis is compared follows from
 them. A file may state the truth as well, for its reader; then the two must agree.
 """
 
@@ -33,7 +33,7 @@ from simulators.parameters import (
 )
 
 TIGHT = 4.0
-"""Peak sensitivity beyond which a loop swings by itself: its gain margin is then 1.33 or less."""
+"""Peak sensitivity beyond which a loop oscillates by itself: its gain margin is then 1.33 or less."""
 
 
 class Truth(Part):
@@ -52,7 +52,7 @@ class Scenario(Part):
 
     loop: str = Field(min_length=1)
     start: float = 1_767_225_600.0
-    """Time of the first row, s UTC (2026-01-01 unless told) or ISO 8601 in the file."""
+    """Time of the first row, s UTC (2026-01-01 by default) or ISO 8601 in the file."""
     ts: PositiveFloat = 1.0
     """Sampling time, s."""
     duration: PositiveFloat
@@ -85,7 +85,7 @@ class Scenario(Part):
 
     @property
     def peak_sensitivity(self) -> float:
-        """How close the loop would be to swinging without friction; see ``stability``."""
+        """How close the loop would be to oscillating without friction; see ``stability``."""
         return peak_sensitivity(self.controller, self.valve, self.process, self.ts, self.sensor_tau)
 
     @property
@@ -169,7 +169,7 @@ def load_scenario(path: Path) -> Scenario:
 
 
 def _faults(error: ValidationError) -> list[str]:
-    """Say of each fault where it is and what is wrong there."""
+    """Return each fault with its place in the file."""
     return [
         ": ".join(filter(None, (".".join(map(str, fault["loc"])), message)))
         for fault in error.errors()

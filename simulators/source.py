@@ -74,8 +74,8 @@ class RecordingSource:
     def rows(self) -> Iterator[Row]:
         """All rows from the first on; only the roles that were recorded.
 
-        One more row follows the last: its numbers are unknown, for nobody knows what came then. It tells a
-        reader of a bus that reports changes only that the last values held to the end.
+        One more row follows the last: its numbers are unknown, because the recording ends there. On a bus
+        that reports changes only, it shows a reader that the last values held to the end.
         """
         recording = self._recording
         columns = {"pv": recording.pv, "op": recording.op, "sp": recording.sp, "mv": recording.mv}

@@ -34,8 +34,8 @@ def play(positions: FloatArray, plug: float, slack: float) -> FloatArray:
 class SimulatedValve:
     """The valve of one loop, moving through time.
 
-    It starts at rest and as far behind its balance as friction can hold it: a sticking loop then begins
-    to cycle without waiting for a disturbance.
+    It starts at rest and as far behind its balance as friction can hold it: so a sticking loop begins to
+    cycle without a disturbance.
     """
 
     def __init__(self, parameters: ValveParameters, op_range: tuple[float, float], op: float) -> None:

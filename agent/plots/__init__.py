@@ -1,1 +1,1 @@
-"""Pictures for an engineer; figures of matplotlib, no files."""
+"""Figures for an engineer, as matplotlib objects; no files."""

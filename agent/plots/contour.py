@@ -32,8 +32,8 @@ def contour_figure(loop: str, errors: ErrorMap, found: Quantification | None = N
     Args:
         loop: Name for the title.
         errors: The map.
-        found: What a quantifier says of the same loop: a cross, and the region of its intervals of S and J.
-            It may lie beside the minimum of the map where it starts the valve with another stored force.
+        found: Estimate of a quantifier for the same loop: a cross, and the region of its intervals of S and
+            J. It may differ from the minimum of the map where it starts the valve with another stored force.
     """
     figure = Figure(figsize=(2.0 + 4.4 * len(errors.kinds), 5.6), layout="constrained")
     panels = figure.subplots(1, len(errors.kinds), squeeze=False, sharey=True)[0]

@@ -20,8 +20,8 @@ def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
     """Draw PV with the model's PV on top, OP with the model's valve position, and OP against PV.
 
     Args:
-        window: What was measured.
-        diagnosis: What it was found to be; where it has no model, the measurement alone is drawn.
+        window: The measurement.
+        diagnosis: Its diagnosis; where it has no model, the measurement alone is drawn.
     """
     figure = Figure(figsize=(12.0, 6.0), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(2.3, 1.0))

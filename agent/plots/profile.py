@@ -1,4 +1,4 @@
-"""How the record trades the stick band against the delay: the profile of the error over S."""
+"""The profile of the error over S: which stick bands and delays explain the record equally well."""
 
 from __future__ import annotations
 
@@ -63,4 +63,4 @@ def _words(profile: Profile, basins: list[slice]) -> str:
         return "no S within the interval"
     low, high = profile.s[basins[0]][0], profile.s[basins[-1]][-1]
     count = "one basin" if len(basins) == 1 else f"{len(basins)} basins"
-    return f"models that fit alike have S from {low:.3g} to {high:.3g} OP units, {count}"
+    return f"S of all models that fit: {low:.3g} to {high:.3g} OP units, {count}"

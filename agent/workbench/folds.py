@@ -1,10 +1,11 @@
-"""Held-out error: blocks of the record that a fit did not see, predicted in free run from OP.
+"""Held-out error: blocks of the record that a fit did not use, predicted in free run from OP.
 
-The model runs through the whole record from OP alone, so a held-out block leaks nothing by what came before
-it but for the noise that both share at its edges; hence the guard (``missing_effect.md`` section 4, step 5).
-Level and slow drift are no claim of any model and are taken out with the whole record in view: drawn on into
-a block from outside they would bury every difference. Where a valve stood before the record only its opening
-tells, which every fit sees and no score counts.
+The model runs through the whole record from OP alone, so the samples before a held-out block reveal nothing
+of it except the noise that both share at its edges; hence the guard (``missing_effect.md`` section 4, step
+5).
+Level and slow drift belong to no effect and are removed with the whole record: extrapolated into a block they
+would hide every difference. Only the opening of the record shows where the valve stood before it; every fit
+uses the opening and no score counts it.
 """
 
 from __future__ import annotations
@@ -28,13 +29,13 @@ if TYPE_CHECKING:
 FOLDS = 5
 FEWEST_BLOCKS = 10
 SPARE = 2
-"""Blocks beyond the fewest, for the start that does not count and a gap."""
+"""Blocks in addition to the least number, for the start that does not count and a gap."""
 BLOCKS = 25
 """Wanted: with fewer the intervals are wide."""
 LEAST_BLOCK = 100
 """Samples, where the record is long enough for ``BLOCKS`` of them."""
 RUN = 4
-"""Least length of a run of blocks held out together, in guards: else the guards would take what is left."""
+"""Least length of a run of blocks held out together, in guards: else the guards would take all the rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +47,9 @@ class Folds:
     fold: NDArray[np.int64]
     """Of each block, (b,)."""
     guard: int
-    """Samples on both sides of what is held out that no fit by free run sees."""
+    """Samples on both sides of the held-out blocks that no fit by free run uses."""
     opening: int
-    """First samples, in no block, that all fits see."""
+    """First samples, in no block, that all fits use."""
 
     @property
     def count(self) -> int:
@@ -56,11 +57,11 @@ class Folds:
         return len(self.fold)
 
     def held_out(self, fold: int) -> NDArray[np.bool_]:
-        """Return which samples the fit of a fold does not see but must predict, (n,)."""
+        """Return which samples the fit of a fold does not use but must predict, (n,)."""
         return np.asarray((self.block >= 0) & (self.fold[self.block] == fold), dtype=np.bool_)
 
     def seen(self, fold: int, weight: FloatArray, guard: int) -> FloatArray:
-        """Return ``weight`` (n,) of what the fit of a fold sees, ``guard`` samples from what it predicts."""
+        """Return ``weight`` (n,), zero where a fold's fit predicts and within ``guard`` samples of it."""
         hidden = np.convolve(self.held_out(fold), np.ones(2 * guard + 1), mode="same") > 0.5
         hidden[: self.opening] = False
         return weight * ~hidden
@@ -68,14 +69,14 @@ class Folds:
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """What the folds say of a model."""
+    """Held-out predictions and errors of a model."""
 
     losses: FloatArray
     """Mean squared error of each block, PV units squared, (b,)."""
     values: FloatArray
     """Of the parameters in each fold, own units, (K, k)."""
     pv: FloatArray
-    """Each sample as predicted by the fold that did not see it, NaN outside the blocks, PV units, (n,)."""
+    """Each sample as predicted by the fold that did not use it, NaN outside the blocks, PV units, (n,)."""
 
     @property
     def rmse(self) -> float:
@@ -84,14 +85,14 @@ class HeldOut:
 
 
 def folds_of(record: Record, base: Fit) -> Folds | str:
-    """Return the folds of a record, or in plain words why there are too few blocks.
+    """Return the folds of a record, or as a text why there are too few blocks.
 
-    Blocks of one to three periods, at least 100 samples, shorter where the record is; of a loop that does not
-    swing they need not hold a period. Blocks with less than half of their samples are left out.
+    Blocks of one to three periods, at least 100 samples, shorter where the record is; for a loop that does
+    not oscillate they need not hold a period. Blocks with less than half of their samples are left out.
 
     Args:
         record: OP and PV.
-        base: The base alone, fitted: its delay and time constants tell how long PV remembers.
+        base: The base alone, fitted: its delay and time constants give the time for which OP affects PV.
     """
     n, period = len(record), record.period
     length = min(max(2 * period, LEAST_BLOCK), n / BLOCKS)
@@ -111,7 +112,7 @@ def folds_of(record: Record, base: Fit) -> Folds | str:
 
 
 def memory(base: Fit, record: Record) -> float:
-    """Return how long PV remembers OP, samples: delay and three time constants, one period where unknown."""
+    """Return how long OP affects PV, samples: delay and three time constants, one period where unknown."""
     process = base.model.base.process(base.values)
     if not isinstance(process, LinearProcess) or process.integrates:
         return record.period
@@ -125,10 +126,10 @@ def held_out(fitted: Fit, record: Record, folds: Folds, noise: Innovations | Non
         fitted: To the whole record.
         record: OP and PV.
         folds: Of the record.
-        noise: How its residual goes on; the refits then predict best, as ``fitted`` does. None: their free
-            run is best. The folds are predicted in free run either way.
+        noise: Noise model of its residual; the refits then minimise the prediction error, as ``fitted`` does.
+            None: they minimise the error of the free run. The folds are predicted in free run either way.
     """
-    # Innovations are independent, so that those of neighbours tell nothing of what is held out.
+    # Innovations are independent, so those of neighbours contain nothing of the held-out samples.
     guard = folds.guard if noise is None else 0
     pv = np.full(len(record), np.nan)
     values = []

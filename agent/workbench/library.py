@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Named = TypeVar("Named", Base, Effect)
 
 ONE_OF_A_KIND = frozenset({"valve_hysteresis", "extra_lag"})
-"""Families whose members are different words for one thing: a model has one of them."""
+"""Families whose members describe the same property: a model has one of them."""
 
 
 def base_named(name: str) -> Base:
@@ -43,7 +43,7 @@ def library(effects: Sequence[Effect], base: Base, without: Iterable[str] = ()) 
     """Return the effects that apply to a base, but for those of which ``without`` has the name or the family.
 
     Raises:
-        ValueError: ``without`` has a word that is neither an effect nor a family.
+        ValueError: ``without`` has a name that is neither an effect nor a family.
     """
     known = {each.name for each in effects} | {each.family for each in effects}
     out = set(without)
@@ -53,7 +53,7 @@ def library(effects: Sequence[Effect], base: Base, without: Iterable[str] = ()) 
 
 
 def applies(effect: Effect, base: Base) -> bool:
-    """Return whether an effect can act on a base: a process effect must know the process that it changes."""
+    """Return whether an effect can act on a base: a process effect works on certain processes only."""
     if effect.bases:
         return base.name in effect.bases
     return base.linear or effect.stage != "process"
@@ -67,7 +67,7 @@ def missing(model: LoopModel, effects: Iterable[Effect]) -> tuple[Effect, ...]:
 
 
 def acts_on_op(effect: Effect, facts: Facts) -> bool:
-    """Return whether what an effect does hangs on OP, so that it can answer to whatever OP answers to."""
+    """Return whether an effect depends on OP, so that it can follow a disturbance that OP responds to."""
     if effect.stage != "disturbance":
         return True
     values = np.array([0.5 * (each.low + each.high) for each in effect.parameters(facts)])
@@ -77,7 +77,7 @@ def acts_on_op(effect: Effect, facts: Facts) -> bool:
 
 
 def happens_once(effect: Effect, facts: Facts) -> bool:
-    """Return whether an effect is something that happened at an instant of the record."""
+    """Return whether an effect is an event at an instant of the record."""
     return effect.stage == "disturbance" and any(each.of_record for each in effect.parameters(facts))
 
 

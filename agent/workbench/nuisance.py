@@ -1,7 +1,7 @@
-"""What no effect is blamed for: level, slow drift, and what PV still did when the record began.
+"""Parts of PV that belong to no effect: level, slow drift, and a transient at the start of the record.
 
-Without them in every model a slow effect passes for the drift it happens to follow: reference
-``missing_effect.md`` 2.2, where an offset absorbed half of an asymmetric friction.
+If a model lacks them, a slow effect may fit the drift by chance: reference ``missing_effect.md`` 2.2, where
+an offset absorbed half of an asymmetric friction.
 """
 
 from __future__ import annotations

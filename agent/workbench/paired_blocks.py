@@ -1,6 +1,6 @@
-"""Two models on the same held-out blocks: does one make less error, and how much less?
+"""Two models on the same held-out blocks: whether one makes less error, and how much less.
 
-Neighbouring blocks share slow disturbances, so what is resampled is a stretch of blocks; there are at most
+Neighbouring blocks share slow disturbances, so stretches of blocks are resampled; there are at most
 ``STRETCHES`` of them in a record.
 """
 
@@ -45,11 +45,11 @@ def stretches(losses: FloatArray) -> FloatArray:
 
 
 def sign_flip_p(losses: FloatArray, other: FloatArray) -> float:
-    """Return how likely ``other`` (b,) would beat ``losses`` (b,) by as much if neither were better.
+    """Return how likely ``other`` (b,) is smaller than ``losses`` (b,) by as much if neither model is better.
 
     If neither is, the difference of a stretch is as likely positive as negative: p is the part of all
-    changes of signs that give at least the mean difference that was seen. One-sided and exact; no F-test,
-    which counts samples of a coloured residual as independent (Fisher 1935; Protassov et al. 2002).
+    changes of signs that give at least the observed mean difference. One-sided and exact; an F-test would
+    count samples of a coloured residual as independent (Fisher 1935; Protassov et al. 2002).
     """
     differences = stretches(losses - other)
     seen = differences.sum() - ROUND_OFF * np.abs(differences).sum()

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from agent.workbench.record import Record
 
 VANISHES = 1e-9
-"""Share of a column's squares outside the nuisance below which nothing is left of it."""
+"""Share of a column's squares outside the nuisance below which the column counts as zero."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""A recording as the fits see it: OP without gaps, what of PV counts, and the facts that bound parameters."""
+"""A recording prepared for fits: OP without gaps, weights of PV, and the facts that bound parameters."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
 
 FEWEST_REVERSALS = 8
-"""Of OP, beyond its noise: a valve shows itself where it turns (``missing_effect.md`` section 4, step 0)."""
+"""Reversals of OP beyond its noise: they show how a valve moves (``missing_effect.md`` section 4, step 0)."""
 
 FEW_CYCLES = 8
-"""Of the dominant period in a record, up to which it is doubtful whether the loop swings at all."""
+"""Dominant periods in a record, up to which it is doubtful whether the loop oscillates at all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class Record:
     pv: FloatArray
     """PV units, a straight line through each gap; those samples have no weight."""
     weight: FloatArray
-    """1 where PV counts; 0 in gaps, after them and at the start, where PV answers to what is unknown."""
+    """1 where PV counts; 0 in gaps, after them and at the start, where PV responds to an unknown OP."""
     facts: Facts
 
     def __len__(self) -> int:
@@ -53,27 +53,27 @@ class Record:
 
 
 def record_of(window: LoopWindow, *, from_start: bool = False) -> Record | str:
-    """Return the record, or in plain words why the workbench can say nothing about it.
+    """Return the record, or as a text why the workbench cannot test it.
 
-    ``from_start``: PV counts from the first sample on, for a model that has where it starts as a parameter.
+    ``from_start``: PV counts from the first sample on, for a model that has its initial state as a parameter.
     """
     closed = closed_by(window)
     if closed is not None:
         return closed
     reversals = significant_reversals(window.op)
     if reversals < FEWEST_REVERSALS:
-        return f"OP turns only {reversals} times, at least {FEWEST_REVERSALS} are needed"
+        return f"OP reverses only {reversals} times, at least {FEWEST_REVERSALS} reversals are needed"
     return bare_record(window, from_start=from_start)
 
 
 def closed_by(window: LoopWindow) -> str | None:
-    """Return in plain words why no model can be fitted to or scored on a window; None where one can."""
+    """Return as a text why no model can be fitted to or scored on a window; None where one can."""
     closing = [each.reason for each in gates(window, detect_oscillation(window)) if "model" in each.closes]
     return "; ".join(closing) or None
 
 
 def bare_record(window: LoopWindow, *, from_start: bool = False) -> Record:
-    """Return the record of a window whatever it can tell; OP and PV must have known samples."""
+    """Return the record of a window without any test; OP and PV must have known samples."""
     op, pv = bridge(window.op), bridge(window.pv)
     period = period_of(op)
     counts = window.valid & ~after_gaps(window.op, period) & ~after_gaps(window.pv, period)
@@ -96,8 +96,8 @@ def bare_record(window: LoopWindow, *, from_start: bool = False) -> Record:
 def period_of(op: FloatArray) -> float:
     """Return the dominant period of OP (n,), without gaps, samples.
 
-    Where the record has few cycles of it, it is at most the mean time from a turn to the next but one: of a
-    loop that does not swing the highest line is one of the slowest, and tells nothing.
+    Where the record has few cycles of it, it is at most twice the mean time between reversals: if a loop does
+    not oscillate, the highest line is one of the slowest and has no meaning.
     """
     period = dominant_period(op)
     turns = significant_reversals(op)

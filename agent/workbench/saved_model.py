@@ -32,7 +32,7 @@ class SavedModel:
         """Return the values of the parameters that ``model`` has, (k,).
 
         Raises:
-            ValueError: one is not there.
+            ValueError: one is missing.
         """
         names = [name for name, _ in model.parameters(facts)]
         for name in names:
@@ -60,7 +60,7 @@ def read_saved(mapping: object) -> SavedModel:
         ValueError: it is something else.
     """
     if not isinstance(mapping, Mapping) or mapping.get("kind") != KIND:
-        raise ValueError(f"no saved model: 'kind: {KIND}' is not there")
+        raise ValueError(f"no saved model: 'kind: {KIND}' is missing")
     loop, base, effects = mapping.get("loop"), mapping.get("base"), mapping.get("effects")
     values = mapping.get("parameters")
     if not isinstance(loop, str) or not isinstance(base, str):

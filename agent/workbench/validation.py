@@ -1,4 +1,4 @@
-"""A fitted model on another recording of the same loop, that no fit ever saw."""
+"""A fitted model on another recording of the same loop, which no fit used."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from agent.workbench.record import Record
 
 OPENING = 0.1
-"""Part of the other recording from which is read where it starts, at least two periods."""
+"""First part of the other recording, from which its initial state is estimated, at least two periods."""
 SCAN = 100
 """Starts that are tried."""
 
@@ -33,8 +33,8 @@ def rmse_on(fitted: Fit, other: Record) -> float:
 def free_run_on(fitted: Fit, other: Record) -> FloatArray:
     """Return PV of another recording in free run from its OP, PV units, (n,).
 
-    All that belongs to the loop is kept. Where the recording starts is read from its opening; level and
-    drift, and how much of a disturbance there was, belong to a recording and are taken from all of it.
+    All that belongs to the loop is kept. The initial state is estimated from the opening of the recording;
+    level, drift and the amplitudes of disturbances belong to a recording and are fitted to all of it.
     """
     drift = nuisance(len(other), other.period) if fitted.model.base.linear else None
     return _run(fitted, other, _started(fitted, other), drift, other.weight > 0)
@@ -68,7 +68,7 @@ def _started(fitted: Fit, other: Record) -> FloatArray:
 def _run(
     fitted: Fit, other: Record, values: FloatArray, drift: FloatArray | None, counts: NDArray[np.bool_]
 ) -> FloatArray:
-    """Return the free run; drift and disturbances as they fit the samples that count."""
+    """Return the free run; drift and disturbances are fitted to the samples that count."""
     columns = fitted.model.columns(other.op, values, other.facts)
     ran = columns[:, 0] * fitted.coefficients[0]
     own = columns[:, 1:] if drift is None else np.column_stack((columns[:, 1:], drift))

@@ -1,4 +1,4 @@
-"""How a random loop is given each physical effect, by the plant's physics; sizes go from little to much."""
+"""How each physical effect is added to a random loop, by the plant's physics; sizes are small to large."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ EffectName = Literal[
 SETTLING = 600
 """Samples before the record begins."""
 SIZE = (0.1, 1.0)
-"""Range of an effect in OP units, over the travel of OP that the set point asks for."""
+"""Range of an effect in OP units, over the travel of OP that the set point requires."""
 LAG = (0.2, 1.0)
 """Range of an effect's time constant, over that of the process."""
 ONE_WAY = (0.25, 4.0)
@@ -59,13 +59,13 @@ def asymmetric_stiction(rng: np.random.Generator, scenario: Scenario) -> Scenari
 
 
 def saturation(rng: np.random.Generator, scenario: Scenario) -> Scenario:
-    """A stop that the set point's higher steps ask to pass."""
+    """A stop that the set point's higher steps would exceed."""
     high = scenario.controller.op + _travel(scenario) * rng.uniform(0.1, 0.8)
     return _changed(scenario, "valve", {"stops": (0.0, high)})
 
 
 def characteristic(rng: np.random.Generator, scenario: Scenario) -> Scenario:
-    """Equal percentage or quick opening; where the loop rests its gain is as without."""
+    """Equal percentage or quick opening; at the operating point the gain is unchanged."""
     rangeability = log_uniform(rng, 4, 50) ** rng.choice([-1.0, 1.0])
     at = rangeability ** (scenario.controller.op / 100)
     slope = float(np.log(rangeability) * at / (rangeability - 1))
@@ -106,7 +106,7 @@ def inverse_response(rng: np.random.Generator, scenario: Scenario) -> Scenario:
 
 
 def sinusoid(rng: np.random.Generator, scenario: Scenario) -> Scenario:
-    """A load that swings."""
+    """A load that oscillates."""
     wave = SinusoidParameters(amplitude=_size(rng, scenario), period=log_uniform(rng, 25, 150))
     return scenario.model_copy(update={"disturbance": wave})
 
@@ -149,7 +149,7 @@ HIDE: Mapping[EffectName, Callable[[np.random.Generator, Scenario], Scenario]] =
 
 
 def _travel(scenario: Scenario) -> float:
-    """OP that the largest step of the set point asks for, OP units."""
+    """OP that the largest step of the set point requires, OP units."""
     height = max(abs(step.sp - scenario.controller.sp) for step in scenario.set_points)
     return height / abs(scenario.process.gain)
 

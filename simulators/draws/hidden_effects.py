@@ -1,8 +1,9 @@
-"""Random loops with one known physical effect, or two, or none: to see whether it is found, and named.
+"""Random loops with one known physical effect, or two, or none: to test whether it is found and named.
 
 A first-order process behind a pneumatic valve, its set point stepping at random, loads and noise on it; OP
-range 100, 1 s. The effect is drawn from little to much. Beside OP and PV a loop tells what of PV no model of
-OP can explain: PV less what the same field makes of the same OP without other loads and without noise.
+range 100, 1 s. The effect is drawn from small to large. Beside OP and PV a loop has the part of PV that no
+model of OP can explain: PV less the response of the same field to the same OP without other loads and without
+noise.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ TRUTHS: tuple[HiddenTruth, ...] = (*NOTHING, *get_args(EffectName), "stiction_si
 
 SAMPLES = (1500.0, 3000.0)
 TRAVEL = (4.0, 15.0)
-"""Range of the set point's steps to either side, as the OP that they ask for, OP units."""
+"""Range of the set point's steps to either side, as the OP that they require, OP units."""
 EVERY = (60.0, 200.0)
 """Mean time between steps of the set point, s."""
 WANDER = (0.02, 0.15)

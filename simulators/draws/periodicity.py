@@ -1,4 +1,4 @@
-"""Whether a noise-free signal of a plant really swings."""
+"""Whether a noise-free signal of a plant really oscillates."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def swing(signal: NDArray[np.float64]) -> tuple[float, float]:
-    """Period, in samples, and strength of the swing of a signal of shape (n,).
+    """Period, in samples, and strength of the oscillation of a signal of shape (n,).
 
     Both are read at the highest peak of the autocorrelation behind its first crossing of zero: the lag,
     and the height, from 0 for none to 1 for a signal that repeats itself exactly. (0, 0) where it never

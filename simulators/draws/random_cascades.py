@@ -2,7 +2,7 @@
 
 As a historian of a refinery keeps them, every 5 to 10 s: they are loops of ``random_flows``, whose time
 constants are few samples long, with other set points. A valve that sticks and whose stem never turns shows it
-once, where it stood while OP moved on. A draw that does not do what its kind promises is thrown away and the
+once, where it stood while OP moved on. A draw that does not show what its kind requires is discarded and the
 next one tried.
 """
 
@@ -26,9 +26,9 @@ CascadeKind = Literal["cascade", "cascade_stiction", "one_way", "one_way_stictio
 
 TRAVEL = (0.3, 4.0)
 """Range of the standard deviation (cascade) or the whole way (one way) of the set point, as the travel of OP
-that it asks for over S."""
+that it requires over S."""
 MEMORY = (0.02, 0.3)
-"""Range of the time over which a wandering set point forgets itself, over the length of the record."""
+"""Range of the correlation time of a wandering set point, over the length of the record."""
 EVERY = (1.0, 30.0)
 """Range of the time between two set points of the outer controller, s."""
 STEPS = (1.0, 30.0)

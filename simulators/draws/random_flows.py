@@ -1,9 +1,9 @@
 """Random flow and pressure loops as a historian keeps them: PV follows the valve within few samples.
 
-The controller is slow, as such loops are tuned; set points step seldom or often, loads wander, pull or step.
-So OP travels for long stretches, and seldom turns: what ``random_plants`` has little of. All have an OP
-range of 100 and a sampling time of 1 s. A draw that does not do what its kind promises is thrown away and the
-next one tried.
+The controller is slow, as such loops are tuned; set points step seldom or often, loads wander, ramp or step.
+So OP travels for long stretches and seldom reverses, which is rare in ``random_plants``. All have an OP range
+of 100 and a sampling time of 1 s. A draw that does not show what its kind requires is discarded and the next
+one tried.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ SLOWER = (2.0, 40.0)
 STEPS = (1.0, 30.0)
 """Range of the number of steps of the set point, in three loops of four; the fourth has none."""
 TRAVEL = (0.5, 4.0)
-"""Range of the height of set point steps, as the travel of OP that they ask for over S."""
+"""Range of the height of set point steps, as the travel of OP that they require over S."""
 LOAD = (0.1, 2.0)
-"""Range of what a load asks OP to travel in the whole record, over S."""
+"""Range of the travel of OP that a load requires in the whole record, over S."""
 NOISE = (0.01, 0.3)
 """Range of the standard deviation of the noise, over that of PV for a travel of S."""
 
@@ -63,7 +63,7 @@ def random_flow(seed: int, kind: FlowKind) -> Scenario:
 
 
 def random_draw_of_flow(rng: np.random.Generator, name: str, seed: int, *, sticks: bool) -> Scenario:
-    """Draw a flow loop, whatever it then does."""
+    """Draw a flow loop, without a check of what it does."""
     acting: Literal["reverse", "direct"] = "direct" if rng.random() < 0.3 else "reverse"
     sign = 1.0 if acting == "reverse" else -1.0
     process = ProcessParameters(
@@ -119,7 +119,7 @@ def _set_points(
 def _loads(
     rng: np.random.Generator, s: float, duration: float
 ) -> dict[str, Drift | Wander | SinusoidParameters | tuple[LoadStepParameters, ...]]:
-    """Draw one load or two of: a walk, a ramp, one that wanders about zero, steps, a slow wave."""
+    """Draw one or two loads: a walk, a ramp, one that wanders about zero, steps, a slow wave."""
     names = rng.choice(["walk", "ramp", "wander", "steps", "wave"], size=rng.integers(1, 3), replace=False)
     loads: dict[str, Drift | Wander | SinusoidParameters | tuple[LoadStepParameters, ...]] = {}
     walk = ramp = 0.0

@@ -1,7 +1,7 @@
 """Random loops whose valve is moved by more than a limit cycle: by set points that step, by a load as well.
 
 They are those of ``random_plants``, changed. All have an OP range of 100 and a sampling time of 1 s. A draw
-that does not do what its kind promises is thrown away and the next one tried.
+that does not show what its kind requires is discarded and the next one tried.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ MovedKind = Literal["set_point", "set_point_stiction", "stiction_sinusoid"]
 S = (1.5, 12.0)
 """Range of f_S + f_D, OP units, as in ``random_plants``."""
 TRAVEL = (1.0, 4.0)
-"""Range of the steps of the set point, as the travel of OP that they ask for over S."""
+"""Range of the steps of the set point, as the travel of OP that they require over S."""
 STEPS = (1.0, 40.0)
 """Range of the number of steps in a record."""
 DURATION = (600.0, 2000.0)
 """Range of the length of a record, s."""
 LOAD = (0.3, 1.5)
-"""Range of the amplitude of a load that swings, over S."""
+"""Range of the amplitude of a load that oscillates, over S."""
 
 
 def random_moved(seed: int, kind: MovedKind) -> Scenario:
@@ -39,7 +39,7 @@ def random_moved(seed: int, kind: MovedKind) -> Scenario:
 
     - ``set_point``: a loop of the kind ``drift`` that wanders less and whose set point steps 1 to 40 times.
     - ``set_point_stiction``: the same, but its valve sticks and its stem travels both ways.
-    - ``stiction_sinusoid``: a loop of the kind ``stiction`` whose load swings with a period of its own.
+    - ``stiction_sinusoid``: a loop of the kind ``stiction`` whose load oscillates with a period of its own.
     """
     rng = np.random.default_rng([seed, *kind.encode()])
     while True:

@@ -1,7 +1,7 @@
 """Loops drawn at random, for measuring how often a diagnosis is right.
 
-All have an OP range of 100 and a sampling time of 1 s. A draw whose loop does not do what its kind
-promises is thrown away and the next one tried.
+All have an OP range of 100 and a sampling time of 1 s. A draw whose loop does not show what its kind
+requires is discarded and the next one tried.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ Kind = Literal["stiction", "none_noise", "tuning", "sinusoid", "drift"]
 DURATION = 2000.0
 WARM_UP = 1000.0
 PERIODS = (15.0, 200.0)
-"""Shortest and longest period of a loop that must swing, s."""
+"""Shortest and longest period of a loop that must oscillate, s."""
 STEADY = 0.4
-"""Height of the autocorrelation one period on, from which a loop counts as swinging."""
+"""Height of the autocorrelation one period on, from which a loop counts as oscillating."""
 VISIBLE = 1.0
-"""Span of OP from which a loop counts as swinging, OP units."""
+"""Span of OP from which a loop counts as oscillating, OP units."""
 PEAK_SENSITIVITY: dict[Kind, tuple[float, float]] = {
     "stiction": (1.0, 3.0),
     "none_noise": (1.0, 2.0),
@@ -51,7 +51,7 @@ NOISE_SHARE = (0.02, 0.3)
 
 @dataclass(frozen=True, slots=True)
 class Draw:
-    """A random loop, and what its scenario alone does not tell."""
+    """A random loop, and facts that its scenario does not contain."""
 
     scenario: Scenario
     noise_share: float | None
@@ -68,8 +68,8 @@ def random_draw(seed: int, kind: Kind) -> Draw:
 
     - ``stiction``: limit cycle by friction: dead band, stick-slip or both, by Karnopp or LuGre.
     - ``none_noise``: well tuned, with noise only.
-    - ``tuning``: just stable, so that noise keeps it swinging.
-    - ``sinusoid``: well tuned, its load swings.
+    - ``tuning``: just stable, so that noise keeps it oscillating.
+    - ``sinusoid``: well tuned, its load oscillates.
     - ``drift``: well tuned, its load wanders.
 
     Noise on PV is 2 to 30 % of the standard deviation that PV has without it, where it has one.

@@ -1,4 +1,4 @@
-"""How close a loop without friction is to swinging by itself."""
+"""How close a loop without friction is to oscillating by itself."""
 
 from __future__ import annotations
 

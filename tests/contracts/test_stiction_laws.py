@@ -192,7 +192,7 @@ def test_a_law_is_found_by_the_name_of_its_kernel_and_its_page(law):
     assert hasattr(import_module(f"agent.physics.valves.{law.name}"), law.name)
     page = (PAGES / f"{law.name}.md").read_text(encoding="utf-8")
     assert f"../pictures/law_{law.name}.png" in page
-    assert "## Reference" in page
+    assert "## Source" in page
 
 
 def test_an_unknown_law_is_refused_with_the_names_there_are():

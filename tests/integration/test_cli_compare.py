@@ -137,7 +137,7 @@ def rows_of(kind):
     [
         ("short", "only 20 samples"),
         ("gaps", "only 0 samples"),
-        ("ramp", "OP turns only 0 times"),
+        ("ramp", "OP reverses only 0 times"),
         ("still", "OP does not move"),
     ],
 )

@@ -1,6 +1,6 @@
 """Stiction by a grid over S and J: Choudhury, Jain and Shah (2008).
 
-Journal of Process Control 18:232; as told in reference ``methods.md`` 4.2. For each S and J <= S the valve
+Journal of Process Control 18:232; after reference ``methods.md`` 4.2. For each S and J <= S the valve
 (``choudhury2005``) gives the position, and a low-order process is fitted from there to PV; the least error is
 the answer, on a coarse grid first, then on fine ones about its lowest points. The width of the OP-PV ellipse
 bounds S. Ours: the error is that of the simulated output (see ``output_error``), the delay is searched as in
@@ -61,7 +61,7 @@ class Choudhury2008:
         return "choudhury2008"
 
     def quantify(self, window: LoopWindow) -> Quantification:
-        """Measure one window; where that can't be done, ``failure`` tells why."""
+        """Measure one window; where that is not possible, ``failure`` states why."""
         missing = lack(window)
         if missing is not None:
             return failed(self.name, missing)

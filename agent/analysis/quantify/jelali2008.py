@@ -2,9 +2,9 @@
 
 Journal of Process Control 18:632; outline as in Lee, Ren and Huang (2008), details from reference
 ``methods.md`` 4.3. Given S and J the process is a matter of least squares, so that only S and J are searched,
-by a genetic algorithm or a pattern search that sets out from the width of the OP-PV ellipse. The process is
+by a genetic algorithm or a pattern search that starts from the width of the OP-PV ellipse. The process is
 of second order and its delay is fixed beforehand. Ours: the error is that of the simulated output (see
-``output_error``), and the pattern search has several starts, for from one of them it seldom gets far.
+``output_error``), and the pattern search has several starts, because from one start it seldom gets far.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Jelali2008:
         return "jelali2008" if self.search == "genetic" else f"jelali2008_{self.search}"
 
     def quantify(self, window: LoopWindow) -> Quantification:
-        """Measure one window; where that can't be done, ``failure`` tells why."""
+        """Measure one window; where that is not possible, ``failure`` states why."""
         missing = lack(window)
         if missing is not None:
             return failed(self.name, missing)

@@ -42,7 +42,7 @@ COARSE = 2 * RESOLUTION
 """Step of the first grid, share of the span of OP."""
 WALK = 0.01
 """Step of the bias over the standard deviation of the noise: it follows what takes hundreds of samples. Of 0,
-0.005, 0.01 and 0.02 it told most sticking loops of seeds 0 to 39."""
+0.005, 0.01 and 0.02 it found most sticking loops of seeds 0 to 39."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,7 @@ class KarraKarim2009:
     name: str = "karra_karim2009"
 
     def quantify(self, window: LoopWindow) -> Quantification:
-        """Measure one window; where that can't be done, ``failure`` tells why."""
+        """Measure one window; where that is not possible, ``failure`` states why."""
         missing = lack(window)
         if missing is not None:
             return failed(self.name, missing)

@@ -46,7 +46,7 @@ class Lee2008:
         return "lee2008" if self.search == "grid" else f"lee2008_{self.search}"
 
     def quantify(self, window: LoopWindow) -> Quantification:
-        """Measure one window; where that can't be done, ``failure`` tells why."""
+        """Measure one window; where that is not possible, ``failure`` states why."""
         missing = lack(window)
         if missing is not None:
             return failed(self.name, missing)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 BRANCHES = 48
 """Sequences that are kept."""
 YOUNG = 24
-"""Samples for which a branch is kept whatever it costs: PV must have time to answer to its jump."""
+"""Samples for which a branch is kept whatever it costs: PV must have time to respond to its jump."""
 
 
 @kernel
@@ -30,12 +30,12 @@ def mode_sequence(
     """Return the positions of the most probable sequence, OP units, (n,).
 
     All NaN where no stretch is known from which the process could start. Where the valve stood before is not
-    known: the first branches stand all over the range of OP. PV does not tell what the valve does in the
+    known: the first branches stand all over the range of OP. PV does not show the valve's motion in the
     last D samples, so it rests then, and while OP is NaN.
 
     Args:
         op: Controller output, OP units, shape (n,).
-        pv: Process variable, PV units, shape (n,); NaN says nothing.
+        pv: Process variable, PV units, shape (n,); NaN is missing.
         process: The process behind the valve, in free run.
         variance: Mean squared error that noise makes, PV units squared.
         price: What a jump costs, -2 log of its prior odds.

@@ -1,4 +1,4 @@
-"""What every quantifier is."""
+"""The interface of every quantifier."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 class Quantifier(Protocol):
-    """Says by how much the valve of a loop sticks. Picklable, since it runs in a process pool."""
+    """Estimates by how much the valve of a loop sticks. Picklable, since it runs in a process pool."""
 
     @property
     def name(self) -> str:

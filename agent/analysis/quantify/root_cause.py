@@ -1,9 +1,9 @@
-"""Which of stiction, tuning and load makes a loop swing: the analysis of Karra and Karim (2009).
+"""Which of stiction, tuning and load makes a loop oscillate: the analysis of Karra and Karim (2009).
 
 Without stiction the identified process is closed with the identified PI controller. If that loop on its own
-swings at the period of the record, the controller is too tight. If the bias eta of the process swings at
-that period, the swing comes from outside. Both can be true. Ours: the loop is not simulated, its poles say
-the same.
+oscillates at the period of the record, the controller is too tight. If the bias eta of the process oscillates
+at that period, the oscillation comes from outside. Both can be true. Ours: the loop is not simulated, its
+poles are computed instead.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     from agent.physics.processes.arx import Arx
 
 WALKS = (0.03, 0.1, 0.3, 1.0)
-"""Steps of the bias that are tried; the likelihood decides. They let eta follow a swing."""
+"""Steps of the bias that are tried; the likelihood decides. They let eta follow an oscillation."""
 LINGERS = 0.5
-"""Part of a swing left after one period from which a loop counts as swinging; 0.25 is a usual tuning."""
+"""Decay ratio over one period from which a loop counts as oscillating; 0.25 is a usual tuning."""
 SAME_PERIOD = 0.25
 """Difference up to which a period is the record's, as a part of it."""
 KNOWN_LAW = 0.8
@@ -42,7 +42,7 @@ KNOWN_LAW = 0.8
 
 
 SWINGING_BIAS = 0.5
-"""Part of the variance of eta in the wave of the record's period from which the load counts as swinging."""
+"""Part of the variance of eta in the wave of the record's period from which the load oscillates."""
 
 
 def root_cause(
@@ -54,10 +54,10 @@ def root_cause(
 ) -> tuple[CauseShare, ...]:
     """Return the causes of the oscillation, the largest first; what they do not cover is undecided.
 
-    The share of stiction is the part of PV's wave that the model follows, that of tuning what a period
-    leaves of the closed loop's own swing, that of a load the part of its bias, or of PV, in one wave that
-    keeps its phase. The last is ours (see ``agent.analysis.cause``): a perfect sine of a load is also what a
-    loop at the limit of stability does, and EARMAX then takes the loop for that.
+    The share of stiction is the part of PV's wave that the model follows, that of tuning the decay ratio of
+    the closed loop over a period, that of a load the part of its bias, or of PV, in one wave with a constant
+    phase. The last is ours (see ``agent.analysis.cause``): a perfect sine may come from a load or from a loop
+    at the limit of stability, and EARMAX then decides for the loop.
 
     Args:
         window: The record as it came.
@@ -102,9 +102,9 @@ def _with_rest(shares: list[CauseShare]) -> tuple[CauseShare, ...]:
 
 
 def own_swing(process: Arx, controller: PiController) -> tuple[float, float]:
-    """Return the period (samples) of the closed loop's slowest decaying swing and what a period leaves of it.
+    """Return period (samples) and decay ratio over it of the closed loop's slowest decaying oscillation.
 
-    Infinite and zero where no pole swings.
+    Infinite and zero where no pole oscillates.
     """
     length = process.delay + 4
     characteristic = np.zeros(length)
@@ -123,7 +123,7 @@ def own_swing(process: Arx, controller: PiController) -> tuple[float, float]:
 def _linear_model(
     record: CentredRecord, delays: NDArray[np.int64], structures: tuple[int, ...]
 ) -> Armax | None:
-    """Return the most likely plausible process without stiction beside a bias that may swing."""
+    """Return the most likely plausible process without stiction beside a bias that may oscillate."""
     mv = valve_position(record.op, 0.0, 0.0, record.law)
     fits = (
         fit_armax(mv, record.pv, int(delay), structure, 1, walk)

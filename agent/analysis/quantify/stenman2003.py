@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 THRESHOLD = 2.0
 """Evidence above which the valve is said to stick. A free sequence follows PV better than any law, so the
 threshold is higher than that of the others: 3 of 160 simulated loops without stiction and 36 of 40 with it
-are told to stick (``random_plants``, seeds 0 to 39)."""
+exceed it (``random_plants``, seeds 0 to 39)."""
 JUMPS = 0.02
 """Prior probability of a jump at a sample: jumps are sparse."""
 PRICE = 2 * math.log((1 - JUMPS) / JUMPS)
@@ -67,7 +67,7 @@ class Stenman2003Quantifier:
     name: str = "stenman2003"
 
     def quantify(self, window: LoopWindow) -> Quantification:
-        """Measure one window; where that can't be done, ``failure`` tells why."""
+        """Measure one window; where that is not possible, ``failure`` states why."""
         missing = lack(window)
         if missing is not None:
             return failed(self.name, missing)

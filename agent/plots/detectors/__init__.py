@@ -1,4 +1,4 @@
-"""What each stiction detector saw, one panel a detector, drawn by the file of its name."""
+"""Measurements of each stiction detector, one panel a detector, drawn by the file of its name."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from agent.analysis.results import MethodResult
 
 Picture = Callable[["Axes", Any], None]
-"""Draws into axes what a detector left in ``MethodResult.seen``."""
+"""Draws into axes what a detector stored in ``MethodResult.seen``."""
 
 PICTURES: dict[str, Picture] = {
     "horch_ccf": horch_ccf.draw,
@@ -56,7 +56,7 @@ PICTURES: dict[str, Picture] = {
 
 
 def detectors_figure(loop: str, methods: Mapping[str, MethodResult]) -> Figure | None:
-    """Draw a panel for each method that saw something; None where none did.
+    """Draw a panel for each method that has measurements; None where none has.
 
     Args:
         loop: Name for the title.
@@ -75,7 +75,7 @@ def detectors_figure(loop: str, methods: Mapping[str, MethodResult]) -> Figure |
         tidy(axes)
     for axes in panels:  # of the last row, what is left over
         axes.remove()
-    figure.suptitle(f"{loop}: what the detectors saw", x=0.01, ha="left", fontsize=12)
+    figure.suptitle(f"{loop}: measurements of the detectors", x=0.01, ha="left", fontsize=12)
     return figure
 
 

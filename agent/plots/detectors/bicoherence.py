@@ -28,4 +28,4 @@ def draw(axes: Axes, seen: SquaredBicoherence) -> None:
         low, high = (each / seen.frequency for each in seen.peak)
         axes.plot(high, low, "o", markersize=9, markerfacecolor="none", markeredgecolor=MODEL)
     axes.set_xlabel("f1 over the frequency of the oscillation")
-    axes.set_ylabel("f2 over it")
+    axes.set_ylabel("f2 over the same")

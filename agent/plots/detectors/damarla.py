@@ -1,4 +1,4 @@
-"""OP and the stem in windows, those shaded in which only OP goes somewhere."""
+"""OP and the stem in windows; the windows in which only OP moves are shaded."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ def draw(axes: Axes, seen: StuckIntervals) -> None:
             axes.axvspan(each.start, min(each.stop, last), color=MODEL, alpha=0.2, linewidth=0, label=label)
             label = "_"  # one entry in the legend is enough
     axes.set_xlabel("sample")
-    axes.set_ylabel("over its span")
+    axes.set_ylabel("part of its span")
     axes.legend(loc="upper right", fontsize=8)
 
 

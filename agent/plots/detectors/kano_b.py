@@ -16,11 +16,11 @@ def draw(axes: Axes, seen: Parallelogram) -> None:
     """Draw the stem over OP, and on top of it where it stands."""
     stem = seen.stuck.stem
     axes.plot(stem.op, stem.position, color=SET_POINT, linewidth=0.7)
-    label = f"stands: S = {seen.s:.3g} OP units" if seen.s else "stands"
+    label = f"stem at rest: S = {seen.s:.3g} OP units" if seen.s else "stands"
     for each in seen.stuck.intervals:
         axes.plot(stem.op[each], stem.position[each], color=MODEL, linewidth=1.1, label=label)
         label = "_"  # one entry in the legend is enough
     axes.set_xlabel("OP from its first value (OP units)")
-    axes.set_ylabel("stem" if stem.measured else "PV for the stem")
+    axes.set_ylabel("stem" if stem.measured else "PV in place of the stem")
     if seen.stuck.intervals:
         axes.legend(frameon=False, fontsize=8)

@@ -21,7 +21,7 @@ def draw(axes: Axes, seen: PeakAreas) -> None:
     """Draw some half cycles of the error and fill the areas that are compared."""
     first = max(0, (len(seen.half_cycles) - SHOWN) // 2)
     shown = range(first, min(first + SHOWN, len(seen.half_cycles)))
-    labels = {"before": "area before the peak", "after": "area after it"}
+    labels = {"before": "area before the peak", "after": "area after the peak"}
     for k in shown:
         cycle, peak = seen.half_cycles[k], seen.peaks[k]
         for name, colour, start, stop in (

@@ -24,5 +24,5 @@ def draw(axes: Axes, seen: QualitativeShape) -> None:
     )
     axes.plot(op, position, color=MODEL, linewidth=1.1, label="only OP moves")
     axes.set_xlabel("OP from its first value (OP units)")
-    axes.set_ylabel("stem, or PV for it")
+    axes.set_ylabel("stem, or PV in its place")
     axes.legend(frameon=False, fontsize=8)

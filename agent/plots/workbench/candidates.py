@@ -43,7 +43,7 @@ def candidates_figure(loop: str, tried: Sequence[Candidate]) -> Figure:
     axes.axvline(0, color=MEASURED, linewidth=0.6)
     axes.set_yticks(at, [f"{each.effect.replace('_', ' ')}  (p = {each.p:.2g})" for each in tried])
     axes.invert_yaxis()
-    axes.set_xlabel("less held-out squared error, %, 90 % interval; dashed: the least that counts")
+    axes.set_xlabel("reduction of held-out squared error, %, 90 % interval; dashed: smallest that counts")
     tidy(axes)
     figure.suptitle(f"{loop}: effects on top of this model", x=0.01, ha="left", fontsize=12)
     return figure

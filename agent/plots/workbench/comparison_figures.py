@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def comparison_figures(bench: Workbench, found: Comparison) -> dict[str, Figure]:
-    """Return what can be drawn: nothing where the recording is not testable.
+    """Return the figures that can be drawn; none where the recording is not testable.
 
     Args:
         bench: The session.

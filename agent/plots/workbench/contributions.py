@@ -37,5 +37,5 @@ def contributions_figure(loop: str, ts: float, added: Mapping[str, FloatArray]) 
         axes.set_ylabel("PV units")
         tidy(axes)
     panels[-1].set_xlabel(f"time from the start of the record ({unit})")
-    figure.suptitle(f"{loop}: what each effect adds to PV", x=0.01, ha="left", fontsize=12)
+    figure.suptitle(f"{loop}: contribution of each effect to PV", x=0.01, ha="left", fontsize=12)
     return figure

@@ -26,8 +26,8 @@ def correlations_figure(loop: str, white: Correlogram | None, independent: Corre
     """
     figure = Figure(figsize=(12.0, 3.6), layout="constrained")
     left, right = figure.subplots(1, 2)
-    _draw(left, white, "residual with its own past", "coloured noise fails this, too")
-    _draw(right, independent, "innovations with OP before them", "what the model lacks fails this")
+    _draw(left, white, "residual with its own past", "coloured noise fails this test, too")
+    _draw(right, independent, "innovations with OP before them", "an incomplete model fails this test")
     figure.suptitle(f"{loop}: correlations of the residual", x=0.01, ha="left", fontsize=12)
     return figure
 

@@ -28,7 +28,7 @@ def overlay_figure(
     models: Mapping[str, FloatArray],
     fold: NDArray[np.int64] | None = None,
 ) -> Figure:
-    """Draw PV, the models with their fit, and below it what they leave.
+    """Draw PV, the models with their fit, and below it their residuals.
 
     Args:
         loop: Name for the title.
@@ -57,7 +57,7 @@ def overlay_figure(
         tidy(axes)
     legend_above(upper, columns=4)
     figure.align_ylabels(panels)
-    held = "" if fold is None else "; numbers: which fold held a block out"
+    held = "" if fold is None else "; numbers: held-out fold of each block"
     figure.suptitle(f"{loop}: free run from OP{held}", x=0.01, ha="left", fontsize=12)
     return figure
 

@@ -1,4 +1,4 @@
-"""A comparison as one HTML page that needs nothing else: pictures within, no address outside."""
+"""A comparison as one self-contained HTML page: pictures are embedded, no external address."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ if TYPE_CHECKING:
 DPI = 110
 CAPTIONS = {
     "overlay": (
-        "Every model runs freely from the measured OP; it never sees PV. Its score is that on the "
-        "numbered blocks, each predicted by a fit that did not see it."
+        "Every model is simulated from the measured OP alone, without measured PV. Its score is the error on "
+        "the numbered blocks; the fit that predicts a block did not use it."
     ),
-    "contributions": "The model less the same model without the effect.",
+    "contributions": "PV of the model less PV of the same model without the effect.",
     "staircase": (
-        "Each step refits everything. An effect counts only if blocks that no fit saw are predicted better."
+        "Each step refits all parameters. An effect counts only if it reduces the error on held-out blocks."
     ),
     "candidates": (
         "Each effect was added to the last model, which was refitted and scored on the held-out blocks. p is "
-        "adjusted for all that were tried."
+        "adjusted for the number of candidates."
     ),
     "where_it_fails": (
-        "The grey band is where the mean would lie if residual and axis were unrelated. In closed loop OP "
-        "answers to the residual, so a mean outside the band alone is no failure; p allows for that."
+        "The grey band contains the mean if residual and axis are unrelated. In closed loop OP responds to "
+        "the residual, so a mean outside the band alone is no failure; p takes this into account."
     ),
     "spectrum": (
-        "A line that keeps step with the reversals of OP is made in the loop, one that keeps its own time "
-        "comes from outside."
+        "A line that is locked to the reversals of OP is made in the loop, a line with a constant frequency "
+        "of its own comes from outside."
     ),
     "correlations": (
-        "On the right a bar outside the band means that PV follows OP in a way that the model lacks."
+        "On the right a bar outside the band means that the model lacks a part of the response of PV to OP."
     ),
 }
 """What each picture shows, under its name of ``comparison_figures``."""

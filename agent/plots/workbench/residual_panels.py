@@ -39,7 +39,7 @@ def residual_panels_figure(loop: str, panels: Sequence[Failure]) -> Figure:
     for axes in places[::COLUMNS]:
         axes.set_ylabel("mean residual (PV units)")
     failing = [each.axis.replace("_", " ") for each in panels if each.p < LEVEL]
-    words = f"follows {', '.join(failing)}" if failing else "follows no axis beyond chance"
+    words = f"depends on {', '.join(failing)}" if failing else "depends on no axis beyond chance"
     figure.suptitle(f"{loop}: the residual {words}", x=0.01, ha="left", fontsize=12)
     return figure
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from agent.workbench.residual.line_spectrum import Line, LineSpectrum
 
 COLOUR = {"locked": MODEL, "coherent": VALVE, "either": "#7b4fa3"}
-WORDS = {"locked": "keeps step with OP", "coherent": "comes from outside", "either": "cannot be told"}
+WORDS = {"locked": "locked to OP", "coherent": "comes from outside", "either": "origin unknown"}
 
 
 def spectrum_figure(loop: str, found: LineSpectrum) -> Figure:
@@ -22,7 +22,7 @@ def spectrum_figure(loop: str, found: LineSpectrum) -> Figure:
     axes = figure.subplots()
     axes.loglog(found.frequency, found.power, color=MEASURED, linewidth=0.8, label="residual")
     axes.loglog(
-        found.frequency, found.threshold, color=SET_POINT, linestyle="--", label="noise passes in 1 %"
+        found.frequency, found.threshold, color=SET_POINT, linestyle="--", label="noise exceeds this in 1 %"
     )
     for line in found.lines:
         power = found.power[np.argmin(np.abs(found.frequency - line.frequency))]

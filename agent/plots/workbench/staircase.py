@@ -44,7 +44,7 @@ def staircase_figure(loop: str, stairs: Sequence[Stair], floor: NoiseFloor | Non
     error = np.array([each.held_out for each in stairs])
     away = np.array([[each.held_out - each.low, each.high - each.held_out] for each in stairs]).T
     if floor is not None:
-        axes.axhspan(floor.low, floor.high, color=BAND, linewidth=0, label="noise floor lies here")
+        axes.axhspan(floor.low, floor.high, color=BAND, linewidth=0, label="noise floor interval")
     axes.step(at, error, where="mid", color=MEASURED, linewidth=1.4)
     axes.errorbar(at, error, away, fmt="o", color=MEASURED, capsize=4, label="held out, 90 % interval")
     validation = [(k, each.validation) for k, each in enumerate(stairs) if each.validation is not None]

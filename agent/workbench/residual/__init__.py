@@ -1,1 +1,1 @@
-"""THE RESIDUAL: where a model fails, on which axis, and how far the error could fall."""
+"""THE RESIDUAL: where a model fails, on which axis, and how far its error can fall."""

@@ -1,7 +1,7 @@
-"""The physical quantities against which a residual is looked at.
+"""The physical quantities (axes) against which a residual is tested.
 
-All but the time are known at their own instant: a turn of OP counts from the sample on which it is beyond the
-noise. Where OP reacts to the residual, an axis that knew the turn before would know the residual, too.
+Each axis uses only the past: a reversal of OP counts from the sample on at which it exceeds the noise. OP
+reacts to the residual, so an axis that used a later reversal would contain the residual, too.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ UNITS = {
     "op_level": "OP",
     "op_rate": "OP/s",
     "valve_position": "OP",
-    "oscillation_phase": "periods since OP turned up",
+    "oscillation_phase": "periods since OP reversed upward",
     "time": "s",
     "time_of_day": "h",
     "set_point": "PV",
 }
 """Of each axis."""
 LEAST_PART_OF_SPAN = 0.01
-"""Part of OP's span that a turn must exceed as well as its noise, which a coarse resolution may hide."""
+"""Part of OP's span that a reversal must exceed as well as the noise, which a coarse resolution may hide."""
 RATE_PART = 0.05
 """Part of a period over which the rate of OP is taken: less is noise, more is the level."""
 DAY = 86400.0
@@ -78,14 +78,14 @@ def physical_axes(
 
 
 def last_turns(op: FloatArray, least: float) -> tuple[NDArray[np.int64], FloatArray]:
-    """Return for each sample where OP last turned, and where it goes since: 1 up, -1 down.
+    """Return for each sample the last reversal of OP, and the direction since: 1 up, -1 down.
 
     Args:
         op: OP units, (n,), no NaN.
-        least: It has turned when it came back by more than this, OP units.
+        least: OP has reversed when it has moved back by more than this, OP units.
 
     Returns:
-        Sample of the turn, (n,), -1 before the first; direction, (n,), 0 before the first.
+        Sample of the reversal, (n,), -1 before the first; direction, (n,), 0 before the first.
     """
     turns = np.full(len(op), -1)
     directions = np.zeros(len(op))
@@ -110,7 +110,7 @@ def _rate(op: FloatArray, ts: float, over: int) -> FloatArray:
 
 
 def _phase(turn: NDArray[np.int64], direction: FloatArray, period: float) -> FloatArray:
-    """Return the time since OP last turned upward in dominant periods, at most 1, (n,)."""
+    """Return the time since OP last reversed upward in dominant periods, at most 1, (n,)."""
     at = np.arange(len(turn))
     low = np.maximum.accumulate(np.where(direction > 0, turn, -1))
     return np.where(low >= 0, np.minimum((at - low) / period, 1.0), np.nan)

@@ -1,10 +1,10 @@
-"""Does a residual follow what OP did before? Their cross-correlation at positive lags, with a band.
+"""Test whether a residual follows earlier OP: their cross-correlation at positive lags, with a band.
 
-At negative lags OP follows the residual: that is the controller at work (Ljung, System Identification,
+At negative lags OP follows the residual: that is the action of the controller (Ljung, System Identification,
 2nd ed., 16.6). Where the residual is coloured they correlate at positive lags, too, because the residual
-still remembers what OP answered to. So both are filtered until the residual is white (Box and Jenkins): its
-innovations correlate with no earlier OP unless the model lacks something, and the band is that of white
-noise.
+still contains the disturbance that OP responded to. So both are filtered until the residual is white (Box and
+Jenkins): its innovations correlate with no earlier OP unless the model is incomplete, and the band is that of
+white noise.
 """
 
 from __future__ import annotations

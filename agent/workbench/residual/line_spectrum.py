@@ -1,7 +1,7 @@
-"""Lines in the spectrum of a residual: made by the loop's own cycle, or by something outside?
+"""Lines in the spectrum of a residual: made by the loop's own cycle, or from outside.
 
-A valve that sticks puts odd harmonics of OP's cycle into the residual, and they keep step with OP's reversals
-however the cycle wanders. A wave from outside keeps its own time from one end of the record to the other.
+A valve that sticks puts odd harmonics of OP's cycle into the residual, and they stay locked to OP's reversals
+however the cycle varies. A wave from outside keeps its own frequency over the whole record.
 Reference ``missing_effect.md`` section 3. The limits are ours, from simulation (``tests/unit/workbench``).
 """
 
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 FALSE_ALARM = 0.01
-"""That noise shows a line anywhere in the record."""
+"""Probability that noise alone shows a line anywhere in the record."""
 MOST_LINES = 6
 FEWEST_CYCLES = 4
 """Of a line in the record: slower is drift."""
 CERTAIN_CYCLES = 12
-"""Of a line in the record, to be sure that it keeps its own time."""
+"""Of a line in the record, to be sure that it keeps its own frequency."""
 CERTAIN_PART = 0.5
-"""Of the power in a line, from which on it is no slow noise's: of 47 loops of
+"""Of the power in a line, from which on slow noise is excluded: of 47 loops of
 ``simulators.draws.hidden_effects`` that hide nothing (seeds 5337 to 5348) none has a line of more than 0.29,
 slower or not."""
 CENTRES = 60
@@ -46,26 +46,28 @@ BESIDE = 3
 """Lines to each side that the window smears a line over."""
 HARMONICS = 5
 OFF = 0.15
-"""Distance from a harmonic, in frequencies of OP's cycle, at which a line is none of it; what is nearer to a
-line, in parts of its frequency, belongs to it."""
+"""Distance from a harmonic, in frequencies of OP's cycle, from which a line is no harmonic. Power that is
+nearer to a line, in parts of its frequency, belongs to the line."""
 CLEARLY = 1.15
-"""A line keeps one time and not the other where that one holds so much more of its power. In simulation the
-two agree to 1 % on even cycles, and differ by 7 to 72 % in 90 of 100 records whose period varies by 6 %."""
+"""Ratio of a line's power in OP's cycles to that in time, or the reverse, from which the larger one decides.
+In simulation the two agree to 1 % on even cycles, and differ by 7 to 72 % in 90 of 100 records whose period
+varies by 6 %."""
 
 LineKind = Literal["locked", "coherent", "either"]
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line that noise does not make."""
+    """A line that noise does not explain."""
 
     frequency: float
     """1/s."""
     harmonic: int | None
     """Of OP's cycle; None where it lies between them, or OP has no cycle."""
     kind: LineKind
-    """``locked``: keeps step with the reversals of OP. ``coherent``: keeps its own time over the record, so
-    it comes from outside. ``either``: OP's cycle is so even that the record cannot tell."""
+    """``locked``: stays in phase with the reversals of OP. ``coherent``: keeps its own frequency over the
+    record, so it comes from outside. ``either``: OP's cycle is so even that the record cannot distinguish the
+    two."""
     part: float
     """Of the power of the whole spectrum, with its surroundings."""
 
@@ -84,16 +86,16 @@ class LineSpectrum:
 
     @property
     def certain(self) -> tuple[Line, ...]:
-        """Lines that are there beyond doubt: slower ones are a slow noise's as well, but for the largest."""
+        """Lines that are certain: slow noise may make slower ones as well, except the largest."""
         return tuple(each for each in self.lines if not self._is_slow(each.frequency, each.part))
 
     @property
     def from_outside(self) -> tuple[Line, ...]:
-        """Those of them that come from outside beyond doubt."""
+        """The certain lines that certainly come from outside."""
         return tuple(each for each in self.certain if each.kind == "coherent")
 
     def may_be_slow_noise(self, wave: FloatArray, ts: float) -> bool:
-        """Return whether slow noise makes a line like that of a ``wave`` (n,) as well."""
+        """Return whether slow noise could make a line like that of a ``wave`` (n,), too."""
         power = np.abs(np.fft.rfft(wave - wave.mean())) ** 2
         frequency = int(np.argmax(power)) / (len(wave) * ts)
         at = int(np.argmin(np.abs(self.frequency - frequency)))
@@ -166,12 +168,12 @@ def _peaks(ratio: FloatArray) -> Iterator[int]:
 
 
 def _part(power: FloatArray, at: int) -> float:
-    """Return how much of all power (m,) a line has with its surroundings."""
+    """Return the share of all power (m,) in a line and its surroundings."""
     return float(power[max(at - BESIDE, 0) : at + BESIDE + 1].sum() / power.sum())
 
 
 def _line(values: FloatArray, cycles: FloatArray, frequency: float, ts: float, part: float) -> Line:
-    """Say what a line at ``frequency``, cycles a sample, keeps step with."""
+    """Return the line at ``frequency``, cycles a sample, with its kind."""
     known = np.isfinite(cycles)
     harmonic = _harmonic(frequency, cycles[known])
     if harmonic is None:
@@ -195,7 +197,7 @@ def _line(values: FloatArray, cycles: FloatArray, frequency: float, ts: float, p
 
 
 def _harmonic(frequency: float, cycles: FloatArray) -> int | None:
-    """Return which harmonic of OP's cycle a frequency is, cycles a sample; None if it is none."""
+    """Return the harmonic of OP's cycle at a frequency, cycles a sample; None if it is none."""
     if not cycles.size:
         return None
     ratio = frequency * len(cycles) / (cycles[-1] - cycles[0])

@@ -1,7 +1,7 @@
-"""How far can the error fall? An interval: OP and PV alone do not tell slow noise from a missing effect.
+"""The lowest error that a model can reach, as an interval: slow noise may look like a missing effect.
 
-No flexible regression from OP to PV may serve: in closed loop OP holds the disturbance, and such a model fits
-below the true noise. Source: reference ``missing_effect.md`` 2.5 and section 4, step 9.
+A flexible regression from OP to PV cannot be used: in closed loop OP contains the disturbance, and such a
+model fits below the true noise. Source: reference ``missing_effect.md`` 2.5 and section 4, step 9.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ Jennen-Steinmetz, Biometrika 73 (1986) 625)."""
 
 @dataclass(frozen=True, slots=True)
 class NoiseFloor:
-    """Between these lies the least error that a model of the loop can reach, RMSE, PV units."""
+    """Interval of the least error that a model of the loop can reach, RMSE, PV units."""
 
     low: float
-    """What no model can follow: the part of the residual that is white; lower end of its own interval."""
+    """White part of the residual, which no model can follow; lower end of its own interval."""
     high: float
-    """What a model has reached on blocks that it did not see; upper end of its own interval."""
+    """Held-out error that a model has reached; upper end of its own interval."""
 
 
 def noise_floor(residual: FloatArray, losses: FloatArray, rng: np.random.Generator) -> NoiseFloor:
@@ -43,7 +43,7 @@ def noise_floor(residual: FloatArray, losses: FloatArray, rng: np.random.Generat
     Args:
         residual: Of the richest model that the record confirms or suggests, PV units, (n,), NaN where there
             is none. The smaller of two estimates counts: its innovations, and white noise that would
-            explain its second differences (Rice 1984), which slow noise passes by.
+            explain its second differences (Rice 1984), which slow noise hardly affects.
         losses: Mean squared error of each held-out block of that model, (b,), NaN where there is none.
         rng: Of the bootstrap over blocks behind the upper end.
     """

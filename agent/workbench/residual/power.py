@@ -1,6 +1,6 @@
-"""The smallest effect that a record would have shown.
+"""The smallest effect that could have been confirmed on a record.
 
-A verdict of none means little where the blocks scatter so much that nothing could have been confirmed.
+The verdict ``none`` means little where the blocks scatter so much that nothing could have been confirmed.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ def smallest_reduction(
 ) -> float | None:
     """Return the smallest reduction of the held-out error, %, that would have been confirmed.
 
-    Injection and recovery on the blocks: by what factor the effect changed the error of a block scatters from
-    block to block, and that is kept; the mean of the factors is replaced by a reduction of the whole.
+    Injection and recovery on the blocks: the factor by which the effect changed the error scatters from block
+    to block; this scatter is kept, and the mean of the factors is replaced by a reduction of the whole.
 
     Args:
         losses_base: Squared error of each block without the effect, (b,), > 0.

@@ -1,4 +1,4 @@
-"""A series like another, with its correlation over short times and none with anything else."""
+"""A resampled series: it keeps the correlation over short times and has none with any other signal."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""Does the loop answer OP otherwise at another level, speed, time or direction than the model says?
+"""Test whether the response to OP depends on level, speed, time or direction in a way that the model lacks.
 
-A score test (Rao 1948; also called Lagrange multiplier test) of state-dependent parameters: where gain and
-offset of the valve are let differ between the parts of an axis, or more of OP's past is let act, do the
-innovations fall by more than so many free numbers would let them? Nothing is refitted; what a move of any
-parameter, the level or the autoregression would do is projected out first. In closed loop it is fair because
-innovations know nothing of earlier OP (``innovations.py``). It sees a change of gain or a stop that no bin
-mean shows, because each sample of the response bears on it.
+A score test (Rao 1948; also called Lagrange multiplier test) of state-dependent parameters: gain and offset
+of the valve may differ between the parts of an axis, or more of OP's past may act; the test is whether the
+innovations fall by more than so many free numbers explain. Nothing is refitted; the effect of a change of any
+parameter, of the level or of the autoregression is projected out first. It is valid in closed loop because
+innovations do not depend on earlier OP (``innovations.py``). It detects a change of gain or a stop that no
+bin mean shows, because each sample of the response contributes.
 Source: reference ``missing_effect.md`` section 4, step 10; P. Young, State-dependent parameter models (2000).
 """
 
@@ -29,41 +29,42 @@ if TYPE_CHECKING:
 PARTS = 5
 """Of level, speed and time."""
 TRAVELS = 4
-"""Parts of the travel since OP turned, in each direction."""
+"""Parts of the travel since OP reversed, in each direction."""
 PAST = (1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36, 50)
 """Samples of delay at which OP itself may act."""
 MEMORY = 25
-"""Lags of the residual that may explain it: an autoregression that is a little wrong is no missing effect."""
+"""Lags of the residual that may explain it: a small error of the autoregression is no missing effect."""
 DECAYS = (0.06, 0.12, 0.25, 0.5, 1.0)
-"""Time constants of what PV still did when the record began, dominant periods."""
+"""Time constants of a transient of PV at the start of the record, dominant periods."""
 DOUBTED = 20.0
-"""Multiplies p, which is too small where few strokes make an axis: of 200 loops that lack nothing, of
+"""Multiplies p, which is too small where an axis has few strokes: of 200 loops with a complete model, of
 tests/unit/workbench/test_closed_loop.py, p was below 0.05 on 12 %, below 0.05 / 20 on 2 %."""
 LEVEL = 0.05
 """The loop depends on an axis, and a residual follows one, where p is below it."""
 MOST_LEFT = 0.4
-"""Of the excess, by an effect that is what is missing: on loops 6000 to 6006 of
-``simulators.draws.hidden_effects`` right ones leave up to 0.35."""
+"""Largest part of the excess that may remain with the true effect: on loops 6000 to 6006 of
+``simulators.draws.hidden_effects`` true ones leave up to 0.35."""
 PLAINLY, PART_LEFT = 1e-6, 0.1
-"""Nor does one leave as much as this part of it as plainly: right ones of the 76 loops of seeds 5334 to 5347
-whose base fails leave p = 6e-4 at least, a stop in the place of a bent trim (5344) 0.22 with 3e-41."""
-TOLD = 1e-3
-"""Singular value, of columns of length one, from which on a direction is one of its own."""
+"""Nor may this part of the excess remain with so small a p: true effects of the 76 loops of seeds 5334 to
+5347 whose base fails have p = 6e-4 at least, a stop in place of a nonlinear trim (5344) leaves 0.22 with
+3e-41."""
+INDEPENDENT = 1e-3
+"""Singular value, of columns of length one, from which on a direction counts as independent."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dependence:
-    """What an axis tells beyond the model."""
+    """Dependence of the loop on an axis beyond the model."""
 
     p: float
     """That a complete model shows as much on any of the axes."""
     excess: float
-    """Squares of the innovations that it explains, less those by chance, PV units squared: not in units of
-    what is left, which falls with each effect until a trifle outweighs what made the first model fail."""
+    """Squares of the innovations that it explains, less those by chance, PV units squared. Not relative to
+    the residual, which falls with each effect, so that in the end a small excess would look large."""
 
 
 def state_dependence(predicts: Predictor, best: FloatArray) -> dict[str, Dependence]:
-    """Return what each axis tells.
+    """Return the dependence on each axis.
 
     Args:
         predicts: Of a model with a linear base.
@@ -82,22 +83,23 @@ def state_dependence(predicts: Predictor, best: FloatArray) -> dict[str, Depende
 
 
 def fails(found: Mapping[str, Dependence]) -> bool:
-    """Return whether any axis tells that a model fails."""
+    """Return whether a model fails on any axis."""
     return any(DOUBTED * each.p < LEVEL for each in found.values())
 
 
 def resolves(before: Mapping[str, Dependence], after: Mapping[str, Dependence]) -> bool:
-    """Return whether a larger model takes away most of what tells that the smaller one fails, on all axes.
+    """Return whether a larger model removes most of the excess of the smaller one, on all axes.
 
-    Where it does not, what was added stands for something else: it explains a part of what that does.
+    Where it does not, the added effect stands in for another one and explains only a part of it.
     """
     return not still_fails(before, after)
 
 
 def still_fails(before: Mapping[str, Dependence], after: Mapping[str, Dependence]) -> set[str]:
-    """Return the axes on which a larger model leaves what tells that the smaller one fails, or others do.
+    """Return the axes on which the excess of a smaller model remains in a larger one, or a new one appears.
 
-    Much of it, or part of it plainly; empty where the smaller one cannot be asked, or does not fail.
+    Much of it remains, or a part with a small p; empty where the smaller model cannot be tested, or does not
+    fail.
     """
     if not before or not after:
         return set()
@@ -113,7 +115,7 @@ def still_fails(before: Mapping[str, Dependence], after: Mapping[str, Dependence
 
 
 def _known(predicts: Predictor, best: FloatArray) -> FloatArray:
-    """Return orthonormal columns of what the model may still explain, (m, q)."""
+    """Return orthonormal columns of all that the model may still explain, (m, q)."""
     record, kept = predicts.objective.record, predicts.kept
     past = past_of(predicts, best, MEMORY)[kept]
     own = np.column_stack((predicts.objective.columns(best), left_of_start(record)))
@@ -128,13 +130,13 @@ def past_of(predicts: Predictor, best: FloatArray, lags: int) -> FloatArray:
 
 
 def left_of_start(record: Record) -> FloatArray:
-    """Return what PV may still do when the record begins, (n, k), of any unit."""
+    """Return columns of the transient of PV at the start of the record, (n, k), of any unit."""
     time = np.arange(len(record))[:, np.newaxis]
     return np.asarray(np.exp(-time / (np.array(DECAYS) * record.period)), dtype=np.float64)
 
 
 def _alternatives(predicts: Predictor, best: FloatArray) -> dict[str, FloatArray]:
-    """Return for each axis what else PV could answer to, PV units but for a factor, (n, k)."""
+    """Return for each axis the tested additional responses of PV, PV units but for a factor, (n, k)."""
     objective = predicts.objective
     record, layout, values = objective.record, objective.layout, objective.space.values(best)
     position = layout.position(record.op, values)
@@ -169,7 +171,7 @@ def _parts(axis: FloatArray, count: int) -> FloatArray:
 
 
 def _score(predicts: Predictor, columns: FloatArray, known: FloatArray, left: FloatArray) -> Dependence:
-    """Return the F test that ``columns`` (n, k) explain nothing of what is ``left``, (m,)."""
+    """Return the F test that ``columns`` (n, k) explain nothing of the residual ``left``, (m,)."""
     white = predicts.noise.filtered(columns)[predicts.kept]
     length = np.linalg.norm(white, axis=0)
     white = white[:, length > 0] / length[length > 0]
@@ -190,7 +192,7 @@ def directions(columns: FloatArray, *, scaled: bool = False) -> FloatArray:
         length = np.linalg.norm(columns, axis=0)
         columns = columns[:, length > 0] / length[length > 0]
     basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray(basis[:, sizes > TOLD], dtype=np.float64)
+    return np.asarray(basis[:, sizes > INDEPENDENT], dtype=np.float64)
 
 
 def _delayed(values: FloatArray, lag: int) -> FloatArray:

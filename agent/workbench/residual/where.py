@@ -1,10 +1,10 @@
 """Where a model fails: its residual against physical axes, each with a band and the share it explains.
 
-Two questions are asked. The band: what would the bin means be if residual and axis had nothing to do with
-each other? The residual is shifted circularly against the axis by every lag of at least a block. In closed
-loop the two have to do with each other anyway, because OP answers to the residual; so p is asked of the
-innovations (``innovations.py``) against the axis one sample before, which those of a complete model do not
-follow. Beside it stands a test that knows what the process makes of OP (``state_dependence.py``).
+There are two tests. The band shows where the bin means would lie if residual and axis were unrelated: the
+residual is shifted circularly against the axis by every lag of at least a block. In closed loop the two are
+always related, because OP responds to the residual; so p is computed from the innovations
+(``innovations.py``) against the axis one sample before, which those of a complete model do not follow. A
+second test takes the response of the process into account (``state_dependence.py``).
 Source: reference ``missing_effect.md`` section 4, step 2; p of the largest panel: Westfall and Young (1993).
 """
 
@@ -42,7 +42,7 @@ class Failure:
     share: float
     """Part of the residual's variance that the bin means explain, 0 to 1."""
     p: float
-    """That a complete model shows as much on any of the axes; 1 where the residual has too few samples."""
+    """Probability that a complete model shows as much on any of the axes; 1 with too few samples."""
     bin_edges: FloatArray
     """Unit of the axis, (k + 1,)."""
     bin_means: FloatArray
@@ -66,12 +66,12 @@ class Bins:
 def where_it_fails(
     residual: FloatArray, axes: Mapping[str, FloatArray], block: int, rng: np.random.Generator
 ) -> tuple[Failure, ...]:
-    """Look at a residual against each axis: first those it follows beyond chance, then by share.
+    """Test a residual against each axis; panels beyond chance come first, then by share.
 
     Args:
         residual: PV less model, PV units, (n,); NaN where PV counts for nothing.
         axes: Each (n,); one with a single value is left out.
-        block: Samples of a held-out block, < n / 2: what is further apart is taken as unrelated.
+        block: Samples of a held-out block, < n / 2: samples that are further apart count as unrelated.
         rng: Of the draws behind p.
     """
     binned = {name: bins_of(axis, residual) for name, axis in axes.items()}
@@ -90,7 +90,7 @@ def beside(
 ) -> tuple[Failure, ...]:
     """Return the panels with the smallest p of the tests: of the bin means, and of ``state_dependence``.
 
-    The second is multiplied by ``DOUBTED``, as is ``happened``, that nothing happened at an instant.
+    The second is multiplied by ``DOUBTED``, as is ``happened``, the p of no event at any instant.
     """
     other = {axis: DOUBTED * each.p for axis, each in dependence.items()}
     other["time"] = min(other.get("time", 1.0), DOUBTED * happened)
@@ -118,7 +118,7 @@ def bins_of(axis: FloatArray, residual: FloatArray) -> Bins:
 
 
 def panel_of(name: str, centred: FloatArray, bins: Bins, block: int, p: float) -> Failure:
-    """Return one panel of a residual (n,) of mean zero, its p from elsewhere."""
+    """Return one panel of a residual (n,) of mean zero; its p is given."""
     shifted = _shifted_means(centred, bins.members)
     means = shifted[:, 0]
     low, high = np.percentile(shifted[:, block : len(centred) - block + 1], BAND, axis=1)
@@ -144,7 +144,7 @@ def _significance(
 ) -> FloatArray:
     """Return p of each panel, adjusted for all of them, (m,).
 
-    Blocks of the innovations from anywhere are put in the place of what was seen.
+    The observed innovations are replaced by blocks of them from random places.
     """
     found = innovations(residual)
     if found is None or not members:

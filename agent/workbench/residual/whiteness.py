@@ -1,7 +1,7 @@
-"""Does a residual know its own future? Its autocorrelation, with a band.
+"""Test whether a residual is white: its autocorrelation, with a band.
 
-The residual of a free run is not white where the noise is not, so this alone says nothing of the model; what
-counts for a missing effect is ``independence.py`` (Ljung, System Identification, 2nd ed., 16.6).
+The residual of a free run is not white where the noise is not, so this test alone does not judge the model;
+the test for a missing effect is ``independence.py`` (Ljung, System Identification, 2nd ed., 16.6).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Correlogram:
     band: FloatArray
     """Where nothing correlates, a correlation is within plus or minus this in 99 of 100 lags, (K,)."""
     p: float
-    """That all lags together show as much by chance."""
+    """Probability that all lags together show as much by chance."""
 
 
 def whiteness(residual: FloatArray, lags: int = LAGS) -> Correlogram | None:

@@ -48,7 +48,7 @@ def test_the_title_tells_verdict_and_index():
     result = MethodResult("no_stiction", 0.123456, "why", seen)
     figure = detectors_figure("FIC101", {"horch_ccf": result})
     assert figure.axes[0].get_title(loc="left") == "horch_ccf: no stiction, index 0.123"
-    assert figure.get_suptitle() == "FIC101: what the detectors saw"
+    assert figure.get_suptitle() == "FIC101: measurements of the detectors"
 
 
 def test_nothing_to_draw():

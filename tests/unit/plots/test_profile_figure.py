@@ -38,7 +38,7 @@ def test_each_basin_is_shaded_and_marked():
         marks = next(line for line in axes.get_lines() if line.get_label() == "lowest of a basin")
         np.testing.assert_allclose(marks.get_xdata(), [3.0, 7.0])
         np.testing.assert_array_equal(marks.get_ydata(), values[[20, 60]])
-    assert figure.get_suptitle() == "FIC101: models that fit alike have S from 2.8 to 7.1 OP units, 2 basins"
+    assert figure.get_suptitle() == "FIC101: S of all models that fit: 2.8 to 7.1 OP units, 2 basins"
 
 
 def test_a_curve_that_nowhere_comes_below_the_limit():

@@ -58,11 +58,11 @@ def test_contributions_have_one_panel_each():
 def test_panels_say_which_axis_the_residual_follows():
     panels = where_it_fails(RESIDUAL, {"op_level": OP, "time": np.arange(N, dtype=float)}, 100, RNG)
     figure = residual_panels_figure("FIC101", panels)
-    assert figure.get_suptitle() == "FIC101: the residual follows op level"
+    assert figure.get_suptitle() == "FIC101: the residual depends on op level"
     assert figure.axes[0].get_xlabel() == "op level (OP)"
     assert "no failure" in figure.axes[1].get_title(loc="left")
     none = residual_panels_figure("FIC101", [panels[1]])
-    assert none.get_suptitle() == "FIC101: the residual follows no axis beyond chance"
+    assert none.get_suptitle() == "FIC101: the residual depends on no axis beyond chance"
 
 
 def test_correlations_and_what_could_not_be_computed():
@@ -75,7 +75,7 @@ def test_correlations_and_what_could_not_be_computed():
 def test_lines_of_the_spectrum_say_where_they_come_from():
     found = line_spectrum(np.sin(2 * np.pi * np.arange(N) / 35) + RNG.normal(size=N) / 3, OP, 1.0)
     (axes,) = spectrum_figure("FIC101", found).axes
-    assert labels(axes) == ["residual", "noise passes in 1 %", "period 35 s: comes from outside"]
+    assert labels(axes) == ["residual", "noise exceeds this in 1 %", "period 35 s: comes from outside"]
 
 
 def test_the_staircase_falls_to_the_floor():
@@ -83,7 +83,7 @@ def test_the_staircase_falls_to_the_floor():
     (axes,) = staircase_figure("FIC101", stairs, NoiseFloor(0.3, 0.6)).axes
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["fopdt", "+ stiction"]
     assert [text.get_text() for text in axes.texts] == ["-75 %"]
-    assert set(labels(axes)) == {"noise floor lies here", "held out, 90 % interval", "another recording"}
+    assert set(labels(axes)) == {"noise floor interval", "held out, 90 % interval", "another recording"}
 
 
 def test_candidates_are_coloured_where_they_count():

@@ -72,7 +72,7 @@ nosie: 3
         ("valve: {f_s: 2}", "valve: f_s and f_d need a friction law: karnopp or lugre"),
         (
             "valve: {law: lugre, f_s: 2}",
-            "valve: f_d must be > 0 with lugre, whose bristles else never wear off",
+            "valve: f_d must be > 0 with lugre: its bristles relax only with kinetic friction",
         ),
         ("valve: {law: karnopp}", "valve: expected 0 <= f_d <= f_s and f_s > 0, got f_s 0, f_d 0"),
         ("op_range: [100, 0]", "op_range: expected [low, high], got [100, 0]"),

@@ -58,15 +58,15 @@ def test_without_a_width_there_is_no_stiction():
     result = detect(ChoudhuryEllipse(), op + 0.02 * noise(0), pv, PERIOD, hints=wide)
     assert result.verdict == "no_stiction"
     assert result.index < 0.01
-    assert "thin" in result.reason
+    assert "narrow" in result.reason
     assert detect(ChoudhuryCmeans(), op + 0.02 * noise(0), pv, PERIOD, hints=wide).verdict == "no_stiction"
 
 
-def test_one_heap_is_not_two():
+def test_one_cluster_is_not_two():
     slow = signal.sawtooth(ANGLE * PERIOD / 100, 0.85)
     result = detect(ChoudhuryCmeans(), slow + 0.3 * noise(0), slow + 0.02 * noise(1), 100.0)
     assert result.verdict == "undecided"
-    assert "mix" in result.reason
+    assert "overlap" in result.reason
 
 
 @BOTH
@@ -94,7 +94,7 @@ def test_the_distance_of_two_known_clusters(share):
     assert (far[1] - far[0]) / 1e9 == pytest.approx(6.0, abs=0.1)
 
 
-def test_heaps_are_two_when_the_gap_is_wide():
+def test_clusters_are_two_when_the_gap_is_wide():
     rng = np.random.default_rng(0)
     pv = np.where(np.arange(400) < 200, 0.0, rng.choice([-1.0, 1.0], 400))
     for op, apart in (

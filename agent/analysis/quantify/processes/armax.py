@@ -3,11 +3,11 @@
     y(t) = a1 y(t-1) + a2 y(t-2) + b1 x(t-D) + b2 x(t-D-1) + e(t) + c1 e(t-1) + c2 e(t-2) + eta(t)
     eta(t) = eta(t-1) + w(t),    var w = walk^2 var e
 
-Extended least squares (Young 1968; Panuska 1968): the noise that the last fit left stands in the regression
-for e, and so on, from the fit without it. That need not converge: a step that makes the record less likely is
-halved, and where that does not help it was the last.
+Extended least squares (Young 1968; Panuska 1968): the residual of the last fit is used for e in the next
+regression, beginning with the fit without e. That need not converge: a step that makes the record less likely
+is halved, and where that does not help the search ends.
 The bias is that of Karra and Karim (2009): a Kalman filter of eta run over PV and over each regressor leaves
-what eta cannot follow, and ordinary least squares on that is the exact estimate beside a walk
+the part that eta cannot follow, and ordinary least squares on that part is the exact estimate beside a walk
 (Rosenberg 1973). With walk = 0 eta is a constant level and the model plain ARMAX.
 """
 
@@ -74,7 +74,7 @@ def fit_armax(
     best[0] = np.nan
     least = np.inf
     for sweep in range(SWEEPS if noise_order > 0 else 1):
-        # The noise columns are zero at first: then only the others are asked.
+        # The noise columns are zero at first: then only the others are fitted.
         width = linear if sweep == 0 else columns
         weights = np.zeros(columns)
         weights[:width] = _least_squares(rows, width, walk)

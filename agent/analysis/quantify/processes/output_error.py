@@ -23,7 +23,7 @@ INTEGRATOR, FIRST_ORDER, SECOND_ORDER = 0, 1, 2
 """Structures of the process."""
 
 FEWEST_ROWS = 50
-"""Simulated samples below which an error means nothing."""
+"""Simulated samples below which an error has no meaning."""
 SIDE_BY_SIDE = 32
 """Valves taken together; more are no faster, fewer leave the processor waiting."""
 
@@ -55,7 +55,7 @@ def process_of(coefficients: NDArray[np.float64], i: int, delay: int) -> Arx:
 
 @kernel
 def plausible(process: Arx, gain_sign: int) -> bool:
-    """Whether a plant may be so.
+    """Whether the process is physically plausible.
 
     No pole oscillates or grows, the slowest is positive, PV sets out in the direction in which it ends, and
     the gain has its sign. Least squares yields others when the valve or the delay is wrong. An oscillating

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def process_estimate(process: Arx, structure: int, ts: float) -> ProcessEstimate:
-    """Return what a plausible process (see ``output_error``) means in seconds; ``ts`` is in s."""
+    """Return a plausible process (see ``output_error``) with times in seconds; ``ts`` is in s."""
     delay = process.delay * ts
     if structure == INTEGRATOR or (process.a1 == 1.0 and process.a2 == 0.0):  # a pole may be fitted as one
         return ProcessEstimate("integrator", gain=process.b1 / ts, tau=None, delay=delay)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 POPULATION = 34
 ELITE = 2
-"""Best points that live on unchanged."""
+"""Best points that are kept unchanged."""
 MUTATED = 0.3
 """Share of the children that a mutation moves."""
 SMALLEST_MUTATION = 0.005

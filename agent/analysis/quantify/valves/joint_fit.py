@@ -57,7 +57,7 @@ class Model:
 
 @dataclass(frozen=True, slots=True)
 class CentredRecord:
-    """OP and PV as the objective takes them."""
+    """OP and PV as the objective uses them, PV about its mean."""
 
     op: FloatArray
     """OP units, (n,)."""
@@ -71,7 +71,7 @@ class CentredRecord:
 
     @classmethod
     def of(cls, window: LoopWindow, law: int = HE) -> CentredRecord:
-        """Return the record of a window in which ``lack`` misses nothing."""
+        """Return the record of a window for which ``lack`` returns None."""
         op = np.where(np.isfinite(window.op), window.op, np.nan)
         pv = np.where(np.isfinite(window.pv), window.pv, np.nan)
         mean = float(np.nanmean(pv))
@@ -127,7 +127,7 @@ def answer(
     linear: Model | None,
     threshold: float,
 ) -> Quantification:
-    """Return what the best valve says against the best model without stiction.
+    """Return the verdict on the best valve against the best model without stiction.
 
     Args:
         name: Of the quantifier.
@@ -184,7 +184,7 @@ def free_delays(window: LoopWindow, structures: tuple[int, ...]) -> NDArray[np.i
 
 
 def lack(window: LoopWindow) -> str | None:
-    """Return what a window lacks for a fit, in plain words; None where it lacks nothing."""
+    """Return as a text what a window lacks for a fit; None where it lacks nothing."""
     known = int(np.count_nonzero(window.valid))
     if known < 2 * FEWEST_ROWS:
         return f"only {known} samples have both OP and PV, at least {2 * FEWEST_ROWS} are needed"
@@ -196,7 +196,7 @@ def lack(window: LoopWindow) -> str | None:
 
 
 def failed(name: str, why: str) -> Quantification:
-    """Return that there is no answer, and why."""
+    """Return a quantification that failed, and why."""
     return Quantification(
         quantifier=name,
         stiction=None,

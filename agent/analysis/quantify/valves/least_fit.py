@@ -1,4 +1,4 @@
-"""A model that explains little of PV may be the better of two and still accuses nobody."""
+"""The least fit of a verdict: a model that explains little of PV may be the better one but proves nothing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Kano and a walking bias, of 40 loops with a drifting load 2 exceed 46 (``random_
 
 
 def undecided_below_least_fit(found: Quantification) -> Quantification:
-    """Return the answer, undecided where it accuses the valve with a model that explains too little."""
+    """Return the result, undecided where its model of a sticking valve explains too little."""
     if found.decision == "stiction" and (found.free_run_percent or 0.0) < LEAST_FIT:
         return replace(found, decision="undecided")
     return found

@@ -1,4 +1,4 @@
-"""How often a valve turns: without a turn there is no stiction to see, for then any S is a process."""
+"""Reversals of a valve: without one a record does not show stiction, because any S fits with some process."""
 
 from __future__ import annotations
 
