@@ -4,5 +4,5 @@ from __future__ import annotations
 
 import os
 
-# Times are told for one core; set here, since NumPy reads it as it is imported.
+# Times are those of one core; set here, because NumPy reads it when it is imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

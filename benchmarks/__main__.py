@@ -45,7 +45,7 @@ ONLY_NAMED = {
     "gallery": gallery.run,
     "wrong_cases": wrong_cases.run,
 }
-"""Run only where they are asked for: they set something, or write into the docs."""
+"""Run only if named: they set something, or write into the docs."""
 
 
 def main() -> None:
@@ -62,7 +62,7 @@ def main() -> None:
         "--save",
         type=Path,
         metavar="FILE",
-        help="CSV file of the simulated cases; a run goes on from what it holds",
+        help="CSV file of the simulated cases; a run continues from it",
     )
     given = parser.parse_args()
     unknown = set(given.names) - set(BENCHMARKS | ONLY_NAMED)

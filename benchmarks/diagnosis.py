@@ -1,6 +1,6 @@
-"""The diagnosis and every method on simulated loops: who is right how often, and is the confidence true?
+"""The diagnosis and every method on simulated loops: how often each is right, and whether the confidence is.
 
-The seeds are none of those that weights and thresholds were set on.
+None of the seeds was used to set weights or thresholds.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def tables(cases: Sequence[DiagnosedLoop]) -> list[str]:
 
 
 def targets(cases: Sequence[DiagnosedLoop]) -> str:
-    """Return what must hold (issue 4) beside what was measured."""
+    """Return the requirements (issue 4) beside the measurements."""
     steady = [each for each in cases if each.kind in STEADY and each.little_noise]
     sound = [each for each in cases if not each.sticks]
     steady_sound = [each for each in sound if each.kind in STEADY]
@@ -118,7 +118,7 @@ def reliability(cases: Sequence[DiagnosedLoop]) -> str:
             said = 100 * sum(each.confidence for each in ones) / len(ones)
             true = 100 * sum((each.verdict == "stiction") == each.sticks for each in ones) / len(ones)
             rows.append((f"{low:g} to {high:g}", len(ones), number(said, 1), number(true, 1)))
-    columns = ("confidence", "verdicts", "said in the mean, %", "right, %")
+    columns = ("confidence", "verdicts", "mean confidence, %", "right, %")
     return table("### Is the confidence true?", columns, rows)
 
 
@@ -150,8 +150,8 @@ def method_row(cases: Sequence[DiagnosedLoop], said: Sequence[str]) -> list[str]
             for case, word in zip(cases, said, strict=True)
             if case.kind in kinds and case.sticks == sticks
         ]
-        spoke = sum(word in ("stiction", "no_stiction", "undecided") for word in ones)
-        return f"{sum(word == verdict for word in ones)} of {spoke}"
+        decided = sum(word in ("stiction", "no_stiction", "undecided") for word in ones)
+        return f"{sum(word == verdict for word in ones)} of {decided}"
 
     return [
         count("stiction", STEADY, sticks=True),

@@ -35,17 +35,17 @@ HARD: tuple[AnyKind, ...] = (
     "flow",
     "flow_stiction",
 )
-"""Kinds that ``MORE_SEEDS`` are drawn of as well: the others are told apart easily."""
+"""Kinds of which ``MORE_SEEDS`` are drawn as well: the others are easy to distinguish."""
 FIT_NAMES = ("FREE_RUN", "FREE_RUN_QUICK", "INNOVATIONS_OVER_TURNS", "INNOVATIONS")
 """Of the weights of ``features``."""
 PENALTY = 0.5
-"""On half the sum of squares of the weights: keeps those small that few loops tell of."""
+"""On half the sum of squares of the weights: keeps a weight small if few loops determine it."""
 STEM_METHODS = ("kano_a", "kano_b", "yamashita", "damarla")
 """Those that take the measured stem where there is one."""
 
 
 class Case(NamedTuple):
-    """What the witnesses say of one loop."""
+    """The results of all methods on one loop."""
 
     sticks: bool
     fit: tuple[float, float, float, float]
@@ -61,7 +61,7 @@ def run(_options: Options) -> None:
     jobs = [(kind, seed) for seed in SEEDS for kind in KINDS]
     jobs += [(kind, seed) for seed in MORE_SEEDS for kind in HARD]
     console = Console(stderr=True)
-    print_weights([case(*job) for job in track(jobs, "loops to learn from", console=console)])
+    print_weights([case(*job) for job in track(jobs, "training loops", console=console)])
 
 
 def case(kind: AnyKind, seed: int) -> Case:
@@ -109,9 +109,9 @@ def learnt(said: FloatArray, sticks: FloatArray, known: FloatArray, *, with_bias
     """Return bias and weights (k + 1,) of the most likely log odds ``known`` + bias + ``said`` @ weights.
 
     Args:
-        said: What each witness says of each loop, (n, k).
+        said: Result of each method on each loop, (n, k).
         sticks: 1 where the valve sticks, (n,).
-        known: Log odds that are there already, (n,).
+        known: Log odds that are already known, (n,).
         with_bias: Whether the bias may be other than 0.
     """
 

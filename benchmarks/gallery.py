@@ -1,4 +1,4 @@
-"""What `compare --auto` finds missing in real recordings: table and pictures of docs/workbench/gallery.md."""
+"""Effects that `compare --auto` finds in real recordings: table and pictures of docs/workbench/gallery.md."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ DPI = 75
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """One recording, and what was found."""
+    """One recording, and its result."""
 
     loop: str
     label: str
@@ -90,7 +90,7 @@ def run(_options: Options) -> None:
     """Write table and pictures into the docs, and print the table."""
     folder = recordings_folder()
     if folder is None:
-        print("No recordings folder (SLIPJUMP_DATA): there is nothing to show.\n")
+        print("No recordings folder (SLIPJUMP_DATA): nothing was run.\n")
         return
     index = {row["loop"]: row for row in indexed(folder)}
     jobs = [
@@ -101,18 +101,18 @@ def run(_options: Options) -> None:
         rows: list[tuple[object, ...]] = []
         for each in track(found, "gallery", len(jobs), console=Console(stderr=True)):
             rows.append(each.row())
-            put(told(rows), PAGE, "gallery")
-    print(told(rows))
+            put(report(rows), PAGE, "gallery")
+    print(report(rows))
 
 
-def told(rows: Sequence[Sequence[object]]) -> str:
+def report(rows: Sequence[Sequence[object]]) -> str:
     """Return the table."""
     columns = ("recording", "label", "base", "missing", "held-out RMSE", "fit %", "what the last model lacks")
     return table("### What was found", columns, rows)
 
 
 def shown(file: Path, label: str, integrating: str) -> Shown:
-    """Let the workbench go through one recording, and draw what it found."""
+    """Run the workbench on one recording, and draw the result."""
     window = without_impossible(loop_window(read_recording(file), LoopHints()))
     bench = Workbench(window, "integrator" if integrating == "True" else "fopdt")
     steps = bench.auto()

@@ -1,7 +1,7 @@
 """Random simulated loops that hide a physical effect: is it found, is it named, how far does the error fall?
 
-The valves obey physics that the workbench does not know. The seeds are not those that thresholds were read
-off (0 to 39), nor those of tests (100 to 199). A run that is saved goes on from what its file holds.
+The valves obey physics that the workbench does not know. The seeds are not those from which thresholds were
+set (0 to 39), nor those of tests (100 to 199). A saved run continues from its file.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ Job = tuple[HiddenTruth, int]
 
 
 def run(options: Options) -> None:
-    """Print the tables; with ``options.save`` go on from what stands beside that file."""
+    """Print the tables; with ``options.save`` continue from the saved cases beside that file."""
     count = options.loops or (LOOPS_FULL if options.full else LOOPS)
     jobs = [(truth, FIRST_SEED + i) for i in range(count) for truth in TRUTHS]
     file = None if options.save is None else options.save.with_suffix(".hidden_effects.jsonl")
@@ -53,8 +53,8 @@ def run(options: Options) -> None:
             append(file, case)
     all_cases = [done[job] for job in jobs]
     cases = [case for case in all_cases if case.testable]
-    untold = len(all_cases) - len(cases)
-    print(f"{len(all_cases)} loops; {untold} are not testable and count for nothing.\n")
+    skipped = len(all_cases) - len(cases)
+    print(f"{len(all_cases)} loops; {skipped} are not testable and were skipped.\n")
     for part in (targets(cases), by_share(cases), by_truth(cases)):
         print(part)
 
@@ -79,13 +79,13 @@ def append(file: Path, case: HiddenCase) -> None:
 
 
 def targets(cases: Sequence[HiddenCase]) -> str:
-    """Return what must hold (issue 5) beside what was measured."""
+    """Return the requirements (issue 5) beside the measurements."""
     nothing = [case for case in cases if case.truth in NOTHING]
     hidden = [case for case in cases if case.truth not in NOTHING]
     single = [case for case in hidden if len(case.true_effects) == 1]
     clear = [case for case in single if case.share_percent >= CLEAR]
     two = [case for case in hidden if len(case.true_effects) == 2]
-    asked = [case for case in clear if case.without_kind]
+    without = [case for case in clear if case.without_kind]
     inside = [at < case.covered for case in hidden for at in range(case.parameters)]
     at_floor = [case.rmse_last <= AT_THE_FLOOR * case.floor for case in cases]
     rows: list[Target] = [
@@ -97,7 +97,7 @@ def targets(cases: Sequence[HiddenCase]) -> str:
         share("a decoy named, %", [case.decoys > 0 for case in cases], 0, 1),
         share(
             "honest where the family is not in the library, %",
-            [case.without_kind in HONEST for case in asked],
+            [case.without_kind in HONEST for case in without],
             90,
             100,
         ),

@@ -1,4 +1,4 @@
-"""Several recordings of one valve: what they say alone and together, on simulated valves.
+"""Several recordings of one valve: verdicts alone and together, on simulated valves.
 
 The kinds are those that are hard to judge alone (`benchmarks/cases/random_group.py`). Seeds 9000 to 9003 were
 used to choose how evidence is taken together; those from 9004 on for nothing else.
@@ -33,7 +33,7 @@ VERDICTS: tuple[Verdict, ...] = ("stiction", "undecided", "no_stiction")
 
 @dataclass(frozen=True, slots=True)
 class DiagnosedGroup:
-    """Recordings of one simulated valve, and what each says alone."""
+    """Recordings of one simulated valve, each with its own verdict."""
 
     kind: AnyKind
     seed: int
@@ -111,7 +111,7 @@ def by_valve(groups: Sequence[DiagnosedGroup]) -> str:
         for sticks in (False, True):
             ones = [each for each in some if each.sticks == sticks]
             blamed = [[said.verdict == "stiction" for said in each.alone] for each in ones]
-            told = [[said.verdict == "stiction" for said in each.together] for each in ones]
+            together = [[said.verdict == "stiction" for said in each.together] for each in ones]
             rows.append(
                 (
                     title,
@@ -119,7 +119,7 @@ def by_valve(groups: Sequence[DiagnosedGroup]) -> str:
                     len(ones),
                     sum(map(any, blamed)),
                     sum(sum(each) > len(each) / 2 for each in blamed),
-                    sum(sum(each) > len(each) / 2 for each in told),
+                    sum(sum(each) > len(each) / 2 for each in together),
                     sum(each.probability >= SURE for each in ones),
                 )
             )

@@ -22,7 +22,7 @@ from benchmarks.tables.markdown import table
 
 @dataclass(frozen=True, slots=True)
 class Flagged:
-    """One record, its flag and what was seen in it."""
+    """One record, its flag and what the detectors found."""
 
     loop: str
     kind: str
@@ -90,7 +90,7 @@ def counts(records: list[Flagged], seen: list[bool]) -> tuple[str, str, str]:
 
 
 def disputed(records: list[Flagged]) -> str:
-    """Return a row for each record where the flag says otherwise."""
+    """Return a row for each record whose flag differs."""
     rows = []
     for each in records:
         if each.agrees:

@@ -31,7 +31,7 @@ NOT_SCORED = {"PAP4"}
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """One recording with its label and what one quantifier made of it."""
+    """One recording with its label and the result of one quantifier."""
 
     loop: str
     label: str
@@ -125,7 +125,7 @@ def summary(judged: dict[str, list[Judged]]) -> str:
                     f"{sum(valve_right(group) for group in groups)} of {len(groups)}",
                 )
             )
-    columns = ("quantifier", "label", "recordings right", "said firmly", "valves right")
+    columns = ("quantifier", "label", "recordings right", "with high confidence", "valves right")
     return table("### Real recordings", columns, rows)
 
 
@@ -162,7 +162,7 @@ def recordings(judged: dict[str, list[Judged]]) -> str:
 
 
 def methods(judged: Sequence[Judged]) -> str:
-    """Return a row for each method and the diagnosis: whom it finds, whom it accuses."""
+    """Return a row for each method and the diagnosis: sticking valves found, sound valves called sticking."""
     scored = [each for each in judged if each.valve not in NOT_SCORED]
     names = dict.fromkeys(name for each in judged for name in each.methods)
     rows = [(f"`{name}`", *found(scored, [each.methods.get(name, "") for each in scored])) for name in names]
@@ -175,6 +175,6 @@ def found(judged: Sequence[Judged], said: Sequence[str]) -> list[str]:
     cells = []
     for label in ("stiction", "no_stiction"):
         words = [word for each, word in zip(judged, said, strict=True) if each.label == label]
-        spoke = sum(word in ("stiction", "no_stiction", "undecided") for word in words)
-        cells += [f"{words.count('stiction')} of {spoke}", str(words.count("no_stiction"))]
+        decided = sum(word in ("stiction", "no_stiction", "undecided") for word in words)
+        cells += [f"{words.count('stiction')} of {decided}", str(words.count("no_stiction"))]
     return cells

@@ -1,7 +1,7 @@
 """Random simulated loops whose valves obey Karnopp or LuGre: how often the verdict and the amounts are right.
 
-Nothing is told to the quantifiers but OP and PV. The seeds are not those that thresholds were read off (0 to
-39), nor those of tests (100 to 119).
+The quantifiers get OP and PV only. The seeds are not those from which thresholds were set (0 to 39), nor
+those of tests (100 to 119).
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ ON_ALL = (DEFAULT_QUANTIFIER, "lee2008")
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """A loop to simulate, and who is to judge it."""
+    """A loop to simulate, and the methods to run on it."""
 
     kind: Kind
     seed: int
@@ -53,11 +53,11 @@ class Job:
 
 
 def run(options: Options) -> None:
-    """Print the tables; with ``options.save`` go on from what that file holds, and write the rest to it."""
+    """Print the tables; with ``options.save`` continue from that file, and write the rest to it."""
     wanted = jobs(options.loops or (STICKING_FULL if options.full else STICKING))
     done = read_cases(options.save) if options.save else []
-    asked = {(job.kind, job.seed, method) for job in wanted for method in job.methods}
-    cases = [case for case in done if (case.kind, case.seed, case.method) in asked]
+    wanted_keys = {(job.kind, job.seed, method) for job in wanted for method in job.methods}
+    cases = [case for case in done if (case.kind, case.seed, case.method) in wanted_keys]
     cases += work_out(left_of(wanted, cases), options.save)
     everyone = [each.name for each in QUANTIFIERS]
     print(verdicts(cases, ON_ALL))

@@ -1,7 +1,7 @@
-"""Half an hour of six loops over real sockets: is memory flat, is any alarm false, is every true one told?
+"""Half an hour of six loops over real sockets: is memory flat, is any alarm false, is every true one sent?
 
 The plants, their servers and the consumers of the alarms are here; `slipjump run` is a process of its own, as
-a user has it, so that its memory is told apart from theirs.
+a user has it, so that its memory is measured apart from theirs.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ PAGE = os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 def run(options: Options) -> None:
-    """Print a row for each loop, and what memory did."""
+    """Print a row for each loop, and the course of memory."""
     minutes = MINUTES if options.full else SHORT
     asyncio.run(_soak(60 * minutes))
 
@@ -64,7 +64,7 @@ async def _soak(seconds: float) -> None:
             scenario = scenario.model_copy(update={"duration": 1.2 * seconds * SPEED})
             scenarios[scenario.loop] = scenario
             sources[entry["bus"]].append(PlantSource(scenario))
-    told: dict[str, set[bool]] = defaultdict(set)
+    published: dict[str, set[bool]] = defaultdict(set)
     memory: list[tuple[float, float, float]] = []
     async with contextlib.AsyncExitStack() as stack:
         broker = await stack.enter_async_context(embedded_broker())
@@ -96,7 +96,7 @@ async def _soak(seconds: float) -> None:
             "--log-format", "json", stderr=log,
         )  # fmt: skip
         try:
-            tasks = [asyncio.create_task(_watch(server, told)) for server in servers.values()]
+            tasks = [asyncio.create_task(_watch(server, published)) for server in servers.values()]
             tasks += [
                 asyncio.create_task(play(loops, servers[bus], Clock(SPEED))) for bus, loops in sources.items()
             ]
@@ -124,7 +124,7 @@ async def _soak(seconds: float) -> None:
             name,
             scenario.truth.verdict,
             sum(f'"event": "diagnosis", "loop": "{name}"' in line for line in lines),
-            _judged(scenario, told[name]),
+            _judged(scenario, published[name]),
         )
         for name, scenario in scenarios.items()
     ]
@@ -134,8 +134,8 @@ async def _soak(seconds: float) -> None:
     for name, sizes in (("the daemon", own), ("its workers and fork server", workers)):
         slope = 3600 * float(np.polyfit(times, sizes, 1)[0])
         holds = "holds" if slope <= GROWTH else "**does not hold**"
-        told_of = f"{sizes[0]:.1f} MB when warm, {sizes[-1]:.1f} MB at the end, {slope:+.2f} MB/h"
-        print(f"Memory of {name}: {told_of}: {holds}\n")
+        sizes_text = f"{sizes[0]:.1f} MB when warm, {sizes[-1]:.1f} MB at the end, {slope:+.2f} MB/h"
+        print(f"Memory of {name}: {sizes_text}: {holds}\n")
 
 
 def resident(process: int) -> float:
@@ -155,16 +155,16 @@ def below(process: int) -> list[int]:
     return [each for child in children for each in (int(child), *below(int(child)))]
 
 
-async def _watch(server: LoopServer, told: dict[str, set[bool]]) -> None:
+async def _watch(server: LoopServer, published: dict[str, set[bool]]) -> None:
     async for loop, active in server.watch_alarms():
-        told[loop].add(active)
+        published[loop].add(active)
 
 
 def _known(scenario: Scenario) -> dict[str, object]:
     return {"acting": scenario.controller.acting, "op_range": list(scenario.op_range)}
 
 
-def _judged(scenario: Scenario, told: set[bool]) -> str:
+def _judged(scenario: Scenario, published: set[bool]) -> str:
     if scenario.truth.verdict == "stiction":
-        return "told" if True in told else "**not told**"
-    return "**false alarm**" if True in told else "none"
+        return "published" if True in published else "**not published**"
+    return "**false alarm**" if True in published else "none"

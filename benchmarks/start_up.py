@@ -1,4 +1,4 @@
-"""What a fresh `slipjump diagnose` takes beyond the fit, with the cache of compiled kernels warm and cold."""
+"""CPU time of a fresh `slipjump diagnose` beyond the fit, with a warm and a cold cache of kernels."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def run(_options: Options) -> None:
         fit = diagnosis_seconds(window, DEFAULT_QUANTIFIER)
         fresh_process(recording, None)
         warm = median(fresh_process(recording, None)[0] for _ in range(REPEATS))
-        cold, says = fresh_process(recording, Path(folder) / "kernels")
+        cold, output = fresh_process(recording, Path(folder) / "kernels")
     holds = "holds" if warm - fit <= ALLOWED else "**does not hold**"
     lines = (
         ("warm", f"{warm:.2f}", f"{fit:.2f}", f"{warm - fit:.2f}", f"{ALLOWED:g}, {holds}"),
@@ -46,11 +46,11 @@ def run(_options: Options) -> None:
     )
     columns = ("kernel cache", "whole process", "the fit itself", "beyond it", "at most")
     print(table(f"### A fresh process, {SAMPLES} samples, CPU seconds", columns, lines))
-    print(f"With a cold cache it says: {says.strip() or 'nothing'}\n")
+    print(f"With a cold cache it prints: {output.strip() or 'nothing'}\n")
 
 
 def fresh_process(recording: Path, cache: Path | None) -> tuple[float, str]:
-    """Return the CPU time of the command and what it says on stderr.
+    """Return the CPU time of the command and its output on stderr.
 
     Its kernels are in ``cache``, or where they usually are.
     """

@@ -1,4 +1,4 @@
-"""The loops of the paper's Table I that are public with OP and PV: CPU time, and what `free_run` tells."""
+"""The loops of the paper's Table I that are public with OP and PV: CPU time, and estimates of `free_run`."""
 
 from __future__ import annotations
 
@@ -59,21 +59,23 @@ def run(_options: Options) -> None:
 
 
 def amounts(windows: Sequence[LoopWindow]) -> str:
-    """Return what the paper prints beside the intervals of `free_run`, and how much worse it fits."""
+    """Return the values of the paper beside the intervals of `free_run`, and how much worse they fit."""
     rows = []
     for window in windows:
         printed, found = VALVES[window.loop], quantifier("free_run").quantify(window).stiction
         if found is None:
             continue
-        told = (printed.f_s, printed.f_d, printed.s, printed.j)
+        values = (printed.f_s, printed.f_d, printed.s, printed.j)
         cells = []
-        for paper, each in zip(told, (found.f_s, found.f_d, found.s, found.j), strict=True):
+        for paper, each in zip(values, (found.f_s, found.f_d, found.s, found.j), strict=True):
             cells += [f"{paper:.2f}", f"{each.value:.2f} ({each.low:.2f} to {each.high:.2f})"]
         rows.append((window.loop, *cells, f"{times_the_least(window, printed):.2f}"))
     columns = ["loop"]
     for amount in ("f_S", "f_D", "S", "J"):
         columns += [f"{amount}: paper", "`free_run`"]
-    return table("### What the valves of Table I are", (*columns, "error of the paper's, least = 1"), rows)
+    return table(
+        "### Estimates for the valves of Table I", (*columns, "error of the paper's, least = 1"), rows
+    )
 
 
 def window_of(path: Path) -> LoopWindow:

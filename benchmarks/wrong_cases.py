@@ -39,7 +39,7 @@ MOST_POINTS = 1500
 
 @dataclass(frozen=True, slots=True)
 class Wrong:
-    """A recording of which the label says otherwise."""
+    """A recording whose label differs from the verdict."""
 
     loop: str
     label: str
@@ -64,7 +64,7 @@ def run(_options: Options) -> None:
     """Write table and pictures into the docs, and print the table."""
     folder = recordings_folder()
     if folder is None:
-        print("No recordings folder (SLIPJUMP_DATA): there is nothing to show.\n")
+        print("No recordings folder (SLIPJUMP_DATA): nothing was run.\n")
         return
     rows = [row for row in indexed(folder) if row["group"] not in NOT_SCORED]
     files = [folder / row["file"] for row in rows]
@@ -81,7 +81,7 @@ def run(_options: Options) -> None:
     for record in flagged(folder):
         if not record.agrees:
             picture_of_flag(record).savefig(PICTURES / f"flag_{record.loop}.png", dpi=DPI)
-    found = told([each.row() for each in wrong])
+    found = report([each.row() for each in wrong])
     put(found, PAGE, "wrong_cases")
     print(found)
 
@@ -96,19 +96,19 @@ def by_valve(
     files: Sequence[Path], alone: Sequence[tuple[LoopWindow, Diagnosis]]
 ) -> list[tuple[LoopWindow, Diagnosis]]:
     """Return the diagnoses in view of the other recordings of each valve, as the command does."""
-    valve, told = valves(files, each=False, one_valve=False), list(alone)
+    valve, joined = valves(files, each=False, one_valve=False), list(alone)
     for one in set(valve):
         places = [k for k, of in enumerate(valve) if of == one]
         windows, said = zip(*(alone[k] for k in places), strict=True)
         for k, window, diagnosis in zip(places, windows, judged_together(windows, said), strict=True):
-            told[k] = window, diagnosis
-    return told
+            joined[k] = window, diagnosis
+    return joined
 
 
-def told(rows: Sequence[Sequence[object]]) -> str:
+def report(rows: Sequence[Sequence[object]]) -> str:
     """Return the table."""
     columns = ("recording", "label", "said", "evidence", "nats", "turns of the valve", "S over OP span")
-    return table("### Recordings where the label says otherwise", columns, rows)
+    return table("### Recordings whose label differs", columns, rows)
 
 
 def picture(wrong: Wrong) -> Figure:

@@ -1,1 +1,1 @@
-"""Cases of benchmarks: one loop, simulated or recorded, and what was made of it."""
+"""Cases of benchmarks: one loop, simulated or recorded, with its results."""

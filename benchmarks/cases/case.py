@@ -1,4 +1,4 @@
-"""One simulated loop, and what one quantifier made of it."""
+"""One simulated loop, and the result of one quantifier."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class Case:
 
 
 def warm(methods: Sequence[str]) -> None:
-    """Load or compile what the methods need, so that no case is charged for it."""
+    """Load or compile what the methods need, so that the time of no case contains it."""
     t = np.arange(300.0)
     window = LoopWindow("warm", 0.0, 1.0, np.sin(t / 6), np.sin(t / 6 - 1))
     for method in methods:
@@ -97,7 +97,7 @@ def warm(methods: Sequence[str]) -> None:
 
 
 def judge(kind: Kind, seed: int, methods: Sequence[str]) -> list[Case]:
-    """Simulate one loop and ask each method, which is told nothing but OP and PV, without any detector."""
+    """Simulate one loop and run each method on OP and PV alone, without any detector."""
     draw = random_draw(seed, kind)
     scenario = draw.scenario
     record = simulate(scenario)

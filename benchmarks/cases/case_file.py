@@ -1,4 +1,4 @@
-"""Cases in a CSV file: one can look at single loops, and a run that was stopped goes on from there."""
+"""Cases in a CSV file: it shows single loops, and a stopped run continues from it."""
 
 from __future__ import annotations
 

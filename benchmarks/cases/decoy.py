@@ -1,4 +1,4 @@
-"""An effect that is none: a random walk that knows nothing of the loop."""
+"""A false effect: a random walk that is unrelated to the loop."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FAMILY = "decoy"
 
 @dataclass(frozen=True, slots=True)
 class Decoy:
-    """Adds a walk with a coefficient that is solved for: whoever confirms it takes chance for a cause."""
+    """Adds a walk with a coefficient that is solved for: to confirm it is a false confirmation."""
 
     seed: int
     stage: Stage = "disturbance"

@@ -1,4 +1,4 @@
-"""One simulated loop, and what the diagnosis and every method made of it."""
+"""One simulated loop, and the results of the diagnosis and of every method."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from benchmarks.tables.strata import LITTLE_NOISE
 
 @dataclass(frozen=True, slots=True)
 class DiagnosedLoop:
-    """A loop with its truth and what was said of it."""
+    """A loop with its truth and its results."""
 
     kind: AnyKind
     seed: int

@@ -1,4 +1,4 @@
-"""One loop with a hidden effect, and what the workbench made of it, told nothing but OP, PV and SP."""
+"""One loop with a hidden effect, and the result of the workbench from OP, PV and SP alone."""
 
 from __future__ import annotations
 
@@ -32,32 +32,32 @@ class HiddenCase:
     share_percent: float
     """Of the residual variance of the base that is not the floor's: what the effect carries."""
     floor: float
-    """RMS of what no model of OP explains, level and drift taken out as the base takes them; PV units."""
+    """RMS of PV that no model of OP explains, level and drift removed as the base does; PV units."""
     kind: str
     """Of the verdict that led to the first step; of the last verdict where there is none. ``not_testable``:
-    nothing can be said of the record, and there are no numbers."""
+    the record could not be tested, and there are no numbers."""
     effects: str
     """Of the last model, in the order in which they were added."""
     alike: str
-    """What the steps to them could not be told from."""
+    """Effects from which the record could not distinguish them."""
     rmse_base: float
     """Held out, PV units, like the next."""
     rmse_last: float
     floor_low: float
-    """Of the interval told, PV units."""
+    """Of the reported interval, PV units."""
     floor_high: float
     covered: int
     """True parameters of effects that were named within their 90 % intervals."""
     parameters: int
     """How many there were."""
     without_kind: str
-    """Verdict without the true family, and what was not told from it, in the library; empty: not asked."""
+    """Verdict with a library without the true family and its indistinguishable effects; empty: not run."""
     cpu_seconds: float
     """Of ``auto`` alone."""
 
     @property
     def testable(self) -> bool:
-        """Whether anything was asked of the record."""
+        """Whether the record could be tested."""
         return self.kind != "not_testable"
 
     @property
@@ -83,7 +83,7 @@ class HiddenCase:
 
     @property
     def wrong(self) -> bool:
-        """Whether a family was named that the loop has nothing of."""
+        """Whether a family was named that the loop does not have."""
         return bool(self.families - self.true_families)
 
     @property
@@ -92,7 +92,7 @@ class HiddenCase:
 
     @property
     def exact(self) -> bool:
-        """Whether every true effect was named, or is in the set that could not be told apart."""
+        """Whether every true effect was named, or is in the set that could not be distinguished."""
         return bool(self.true_effects) and self.true_effects <= {*self.named, *self.alike.split()}
 
 
@@ -101,10 +101,10 @@ def effects_of(truth: HiddenTruth) -> tuple[str, ...]:
     return tuple(truth.split("_")) if truth == "stiction_sinusoid" else (truth,) * (truth in FAMILIES)
 
 
-def judge(truth: HiddenTruth, seed: int, *, ask_without: bool = True) -> HiddenCase:
+def judge(truth: HiddenTruth, seed: int, *, test_without: bool = True) -> HiddenCase:
     """Draw one loop and let the workbench find what it hides.
 
-    ``ask_without``: what it says with the true family out of the library, too, where one effect is hidden.
+    ``test_without``: where one effect is hidden, run it again with the true family out of the library.
     """
     plant = hidden_effect_plant(seed, truth)
     window = LoopWindow(plant.scenario.loop, 0.0, plant.scenario.ts, plant.op, plant.pv, plant.sp)
@@ -122,7 +122,7 @@ def judge(truth: HiddenTruth, seed: int, *, ask_without: bool = True) -> HiddenC
     alike = set(chain.from_iterable(step.verdict.indistinguishable for step in took if step.verdict))
     first = took[0].verdict if took else found.verdict
     covered = covers(plant, last)
-    ask = ask_without and len(plant.effects) == 1
+    one_effect = test_without and len(plant.effects) == 1
     return HiddenCase(
         truth=truth,
         seed=seed,
@@ -138,7 +138,7 @@ def judge(truth: HiddenTruth, seed: int, *, ask_without: bool = True) -> HiddenC
         floor_high=found.noise_floor.high if found.noise_floor else np.nan,
         covered=sum(covered),
         parameters=len(covered),
-        without_kind=without_truth(window, plant, alike, decoys) if ask else "",
+        without_kind=without_truth(window, plant, alike, decoys) if one_effect else "",
         cpu_seconds=spent,
     )
 
@@ -165,7 +165,7 @@ def _untestable(truth: HiddenTruth, seed: int, samples: int, spent: float) -> Hi
 def without_truth(
     window: LoopWindow, plant: HiddenEffectPlant, alike: set[str], decoys: tuple[Decoy, ...]
 ) -> str:
-    """Return the verdict where the library has neither the true family nor what was not told from it."""
+    """Return the verdict with a library without the true family and its indistinguishable effects."""
     out = {FAMILIES[name] for name in (*plant.effects, *alike) if name in FAMILIES}
     return Workbench(window, without=out, extra=decoys).comparison().verdict.kind
 
@@ -179,7 +179,7 @@ def floor_of(plant: HiddenEffectPlant, record: Record) -> float:
 
 
 def covers(plant: HiddenEffectPlant, step: Step) -> list[bool]:
-    """Return of each known parameter of an effect that was named whether its interval holds the truth."""
+    """Return for each known parameter of a named effect whether its interval holds the truth."""
     return [
         any(parameter.low <= value <= parameter.high for value in plant.parameters[parameter.name])
         for parameter in step.parameters

@@ -1,4 +1,4 @@
-"""What the command line of the benchmarks chooses."""
+"""Options of the command line of the benchmarks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Handed to every benchmark; each takes what concerns it."""
+    """Passed to every benchmark; each uses those that concern it."""
 
     full: bool = False
     """More loops, repeats and lengths."""

@@ -1,4 +1,4 @@
-"""Simulated recordings of one valve, as the diagnosis sees them and with what is true of the valve."""
+"""Simulated recordings of one valve, as the diagnosis gets them, with the truth of the valve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Simulated loops of every kind, as the diagnosis sees them and with what is true of them."""
+"""Simulated loops of every kind, as the diagnosis gets them, with their truth."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ CAUSES: dict[AnyKind, set[Cause]] = {
     "one_way": {"no_oscillation", "external_disturbance"},
     "one_way_stiction": {"stiction"},
 }
-"""What may be named as the cause; a load that wanders may look like an oscillation or not."""
+"""Causes that count as right; a load that wanders may look like an oscillation or not."""
 STEM_NOISE = 0.02
 """Of the measured stem, over its standard deviation."""
 
@@ -94,6 +94,6 @@ def random_scenario(kind: AnyKind, seed: int) -> tuple[Scenario, float | None]:
 
 
 def window_of(scenario: Scenario, record: SimulatedRecord) -> LoopWindow:
-    """Return what a historian keeps of a run: SP only where it moves."""
+    """Return the record that a historian keeps of a run: SP only where it moves."""
     sp = record.sp if scenario.set_points else None
     return LoopWindow(scenario.loop, 0.0, scenario.ts, record.op, record.pv, sp)

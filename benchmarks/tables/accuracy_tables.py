@@ -1,4 +1,4 @@
-"""Tables of cases: how far the amounts are off, whether the intervals hold, what sound loops are called."""
+"""Tables of cases: errors of the amounts, coverage of the intervals, verdicts on sound loops."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def errors_by_stratum(cases: Sequence[Case], method: str) -> str:
 
 
 def errors_by_method(cases: Sequence[Case], methods: Sequence[str]) -> str:
-    """Return a row for each method on the loops that all of them had."""
+    """Return a row for each method on the loops that all of them were run on."""
     shared = set.intersection(
         *({(case.kind, case.seed) for case in of_method(cases, each)} for each in methods)
     )

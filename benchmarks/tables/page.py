@@ -1,4 +1,4 @@
-"""A page of the docs of which a benchmark writes a part, between its marks."""
+"""A page of the docs that has a part written by a benchmark, between two marks."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from pathlib import Path
 END = "<!-- end -->"
 
 
-def put(told: str, page: Path, benchmark: str) -> None:
+def put(text: str, page: Path, benchmark: str) -> None:
     """Put a text between the marks of the page, which keeps what stands around them."""
     begin = f"<!-- by python -m benchmarks {benchmark} -->\n"
     before, _, rest = page.read_text(encoding="utf-8").partition(begin)
     after = rest.partition(END)[2]
-    page.write_text(f"{before}{begin}\n{told}\n{END}{after}", encoding="utf-8")
+    page.write_text(f"{before}{begin}\n{text}\n{END}{after}", encoding="utf-8")

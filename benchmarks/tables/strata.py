@@ -25,7 +25,7 @@ def has_little_noise(case: Case) -> bool:
 
 
 def where(field: str, value: str | bool) -> Belongs:  # noqa: FBT001 - a value to compare with
-    """Return what tells cases whose ``field`` is ``value``."""
+    """Return a test for cases whose ``field`` is ``value``."""
     return lambda case: getattr(case, field) == value
 
 

@@ -19,7 +19,7 @@ class Target:
 
     what: str
     measured: float
-    """NaN where nothing was there to measure, which does not hold."""
+    """NaN where there was nothing to measure, which does not hold."""
     least: float
     most: float
     cases: int

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def swing(signal: NDArray[np.float64]) -> tuple[float, float]:
+def period_and_strength(signal: NDArray[np.float64]) -> tuple[float, float]:
     """Period, in samples, and strength of the oscillation of a signal of shape (n,).
 
     Both are read at the highest peak of the autocorrelation behind its first crossing of zero: the lag,

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from agent.units import FrictionBands
-from simulators.draws.periodicity import swing
+from simulators.draws.periodicity import period_and_strength
 from simulators.parameters import (
     ControllerParameters,
     Drift,
@@ -84,9 +84,9 @@ def random_draw(seed: int, kind: Kind) -> Draw:
         if not low <= scenario.peak_sensitivity <= high:
             continue
         noise_alone = kind in {"none_noise", "tuning"}
-        swings = rng.uniform(0.5, 5.0) if noise_alone else float(np.std(simulate(scenario).pv))
+        spread = rng.uniform(0.5, 5.0) if noise_alone else float(np.std(simulate(scenario).pv))
         share = _log_uniform(rng, *NOISE_SHARE)
-        scenario = _with_noise(scenario, rng, swings * share)
+        scenario = _with_noise(scenario, rng, spread * share)
         if _keeps_promise(scenario, kind):
             return Draw(scenario, None if noise_alone else share)
 
@@ -178,7 +178,7 @@ def _keeps_promise(scenario: Scenario, kind: Kind) -> bool:
         return False
     if kind in {"none_noise", "drift"}:
         return True
-    period, strength = swing(record.mv)
+    period, strength = period_and_strength(record.mv)
     visible = bool(np.ptp(record.op) >= VISIBLE)
     return visible and PERIODS[0] <= period * scenario.ts <= PERIODS[1] and strength >= STEADY
 

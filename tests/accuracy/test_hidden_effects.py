@@ -39,7 +39,7 @@ def test_a_valve_is_accused_where_it_sticks_and_not_where_op_answers_to_a_load(t
 @pytest.mark.bench
 @pytest.mark.parametrize(("truth", "seed"), [("none", 200), ("sinusoid", 200)])
 def test_what_is_hidden_is_named_and_nothing_else(truth, seed):
-    case = judge(truth, seed, ask_without=False)
+    case = judge(truth, seed, test_without=False)
     assert not case.wrong
     assert not case.decoys
     assert case.family_right == (truth != "none")

@@ -41,9 +41,9 @@ def numbers(found):
         found.process.delay,
         found.process.tau2,
     )
-    told = [found.free_run_percent, found.linear_percent, found.evidence]
-    told += [estimate.value for estimate in estimates or ()] + list(process or ())
-    return [number for number in told if number is not None]
+    numbers = [found.free_run_percent, found.linear_percent, found.evidence]
+    numbers += [estimate.value for estimate in estimates or ()] + list(process or ())
+    return [number for number in numbers if number is not None]
 
 
 def sound(found, window):
@@ -65,7 +65,7 @@ def sound(found, window):
 
 
 @EACH
-def test_it_tells_a_sticking_valve_from_a_free_one(member):
+def test_it_distinguishes_a_sticking_valve_from_a_free_one(member):
     stuck, free = member.quantify(stuck_for(member)), member.quantify(FREE)
     sound(stuck, STUCK)
     sound(free, FREE)

@@ -202,8 +202,8 @@ def test_an_unknown_law_is_refused_with_the_names_there_are():
 
 def test_the_page_that_compares_the_laws_says_what_each_check_gave():
     rows = [line.split("|")[1:-1] for line in COMPARED.splitlines() if line.startswith("| `")]
-    told = {row[0].strip(" `"): [cell.strip() for cell in row[1 : len(CHECKS) + 1]] for row in rows}
+    checked = {row[0].strip(" `"): [cell.strip() for cell in row[1 : len(CHECKS) + 1]] for row in rows}
     expected = {
         bench.name: ["no" if (bench.name, check) in FAILS else "yes" for check in CHECKS] for bench in BENCHES
     }
-    assert told == expected
+    assert checked == expected

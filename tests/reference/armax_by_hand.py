@@ -70,7 +70,7 @@ def armax(mv, pv, delay, structure, noise_order, walk):
 
 
 def innovations(weights, regressors, explained, times, noise_order, walk):
-    """What is left of each sample after bias and past noise, all that was known until then; and with bias."""
+    """The rest of each sample after bias and past noise; and with bias."""
     linear = regressors.shape[1]
     noise = np.zeros(len(explained))
     rest = np.full(len(explained), np.nan)

@@ -43,5 +43,5 @@ def by_direction_in_small_steps(op, f_s_up, f_s_down, f_d, x0, damping, supply, 
 
 
 def loosened(step_left, jump, give, stop):
-    """By how much friction that gives falls while the force rises towards what is left of a step of OP."""
+    """By how much friction that gives falls while the force rises towards the rest of a step of OP."""
     return min(3 * (jump * (give * max(step_left, 0)) ** 2) ** (1 / 3), jump - stop)

@@ -109,7 +109,7 @@ def test_bristles_that_cannot_jump_are_stiff(seed, f_s, give):
 )
 def test_each_direction_slips_by_its_own_static_friction(over, other, kinetic, damping, rest, upward):
     f_s, f_d = 5.0, 5.0 * kinetic
-    # A jump hardly more than what is left at rest would come in many small ones, of which a sample has one.
+    # A jump hardly more than the force at rest would come in many small ones, of which a sample has one.
     assume(rest * (other * f_s - f_d) <= 0.5 * (f_s - f_d))
     bands = (f_s, other * f_s, f_d) if upward else (other * f_s, f_s, f_d)
     sign = 1 if upward else -1

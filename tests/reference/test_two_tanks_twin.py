@@ -14,7 +14,7 @@ TS = 4.0
 @st.composite
 def tanks(draw):
     exponents = [draw(st.floats(0.4, 1.2)) for _ in range(2)]
-    # Water stays for ten samples or more, as the midpoint rule asks for.
+    # Water stays for ten samples or more, as the midpoint rule requires.
     flows = [draw(st.floats(0.005, 0.02)) * 5 ** (1 - exponent) for exponent in exponents]
     return TwoTanks(
         pump=draw(st.floats(0.01, 0.05)),

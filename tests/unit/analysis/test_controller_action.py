@@ -1,4 +1,4 @@
-"""The controller's action is read from OP and the error, in closed loop, or told to be unknown."""
+"""The controller's action is read from OP and the error, in closed loop, or reported as unknown."""
 
 import numpy as np
 import pytest
@@ -55,7 +55,7 @@ def test_gaps_take_only_their_own_increments_away():
     assert sign(op, pv, sp) == -1
 
 
-def test_an_op_that_has_nothing_to_do_with_the_error_tells_nothing():
+def test_an_op_that_has_nothing_to_do_with_the_error_gives_no_sign():
     random = np.random.default_rng(1)
     op = np.cumsum(random.standard_normal(600))
     assert sign(op, random.standard_normal(600)) == 0
@@ -76,10 +76,10 @@ def test_where_nothing_can_be_read_it_is_unknown(op, pv):
 
 @pytest.mark.parametrize("kind", ["stiction", "none_noise", "tuning", "sinusoid", "drift"])
 def test_on_simulated_plants_it_is_right_or_unknown(kind):
-    told = []
+    signs = []
     for seed in range(3):
         plant = random_plant(seed, kind)
         record = simulate(plant)
-        told.append(sign(record.op, record.pv) * (1 if plant.process.gain > 0 else -1))
-    assert -1 not in told
-    assert told.count(1) >= 2
+        signs.append(sign(record.op, record.pv) * (1 if plant.process.gain > 0 else -1))
+    assert -1 not in signs
+    assert signs.count(1) >= 2

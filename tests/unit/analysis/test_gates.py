@@ -34,12 +34,12 @@ def noisy(seed):
 
 
 def by_exception(values, band):
-    """What a bus tells that sends a value only when it has moved by more than ``band``."""
-    told = values.copy()
-    for k in range(1, told.size):
-        if abs(values[k] - told[k - 1]) <= band:
-            told[k] = told[k - 1]
-    return told
+    """What arrives from a bus that sends a value only when it has moved by more than ``band``."""
+    sent = values.copy()
+    for k in range(1, sent.size):
+        if abs(values[k] - sent[k - 1]) <= band:
+            sent[k] = sent[k - 1]
+    return sent
 
 
 def with_gaps(values, count):
@@ -166,7 +166,7 @@ def test_reasons_are_sentences_with_numbers():
     assert fault.reason == "OP does not move: it is constant at 55.5"
 
 
-def test_several_faults_are_all_told():
+def test_several_faults_are_all_reported():
     assert faults(op=np.full(N, 1.0), pv=np.full(N, 1.0), automatic=T < 0) == [
         "manual",
         "op_constant",

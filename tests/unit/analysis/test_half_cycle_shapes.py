@@ -132,7 +132,7 @@ def test_limits_are_checked_and_named(detector):
     assert "half cycles" in reason(wave, Oscillation(detected=True, period=20.0, regularity=3.0))
 
 
-def test_noise_beyond_the_limit_is_where_he_could_no_longer_tell_a_triangle():
+def test_noise_beyond_the_limit_is_where_he_could_no_longer_recognise_a_triangle():
     noise = np.random.default_rng(2).normal(size=(400, POINTS))
     triangle = SHAPES["triangle"] / np.sqrt(1 / 3)
     at_limit = he_curve_fit.index(he_curve_fit.measures(triangle + 0.17 * noise).mean(axis=0))

@@ -40,7 +40,7 @@ def periods(seen):
 
 
 class TestSeveralOscillations:
-    def test_two_waves_are_told_apart_the_stronger_first(self):
+    def test_two_waves_are_distinguished_the_stronger_first(self):
         seen = oscillations(window(2 * sine(150) + sine(27) + 0.2 * noise(1)))
         assert periods(seen) == [150, 27]
         assert seen[0].share == pytest.approx(0.8, abs=0.05)

@@ -134,7 +134,7 @@ def test_a_noisy_cycle_is_nearest_to_its_own_template(shape):
 
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.0, "no_stiction"), (0.5, "undecided"), (1.0, "stiction")])
-def test_stiction_that_comes_and_goes_is_told_cycle_by_cycle(share, verdict):
+def test_stiction_that_comes_and_goes_is_found_cycle_by_cycle(share, verdict):
     triangle = 4 * np.abs((TIME + 0.25) % 1 - 0.5) - 1
     op = np.where(share * len(TIME) > np.arange(len(TIME)), triangle, np.sin(2 * np.pi * (TIME + 0.75)))
     pv = np.sin(2 * np.pi * TIME)

@@ -107,7 +107,7 @@ def test_each_sticking_loop_is_in_one_stratum_of_each_kind():
 
 
 def holding(cases):
-    """What the table says of each target."""
+    """The table's word for each target."""
     rows = [line.split(" | ") for line in targets(cases, "free_run").splitlines() if line.startswith("| ")]
     return {row[0].removeprefix("| "): row[-1].removesuffix(" |") for row in rows[2:]}
 
@@ -115,20 +115,20 @@ def holding(cases):
 def test_targets_hold_where_the_errors_are_small_and_intervals_hold_the_truth():
     good = replace(CASE, j_high=2.1)
     cases = [*[good] * 9, replace(good, s_low=4.05, j_high=1.95), SOUND]
-    told = holding(cases)
-    assert {name for name, word in told.items() if word == "not measured"} == {
+    words = holding(cases)
+    assert {name for name, word in words.items() if word == "not measured"} == {
         "intervals of S that hold the truth, not identifiable, %",
         "intervals of J that hold the truth, not identifiable, %",
     }
-    assert set(told.values()) == {"yes", "not measured"}
+    assert set(words.values()) == {"yes", "not measured"}
 
 
 def test_each_target_can_fail():
     bad = replace(CASE, s=9.0, j=8.0, s_low=8.0, s_high=9.5, j_low=7.0, j_high=9.0)
     unknown = replace(bad, identifiable_s=False, identifiable_j=False)
     accused = replace(SOUND, verdict="stiction")
-    told = holding([bad, unknown, accused])
-    assert set(told.values()) == {"**no**"}
+    words = holding([bad, unknown, accused])
+    assert set(words.values()) == {"**no**"}
 
 
 def test_loops_with_more_noise_and_missing_numbers_count_as_they_should():

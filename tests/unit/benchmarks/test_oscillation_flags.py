@@ -7,7 +7,7 @@ from benchmarks.oscillation import agreement, counts, disputed, flagged
 RESULTS = (Path(__file__).parents[3] / "docs" / "results.md").read_text(encoding="utf-8")
 
 
-def test_the_docs_tell_what_is_seen_today(recordings):
+def test_the_docs_state_what_is_seen_today(recordings):
     records = flagged(recordings)
     hits, quiet, agree = counts(records, [each.seen.detected for each in records])
     assert f"| `detect_oscillation` | {hits} | {quiet} | {agree} |" in RESULTS

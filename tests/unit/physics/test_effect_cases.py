@@ -138,7 +138,7 @@ def test_a_lag_more_is_the_base_of_second_order():
     np.testing.assert_allclose(more, LoopModel(SOPDT).columns(WAVE, values, FACTS), atol=1e-12)
 
 
-def test_a_lag_of_the_sensor_is_told_from_one_of_the_process_by_a_thousandth():
+def test_a_lag_of_the_sensor_differs_from_one_of_the_process_by_a_thousandth():
     """Why both are of one family."""
     values = np.array([4.0, 12.0, 5.0])
     process, sensor = (
@@ -196,7 +196,7 @@ def test_a_first_order_process_takes_up_another_gain_of_its_inflow_with_its_own_
     process = LinearProcess(delay=1.0, lags=(lag,))
     before = process.respond(inflow, 1.0)
     after = process.respond(inflow * np.where(instant <= T, factor, 1.0), 1.0)
-    balanced = -inflow[0]  # the response is told from where the inflow began
+    balanced = -inflow[0]  # the response is counted from where the inflow began
     pivot = (balanced - before[instant >= T].mean()) / np.ptp(before)
     column = GainChange().columns(T, before, np.array([instant, pivot, lag]))[:, 0]
     np.testing.assert_allclose(before + (factor - 1) * column, after, atol=1e-3 * np.ptp(before))

@@ -8,7 +8,7 @@ from agent.physics.valves.he_wang2014 import he_wang2014
 from agent.physics.valves.stenman2003 import stenman2003
 
 T = np.arange(1000)
-SWING = 10 * np.sin(2 * np.pi * T / 300)
+WAVE = 10 * np.sin(2 * np.pi * T / 300)
 
 
 def test_the_slip_jump_is_nearly_twice_that_of_he():
@@ -18,13 +18,13 @@ def test_the_slip_jump_is_nearly_twice_that_of_he():
 
 def test_without_overshoot_it_is_hes_valve():
     np.testing.assert_allclose(
-        he_wang2014(SWING, 5.0, 2.0, 0.0, 1.0), he2007(SWING, 5.0, 2.0, 0.0), rtol=0, atol=1e-12
+        he_wang2014(WAVE, 5.0, 2.0, 0.0, 1.0), he2007(WAVE, 5.0, 2.0, 0.0), rtol=0, atol=1e-12
     )
 
 
 def test_without_overshoot_and_kinetic_friction_it_is_stenmans():
     np.testing.assert_allclose(
-        he_wang2014(SWING, 5.0, 0.0, 0.0, 1.0), stenman2003(SWING, 5.0, 0.0), rtol=0, atol=1e-12
+        he_wang2014(WAVE, 5.0, 0.0, 0.0, 1.0), stenman2003(WAVE, 5.0, 0.0), rtol=0, atol=1e-12
     )
 
 

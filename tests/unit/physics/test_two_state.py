@@ -71,10 +71,13 @@ def test_without_friction_it_follows_op():
 
 @settings(deadline=None)  # the first call compiles
 @given(
-    seed=st.integers(0, 2**32 - 1), share=st.floats(0, 1), start=st.floats(-1, 1), swing=st.floats(0.01, 20)
+    seed=st.integers(0, 2**32 - 1),
+    share=st.floats(0, 1),
+    start=st.floats(-1, 1),
+    amplitude=st.floats(0.01, 20),
 )
-def test_the_force_never_exceeds_f_s_and_a_still_op_leaves_the_stem_alone(seed, share, start, swing):
-    op = swing * np.cumsum(np.random.default_rng(seed).standard_normal(200))
+def test_the_force_never_exceeds_f_s_and_a_still_op_leaves_the_stem_alone(seed, share, start, amplitude):
+    op = amplitude * np.cumsum(np.random.default_rng(seed).standard_normal(200))
     op[100:150] = op[99]
     position = two_state(op, F_S, F_S * share, op[0] - start * F_S)
     assert np.abs(op - position).max() <= F_S + 1e-9

@@ -50,7 +50,7 @@ def test_a_panel_a_structure_with_its_minimum():
     )
 
 
-def test_several_minima_are_told_and_marked():
+def test_several_minima_are_named_and_marked():
     figure = contour_figure("A", a_map(np.fmin(valley(6.0, 1.0), 0.05 + valley(2.0, 1.0)), kinds=("fopdt",)))
     assert "within 10 % of it 2 minima, S from 3 to 7" in figure.get_suptitle()
     assert len(panels(figure)[0].get_lines()) == 2

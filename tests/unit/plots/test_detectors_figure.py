@@ -43,7 +43,7 @@ def test_no_empty_panel_is_left(results, count, monkeypatch):
     assert len(detectors_figure("FIC101", dict.fromkeys(names, one)).axes) == count
 
 
-def test_the_title_tells_verdict_and_index():
+def test_the_title_shows_verdict_and_index():
     seen = DETECTORS[0].detect(*_quarter_period_apart()).seen
     result = MethodResult("no_stiction", 0.123456, "why", seen)
     figure = detectors_figure("FIC101", {"horch_ccf": result})

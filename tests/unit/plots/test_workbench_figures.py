@@ -36,7 +36,7 @@ def labels(axes):
     return [text.get_text() for text in axes.get_legend().get_texts()]
 
 
-def test_the_overlay_tells_the_fit_of_each_model_and_the_folds():
+def test_the_overlay_shows_the_fit_of_each_model_and_the_folds():
     pv = OP + 50
     pv[:10] = np.nan
     models = {"fopdt": OP + 51, "+ stiction": OP + 50}
@@ -120,6 +120,6 @@ def test_the_report_holds_its_pictures_and_nothing_from_outside():
     assert "Not testable: OP &amp; PV stand still" in page
 
 
-def test_time_is_told_in_the_unit_that_reads_best():
+def test_time_is_drawn_in_the_unit_that_reads_best():
     assert [time_of(100, ts)[1] for ts in (1.0, 60.0, 600.0, 3600.0)] == ["s", "min", "h", "days"]
     assert time_of(3, 1800.0)[0].tolist() == [0.0, 30.0, 60.0]

@@ -24,14 +24,14 @@ def test_both_searches_find_the_minimum_inside_and_on_the_bounds(bands):
 
 
 def test_the_random_search_stays_within_the_space_and_repeats_itself():
-    asked = []
+    tried = []
 
     def rugged(bands):
-        asked.append(bands)
+        tried.append(bands)
         return np.sin(bands @ [7.0, 3.0]) + 0.1 * bands.sum(axis=1)
 
     first, second = random_search(rugged, 20.0), random_search(rugged, 20.0)
-    f_s, f_d = np.concatenate(asked).T
+    f_s, f_d = np.concatenate(tried).T
     assert ((f_d >= -1e-9) & (f_d <= f_s + 1e-9) & (f_s + f_d <= 20.0 + 1e-9)).all()
     assert first.tolist() == second.tolist()
 

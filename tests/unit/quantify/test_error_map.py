@@ -1,4 +1,4 @@
-"""The contour map holds the answer of lee2008, and tells one minimum from several."""
+"""The contour map holds the answer of lee2008, and shows whether there is one minimum or several."""
 
 from dataclasses import replace
 

@@ -21,14 +21,14 @@ def test_it_leaves_a_wrong_minimum_next_to_its_start():
 
 
 def test_it_stays_within_the_space_and_repeats_itself():
-    asked = []
+    tried = []
 
     def rugged(bands):
-        asked.append(bands)
+        tried.append(bands)
         return np.sin(bands @ [7.0, 3.0]) + 0.1 * bands.sum(axis=1)
 
     first, second = genetic_search(rugged, START, 20.0), genetic_search(rugged, START, 20.0)
-    f_s, f_d = np.concatenate(asked).T
+    f_s, f_d = np.concatenate(tried).T
     assert ((f_d >= -1e-9) & (f_d <= f_s + 1e-9) & (f_s + f_d <= 20.0 + 1e-9)).all()
     assert first.tolist() == second.tolist()
 

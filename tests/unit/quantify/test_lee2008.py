@@ -64,7 +64,7 @@ def test_zero_stiction_is_identified_as_zero():
     assert found.free_run_percent == found.linear_percent
 
 
-def test_the_random_search_tells_zero_from_noise_only_by_the_evidence():
+def test_the_random_search_distinguishes_zero_from_noise_only_by_the_evidence():
     found = RANDOM.quantify(loop(OP, 0.0, 0.0))
     assert found.decision == "no_stiction"
     assert found.stiction is None or found.stiction.s.value < 2 * STEP
@@ -127,7 +127,7 @@ def test_a_gain_of_the_wrong_sign_is_refused():
         (np.where(np.arange(600) % 2, OP, np.nan), OP, "no process"),
     ],
 )
-def test_what_cannot_be_measured_is_told_not_raised(op, pv, why):
+def test_what_cannot_be_measured_is_reported_not_raised(op, pv, why):
     found = GRID.quantify(LoopWindow("x", 0.0, 1.0, op, pv))
     assert found.failure.startswith(why)
     assert found.decision == "not_applicable"

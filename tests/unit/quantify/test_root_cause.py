@@ -25,7 +25,7 @@ def closed_loop(process, controller, n=2000, noise=0.1, push=0.0):
     return LoopWindow("closed", 0.0, 1.0, op, pv)
 
 
-def test_the_poles_tell_the_swing_that_a_simulation_shows():
+def test_the_poles_give_the_oscillation_that_a_simulation_shows():
     process, controller = Arx(1.2, -0.25, 0.05, 0.02, 0.0, 5), PiController(2.6, 0.05, 1.0)
     period, left = own_swing(process, controller)
     pv = closed_loop(process, controller, n=400, noise=0.0, push=1.0).pv
@@ -48,7 +48,7 @@ def test_the_controller_is_read_from_the_record():
 @pytest.mark.parametrize(
     ("kind", "cause"), [("tuning", "tight_tuning"), ("sinusoid", "external_disturbance")]
 )
-def test_the_cause_of_a_swing_without_stiction_is_told(kind, cause):
+def test_the_cause_of_an_oscillation_without_stiction_is_named(kind, cause):
     record = simulate(random_plant(3, kind))
     found = quantifier("karra_karim2009").quantify(LoopWindow(kind, 0.0, 1.0, record.op, record.pv))
     assert found.cause_shares[0].cause == cause

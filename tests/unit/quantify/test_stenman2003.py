@@ -28,5 +28,5 @@ def test_the_force_at_turns_is_s_of_a_valve_with_kinetic_friction():
     assert force_at_jumps(op[known], seen_as[known]) == pytest.approx(8.0, abs=0.3)
 
 
-def test_a_valve_that_never_turns_tells_no_force():
+def test_a_valve_that_never_turns_shows_no_force():
     assert force_at_jumps(np.arange(10.0), np.zeros(10)) == 0.0

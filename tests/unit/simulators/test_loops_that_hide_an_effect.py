@@ -1,4 +1,4 @@
-"""Each loop has the effect that its name says, and its floor is what is left without it."""
+"""Each loop has the effect that its name says, and its floor is the rest without it."""
 
 import numpy as np
 import pytest

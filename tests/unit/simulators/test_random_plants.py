@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from simulators.draws import random_plants
-from simulators.draws.periodicity import swing
+from simulators.draws.periodicity import period_and_strength
 from simulators.draws.random_plants import PERIODS, SHAPES, STEADY, Kind, random_draw, random_plant
 from simulators.plant import simulate
 
@@ -24,7 +24,7 @@ def test_draw_keeps_the_promise_of_its_kind(kind, seed):
     assert scenario.truth.cause == CAUSES[kind]
     record = simulate(scenario)
     assert len(record.pv) == 2000
-    period, strength = swing(record.mv)
+    period, strength = period_and_strength(record.mv)
     if kind in {"stiction", "tuning", "sinusoid"}:
         assert strength >= STEADY
         assert PERIODS[0] <= period <= PERIODS[1]

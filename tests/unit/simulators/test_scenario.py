@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from connectors.base import ConfigError
-from simulators.draws.periodicity import swing
+from simulators.draws.periodicity import period_and_strength
 from simulators.plant import simulate
 from simulators.scenario import load_scenario
 
@@ -143,7 +143,7 @@ def test_shipped_scenario_does_what_it_says(path):
     record = simulate(scenario)
     assert scenario.op_range[0] < record.op.min()
     assert record.op.max() < scenario.op_range[1]
-    period, strength = swing(record.mv)
+    period, strength = period_and_strength(record.mv)
     if scenario.truth.cause == "no_oscillation":
         assert strength < 0.4
     else:

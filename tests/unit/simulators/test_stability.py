@@ -21,7 +21,7 @@ def sensitivity(kc, process, ti=20.0):
 
 
 def tail(kc, process):
-    """Swing of PV at the end of a run that began with a push, PV units."""
+    """Oscillation of PV at the end of a run that began with a push, PV units."""
     scenario = Scenario(
         loop="x",
         duration=2000.0,

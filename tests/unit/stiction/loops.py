@@ -20,7 +20,7 @@ def sines(n, period, phase):
 
 
 def detect(detector, op, pv, period, *, mv=None, hints=None):
-    """What the detector says of signals that swing with the period, s; one sample a second."""
+    """The result of the detector for signals that oscillate with the period, s; one sample a second."""
     window = LoopWindow("made", 0.0, 1.0, op, pv, mv=mv, hints=hints or LoopHints())
     return detector.detect(window, Oscillation(detected=True, period=period, regularity=REGULAR))
 

@@ -48,7 +48,7 @@ def test_a_wave_of_its_own_time_is_from_outside():
         assert line.frequency == pytest.approx(frequency / 2.0, rel=0.02)
 
 
-def test_an_even_cycle_cannot_be_told_from_outside():
+def test_an_even_cycle_cannot_be_distinguished_from_outside():
     rng = np.random.default_rng(3)
     cycles = np.arange(N) / 60
     residual = np.sin(2 * np.pi * cycles) + 0.3 * rng.normal(size=N)

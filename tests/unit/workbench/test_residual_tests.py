@@ -75,7 +75,7 @@ def test_a_lag_that_the_model_lacks_is_seen_where_it_is():
     assert 1 + int(np.argmax(np.abs(found.correlation))) == 7
 
 
-def test_independence_of_what_cannot_tell():
+def test_independence_without_information():
     rng = np.random.default_rng(0)
     assert independence(np.zeros(N), rng.normal(size=N)) is None
     assert independence(rng.normal(size=N), np.ones(N)) is None

@@ -26,7 +26,7 @@ def test_a_logarithm_is_halfway_at_the_geometric_mean():
     assert middle == pytest.approx(np.sqrt(parameter.low * parameter.high))
 
 
-def test_bounds_are_told_but_not_of_where_a_record_begins():
+def test_bounds_are_reported_but_not_of_where_a_record_begins():
     low = SPACE.values(np.zeros(len(SPACE)))
     assert SPACE.at_bound(low) == ("delay", "tau")  # a band of 0 is no band: nothing ran anywhere
     high = SPACE.values(np.ones(len(SPACE)))

@@ -17,7 +17,7 @@ from agent.workbench.residual.where import beside, where_it_fails
 AXES = {"op_level", "op_rate", "travel_since_reversal", "time"}
 
 
-def asked(op, pv, *, slack=False):
+def dependence(op, pv, *, slack=False):
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
     fitted = fit(LoopModel(Fopdt()), record, record.weight)
     if slack:
@@ -30,7 +30,7 @@ def worst(found):
 
 
 def test_a_loop_that_lacks_nothing_is_seldom_accused():
-    least = [min(each.p for each in asked(*loop(seed, slack=0.0)).values()) for seed in range(12)]
+    least = [min(each.p for each in dependence(*loop(seed, slack=0.0)).values()) for seed in range(12)]
     assert sum(DOUBTED * p < LEVEL for p in least) <= 2
     assert min(least) > 1e-4
 
@@ -45,12 +45,12 @@ def test_a_loop_that_lacks_nothing_is_seldom_accused():
     ],
 )
 def test_slack_shows_in_the_travel_and_is_gone_once_it_is_modelled(seed, plainest):
-    """Of seed 2 the speed of OP tells even more: a slack hides slow moves."""
-    found = asked(*loop(seed, slack=1.5))
+    """Of seed 2 the speed of OP shows even more: a slack hides slow moves."""
+    found = dependence(*loop(seed, slack=1.5))
     assert set(found) == AXES
     assert worst(found) == plainest
     assert found["travel_since_reversal"].p < 1e-6
-    modelled = asked(*loop(seed, slack=1.5), slack=True)
+    modelled = dependence(*loop(seed, slack=1.5), slack=True)
     assert min(each.p for each in modelled.values()) > 1e-3
     assert resolves(found, modelled)
     assert not resolves(found, found)
@@ -77,7 +77,7 @@ def test_what_is_left_on_another_axis_is_not_resolved():
 )
 def test_another_gain_shows_where_it_is(axis, part):
     op, pv = loop(1, slack=0.0)
-    found = asked(op, pv + answered_more(op, part(op)))
+    found = dependence(op, pv + answered_more(op, part(op)))
     assert worst(found) == axis
     assert found[axis].p < 1e-6
 
@@ -87,7 +87,7 @@ def test_a_lag_that_the_base_lacks_shows_in_the_rate():
     response, slow = free_run(op, 0.0), np.zeros(N)
     for t in range(1, N):
         slow[t] = 0.85 * slow[t - 1] + 0.15 * response[t]
-    found = asked(op, pv - response + slow)
+    found = dependence(op, pv - response + slow)
     assert found["op_rate"].p < 1e-3
 
 
