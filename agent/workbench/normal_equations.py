@@ -16,7 +16,7 @@ def gain_and_lowered(
 ) -> tuple[float, float]:
     """Return the coefficient of the first column taken, and by how much all lower the squares of the values.
 
-    Compiled, for it is asked for hundreds of thousands of times, and numpy takes longer to be called than to
+    Compiled, for it is called hundreds of thousands of times, and numpy takes longer to be called than to
     reckon.
 
     Args:

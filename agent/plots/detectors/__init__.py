@@ -73,7 +73,7 @@ def detectors_figure(loop: str, methods: Mapping[str, MethodResult]) -> Figure |
         PICTURES[name](axes, result.seen)
         axes.set_title(_title(name, result), fontsize=10, loc="left")
         tidy(axes)
-    for axes in panels:  # of the last row, what is left over
+    for axes in panels:  # the unused panels of the last row
         axes.remove()
     figure.suptitle(f"{loop}: measurements of the detectors", x=0.01, ha="left", fontsize=12)
     return figure
