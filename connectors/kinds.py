@@ -1,15 +1,16 @@
-"""The buses slipjump speaks: a new one is one more entry of ``KINDS``.
+"""The registered buses: those built in and those of installed packages (docs/howto/own_connector.md).
 
 A bus's library is imported when the first connection of its kind is made: asyncua takes 0.6 s and 40 MB.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from collections.abc import Mapping
+from importlib.metadata import entry_points
+from typing import Any
 
 from connectors.base import Connector
+from connectors.kind import ROLES, ConnectorKind
 from connectors.modbus.options import ModbusOptions, ModbusTag, ModbusTarget
 from connectors.modbus.options import short_tag as modbus_tag
 from connectors.modbus_server.connector import ModbusServerConnector
@@ -19,32 +20,8 @@ from connectors.mqtt.options import short_tag as mqtt_tag
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
 from connectors.opcua.options import short_tag as opcua_tag
 from connectors.opcua_server.options import OpcUaServerOptions, OpcUaServerTarget
-from connectors.options import LoopTags, NoTag, Options, TagT, Target, TargetT
+from connectors.options import LoopTags, NoTag, Options, Target
 from connectors.sparkplug.options import SparkplugOptions, SparkplugTarget
-
-OptionsT = TypeVar("OptionsT", bound=Options)
-ROLES = ("pv", "op", "sp", "mv", "mode")
-"""What a tag can be to its loop."""
-
-
-@dataclass(frozen=True, slots=True)
-class ConnectorKind(Generic[OptionsT, TagT, TargetT]):
-    """A bus: the models of its part of the configuration file, and how a connection is made of them."""
-
-    kind: str
-    """``kind`` of an entry in ``connections``."""
-    options: type[OptionsT]
-    """The entry's other keys."""
-    tag: type[TagT]
-    """One entry of a loop's ``tags``."""
-    target: type[TargetT]
-    """One entry of a loop's ``publish``."""
-    open: Callable[[str, OptionsT, Mapping[str, LoopTags[TagT, TargetT]]], Connector]
-    """Connection name, its options, loop name -> what it reads and writes there. Opens nothing yet."""
-    roles: tuple[str, ...] = ROLES
-    """Keys allowed in a loop's ``tags``; empty where nothing is read from it, with ``NoTag`` as ``tag``."""
-    short: Callable[[str], Mapping[str, str]] | None = None
-    """Returns an address that is one text, as lists of loops have it, as an entry of ``tags``."""
 
 
 def _modbus(
@@ -85,15 +62,40 @@ def _sparkplug(
     return SparkplugConnector(name, options, loops)
 
 
-KINDS: tuple[ConnectorKind[Any, Any, Any], ...] = (
+BUILT_IN: tuple[ConnectorKind[Any, Any, Any], ...] = (
     ConnectorKind("modbus", ModbusOptions, ModbusTag, ModbusTarget, _modbus, (*ROLES, "time"), modbus_tag),
     ConnectorKind(
-        "modbus_server", ModbusServerOptions, NoTag, ModbusServerTarget, ModbusServerConnector, roles=()
+        "modbus_server",
+        ModbusServerOptions,
+        NoTag,
+        ModbusServerTarget,
+        ModbusServerConnector,
+        roles=(),
+        listens=True,
     ),
     ConnectorKind("opcua", OpcUaOptions, OpcUaTag, OpcUaTarget, _opcua, short=opcua_tag),
-    ConnectorKind("opcua_server", OpcUaServerOptions, NoTag, OpcUaServerTarget, _opcua_server, roles=()),
+    ConnectorKind(
+        "opcua_server", OpcUaServerOptions, NoTag, OpcUaServerTarget, _opcua_server, roles=(), listens=True
+    ),
     ConnectorKind("mqtt", MqttOptions, MqttTag, MqttTarget, _mqtt, short=mqtt_tag),
     ConnectorKind("sparkplug", SparkplugOptions, NoTag, SparkplugTarget, _sparkplug, roles=()),
 )
+ENTRY_POINTS = "slipjump.connectors"
+"""Group under which an installed package offers a ``ConnectorKind``."""
 
-__all__ = ["KINDS", "ROLES", "ConnectorKind", "LoopTags", "Options", "Target"]
+
+def _installed() -> tuple[ConnectorKind[Any, Any, Any], ...]:
+    """Return the kinds of installed packages; raises ValueError where a name is taken."""
+    known = {each.kind: each for each in BUILT_IN}
+    for entry in entry_points(group=ENTRY_POINTS):
+        own: ConnectorKind[Any, Any, Any] = entry.load()
+        if own.kind in known:
+            raise ValueError(f"{entry.value} offers a connector of kind {own.kind!r}, which exists already")
+        known[own.kind] = own
+    return tuple(known.values())[len(BUILT_IN) :]
+
+
+KINDS: tuple[ConnectorKind[Any, Any, Any], ...] = (*BUILT_IN, *_installed())
+"""All of them. Each is checked by ``connectors.checks`` in tests/contracts/test_connector_kinds.py."""
+
+__all__ = ["BUILT_IN", "ENTRY_POINTS", "KINDS", "ROLES", "ConnectorKind", "LoopTags", "Options", "Target"]

@@ -1,37 +1,37 @@
-"""What every bus in the registry promises."""
+"""What every registered bus promises: the checks of ``connectors.checks``, and the models of its options."""
+
+from functools import partial
 
 import pytest
 from pydantic import ValidationError
 
-from connectors.base import Connector
-from connectors.kinds import KINDS, ROLES, LoopTags
+from connectors.checks import LOOPS, checks_of, garbage
+from connectors.kinds import KINDS, ROLES
 from connectors.options import NoTag
-
-OPTIONS = {"opcua": {"url": "opc.tcp://127.0.0.1:4840"}}
-TAGS = {
-    "modbus": {"table": "input", "address": 0},
-    "opcua": {"node": "ns=2;s=FIC101.PV"},
-    "mqtt": {"topic": "plant/FIC101/PV"},
-}
+from simulators.servers.peers import peers_of
 
 each_kind = pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.kind)
+OFTEN = 10_000
+
+
+def items():
+    """Each check of each kind; garbage ten thousand times in the bench."""
+    for kind in KINDS:
+        for check in checks_of(kind):
+            yield pytest.param(kind, check, id=f"{kind.kind}-{check.__name__}")
+        often = garbage.clients_may_send_garbage if kind.listens else garbage.garbage_is_a_loss
+        marks = [pytest.mark.bench, pytest.mark.timeout(3600)]
+        name = f"{kind.kind}-{often.__name__}-often"
+        yield pytest.param(kind, partial(often, times=OFTEN), id=name, marks=marks)
+
+
+@pytest.mark.parametrize(("kind", "check"), list(items()))
+async def test_contract(kind, check):
+    await check(kind, peers_of(kind))
 
 
 def test_names_differ():
     assert len({kind.kind for kind in KINDS}) == len(KINDS)
-
-
-@each_kind
-def test_opens_nothing_before_a_session_is_asked_for(kind):
-    options = kind.options.model_validate(OPTIONS.get(kind.kind, {}))
-    loops = {
-        "FIC101": LoopTags(
-            dict.fromkeys(kind.roles, kind.tag.model_validate(TAGS.get(kind.kind, {}))),
-            [kind.target.model_validate({"connection": "unit1"})],
-        )
-    }
-    connector: Connector = kind.open("unit1", options, loops)
-    assert connector.name == "unit1"
 
 
 @each_kind
@@ -40,25 +40,27 @@ def test_takes_every_role_or_none(kind):
 
 
 @each_kind
-@pytest.mark.parametrize("part", ["options", "tag", "target"])
-def test_an_unknown_key_is_a_fault(kind, part):
-    known = {
-        "options": OPTIONS.get(kind.kind, {}),
-        "tag": TAGS.get(kind.kind, {}),
-        "target": {"connection": "unit1"},
-    }
-    model = getattr(kind, part)
-    model.model_validate(known[part])
-    with pytest.raises(ValidationError, match="typo"):
-        model.model_validate({**known[part], "typo": 1})
+async def test_an_unknown_key_is_a_fault(kind):
+    async with peers_of(kind)() as peer:
+        loop = peer.loop(LOOPS[0])
+        known = [
+            (kind.options, peer.connection()),
+            *((kind.tag, tag) for tag in loop["tags"].values()),
+            *((kind.target, {"connection": "unit1", **target}) for target in loop["publish"]),
+        ]
+    assert len(known) >= 2
+    for model, entry in known:
+        model.model_validate(entry)
+        with pytest.raises(ValidationError, match="typo"):
+            model.model_validate({**entry, "typo": 1})
 
 
 @each_kind
-def test_every_option_tells_what_it_is(kind):
+def test_every_option_has_a_description(kind):
     schema = kind.options.model_json_schema()
-    plain = {"host", "port"}
-    assert all(
-        "description" in schema["properties"][name]
-        for name in schema["properties"]
-        if name not in plain | {"url"}
-    )
+    plain = {"host", "port", "url"}
+    assert [
+        name
+        for name, entry in schema["properties"].items()
+        if "description" not in entry and name not in plain
+    ] == []

@@ -17,13 +17,13 @@ from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AlarmSettings, ConnectionSettings, WindowSettings, settings_of
 from agent.settings.load import connectors_of
 from connectors.base import Sample
+from connectors.checks.proxy import FaultProxy
 from connectors.options import Options
 from simulators.servers.modbus import ModbusServer
 from simulators.servers.mqtt import MqttServer
 from simulators.servers.opcua import OpcUaServer
 from tests.conftest import ROOT
 from tests.faults.peer import LOOPS, TS, TURN, truth
-from tests.faults.proxy import FaultProxy
 from tests.unit.alarms.test_alarm import diagnosis
 from tests.unit.runtime.loops import loop_settings
 

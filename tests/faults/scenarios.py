@@ -5,7 +5,7 @@ import time
 
 from agent.runtime.store.change import Change, Waiting
 from connectors.base import Publication
-from tests.faults import proxy as faults
+from connectors.checks import proxy as faults
 from tests.faults.peer import TURN
 from tests.faults.rig import until
 

@@ -7,9 +7,9 @@ import sys
 
 import pytest
 
+from connectors.checks import proxy as faults
+from connectors.checks.proxy import FaultProxy
 from tests.conftest import ROOT
-from tests.faults import proxy as faults
-from tests.faults.proxy import FaultProxy
 from tests.faults.rig import DEADLINE, Consumer, Peer
 
 FAULTS = (

@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-from tests.faults import proxy as faults
-from tests.faults.proxy import FaultProxy
+from connectors.checks import proxy as faults
+from connectors.checks.proxy import FaultProxy
 
 ANSWER = bytes(range(256)) * 4
 

@@ -1,11 +1,13 @@
-"""The three buses with their servers, and a reader that keeps what it got."""
+"""Servers of the buses with loops whose rows are given, and brokers."""
 
 import asyncio
 import contextlib
 import math
 import socket
 
-from connectors.base import Order, Quality
+from connectors.base import Quality
+from connectors.checks import Reader
+from connectors.checks.session import until
 from connectors.kinds import KINDS, LoopTags
 from simulators.clock import Clock
 from simulators.plant import Row
@@ -104,60 +106,9 @@ def connector_to(server, loops, **options):
     return connector_of({**server.connection_settings(), **options}, entries)
 
 
-class Reading:
-    """Reads a session until it is told to stop, and keeps all samples."""
-
-    def __init__(self, session):
-        self._session = session
-        self.samples = []
-        self.orders = []
-        self._newest = {}
-        self._ended = False
-
-    def seen(self, loop):
-        return self._newest.get(loop)
-
-    def of(self, tag):
-        return [sample for sample in self.samples if sample.tag == tag]
-
-    async def _run(self):
-        async with contextlib.aclosing(self._session.samples()) as samples:
-            async for sample in samples:
-                if isinstance(sample, Order):
-                    self.orders.append(sample)
-                    continue
-                self.samples.append(sample)
-                self._newest[sample.tag.split(".")[0]] = sample.time
-
-    async def __aenter__(self):
-        self._task = asyncio.create_task(self._run())
-        return self
-
-    async def __aexit__(self, *_):
-        if self._ended:
-            return
-        self._task.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await self._task
-
-    async def end(self, within):
-        """Wait for the reading to end by itself and raise what it raised."""
-        async with asyncio.timeout(within):
-            await asyncio.wait([self._task])
-        self._ended = True
-        return self._task.result()
-
-
-async def until(condition, within=10.0):
-    """Wait for a condition, or fail."""
-    async with asyncio.timeout(within):
-        while not condition():  # noqa: ASYNC110 - what is waited for happens in a server
-            await asyncio.sleep(0.002)
-
-
 async def played(server, connector, sources):
     """Play all sources flat out to a session of the connector; return what it read."""
-    async with connector.session() as session, Reading(session) as reading:
+    async with connector.session() as session, Reader(session) as reading:
         await play(sources, server, Clock(None), reading.seen)
         total = sum(len(list(source.rows())) * len(next(source.rows()).values) for source in sources)
         await until(lambda: len(reading.samples) >= total)

@@ -3,7 +3,8 @@
 import contextlib
 
 from asyncua import Client, ua
-from buses import until
+
+from connectors.checks.session import until
 
 PERIOD = 50
 """ms."""

@@ -5,12 +5,14 @@ import math
 import time
 
 import pytest
-from buses import Reading, connector_of, connector_to, until, wave
+from buses import connector_of, connector_to, wave
 from pymodbus.client import AsyncModbusTcpClient
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
 from connectors.base import Publication, Quality, RefusedError
+from connectors.checks import Reader
+from connectors.checks.session import until
 from connectors.modbus.codec import decode
 from simulators.servers.modbus import ModbusServer
 
@@ -67,7 +69,7 @@ OP = {"table": "holding", "address": 21, "type": "uint16", "scale": 0.1}
 async def test_all_tags_of_a_loop_come_in_one_request_and_have_one_time():
     async with Device() as device:
         connector = connector_of(device.connection(address_base=1), [loop(pv=PV, op=OP)])
-        async with connector.session() as session, Reading(session) as reading:
+        async with connector.session() as session, Reader(session) as reading:
             await until(lambda: len(reading.samples) >= 4)
         assert set(device.requests) == {(3, 10, 11)}
     pv, op = reading.samples[:2]
@@ -80,7 +82,7 @@ async def test_all_tags_of_a_loop_come_in_one_request_and_have_one_time():
 async def test_polls_keep_their_distance():
     async with Device() as device:
         connector = connector_of(device.connection(poll=0.05), [loop(pv=PV)])
-        async with connector.session() as session, Reading(session) as reading:
+        async with connector.session() as session, Reader(session) as reading:
             await until(lambda: len(reading.samples) >= 6)
         times = [sample.time for sample in reading.samples]
         assert times[5] - times[0] > 0.2
@@ -90,7 +92,7 @@ async def test_an_illegal_address_is_a_bad_value_with_the_code_and_spares_the_ot
     async with Device() as device:
         outside = {"table": "holding", "address": 70, "type": "int16"}
         connector = connector_of(device.connection(address_base=1), [loop(pv=PV, op=OP, sp=outside)])
-        async with connector.session() as session, Reading(session) as reading:
+        async with connector.session() as session, Reader(session) as reading:
             await until(lambda: any(sample.quality is Quality.GOOD for sample in reading.of("FIC101.pv")))
             await until(lambda: len(reading.of("FIC101.sp")) >= 3)
     assert all((s.quality, s.code) == (Quality.BAD, 2) for s in reading.of("FIC101.sp"))
@@ -100,7 +102,7 @@ async def test_an_illegal_address_is_a_bad_value_with_the_code_and_spares_the_ot
 async def test_a_coil_is_a_mode():
     async with Device() as device:
         connector = connector_of(device.connection(), [loop(pv=PV, mode={"table": "coil", "address": 3})])
-        async with connector.session() as session, Reading(session) as reading:
+        async with connector.session() as session, Reader(session) as reading:
             await until(lambda: reading.of("FIC101.mode"))
     assert reading.of("FIC101.mode")[0].value == 1.0
 
@@ -108,7 +110,7 @@ async def test_a_coil_is_a_mode():
 async def test_a_source_time_seen_before_is_no_new_sample_and_none_is_no_sample():
     async with ModbusServer({"FIC101": ("pv", "op")}) as server:
         first, second = wave("FIC101", 2, roles=("pv", "op")).rows()
-        async with connector_to(server, ["FIC101"]).session() as session, Reading(session) as reading:
+        async with connector_to(server, ["FIC101"]).session() as session, Reader(session) as reading:
             await asyncio.sleep(0.05)
             assert reading.samples == []
             await server.put("FIC101", first)

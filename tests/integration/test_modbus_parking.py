@@ -5,9 +5,11 @@ import contextlib
 import struct
 
 import pytest
-from buses import Reading, connector_of, until
+from buses import connector_of
 
 from connectors.base import ConnectionLostError, Quality
+from connectors.checks import Reader
+from connectors.checks.session import until
 from connectors.modbus import block_reader, parking
 
 UNREACHABLE = 11
@@ -78,7 +80,7 @@ def _probe_often(monkeypatch):
 
 async def lost(connector):
     """What a session reads until it is lost."""
-    async with connector.session() as session, Reading(session) as reading:
+    async with connector.session() as session, Reader(session) as reading:
         with pytest.raises(ConnectionLostError):
             await reading.end(30)
     return reading
@@ -92,7 +94,7 @@ async def test_a_silent_block_is_asked_for_apart_while_the_others_are_read(caplo
     async with Device() as device:
         device.silent = {100}
         with caplog.at_level("INFO"):
-            async with device.connector().session() as session, Reading(session) as reading:
+            async with device.connector().session() as session, Reader(session) as reading:
                 await until(lambda: device.asked.count(100) >= 4)
                 polls = len(good(reading, "FIC101"))
                 missing = reading.of("FIC102.pv")
@@ -110,7 +112,7 @@ async def test_on_a_device_that_allows_one_connection_it_is_asked_for_on_that(ca
     async with Device() as device:
         device.silent, device.most_connections = {100}, 1
         with caplog.at_level("INFO"):
-            async with device.connector().session() as session, Reading(session) as reading:
+            async with device.connector().session() as session, Reader(session) as reading:
                 await until(lambda: device.asked.count(100) >= 3)
                 polls = len(good(reading, "FIC101"))
                 assert polls > 2 * device.asked.count(100)
@@ -124,7 +126,7 @@ async def test_a_block_that_holds_up_its_connection_is_left_out_of_the_next():
         device.slow = {100}
         connector = device.connector()
         await lost(connector)
-        async with connector.session() as session, Reading(session) as reading:
+        async with connector.session() as session, Reader(session) as reading:
             await until(lambda: len(good(reading, "FIC101")) >= 20 and len(reading.of("FIC102.pv")) >= 20)
             assert good(reading, "FIC102") == []
             device.slow = set()
@@ -137,14 +139,14 @@ async def test_a_device_that_is_silent_as_a_whole_is_lost():
         connector = device.connector()
         assert (await lost(connector)).samples == []
         device.silent = set()
-        async with connector.session() as session, Reading(session) as reading:
+        async with connector.session() as session, Reader(session) as reading:
             await until(lambda: good(reading, "FIC101") and good(reading, "FIC102"))
 
 
 async def test_a_unit_that_its_gateway_cannot_reach_is_asked_now_and_then():
     async with Device() as device:
         device.unreachable = True
-        async with device.connector().session() as session, Reading(session) as reading:
+        async with device.connector().session() as session, Reader(session) as reading:
             await until(lambda: len(device.asked) >= 3)
             bad = reading.of("FIC102.pv")
             assert {(sample.quality, sample.code) for sample in bad} == {(Quality.BAD, UNREACHABLE)}

@@ -6,7 +6,7 @@ import ssl
 import struct
 
 import pytest
-from buses import free_port, listens, until
+from buses import free_port, listens
 from pymodbus.client import AsyncModbusTcpClient, AsyncModbusTlsClient
 from secure_peers import HOST, make_keys
 
@@ -14,6 +14,7 @@ from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, ConnectionSettings, Settings
 from connectors.base import AccessDeniedError, ConnectionLostError, Order, Publication
+from connectors.checks.session import until
 from connectors.modbus.codec import decode
 from connectors.modbus_server import register_map as at
 from connectors.modbus_server.connector import ModbusServerConnector

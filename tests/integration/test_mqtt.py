@@ -6,9 +6,11 @@ import math
 
 import pytest
 from aiomqtt import Client
-from buses import Reading, assert_same, connector_of, connector_to, mosquitto_broker, played, until, wave
+from buses import assert_same, connector_of, connector_to, mosquitto_broker, played, wave
 
 from connectors.base import ConnectionLostError, Publication, Quality
+from connectors.checks import Reader
+from connectors.checks.session import until
 from simulators.servers.broker import embedded_broker
 from simulators.servers.mqtt import MqttServer
 
@@ -38,7 +40,7 @@ async def test_a_killed_mosquitto_is_told(mosquitto, tmp_path):
     async with (
         mosquitto_broker(mosquitto, tmp_path) as (port, process),
         topics(port, pv={"topic": "a"}).session() as session,
-        Reading(session) as reading,
+        Reader(session) as reading,
     ):
         async with Client("127.0.0.1", port) as plant:
             await plant.publish("a", "1", qos=1, retain=True)
@@ -80,7 +82,7 @@ async def test_bare_numbers_and_garbage(caplog):
         tags = {"pv": {"topic": "plant/pv"}, "op": {"topic": "plant/op"}, "mode": {"topic": "plant/mode"}}
         async with (
             topics(port, **tags).session() as session,
-            Reading(session) as reading,
+            Reader(session) as reading,
             Client("127.0.0.1", port) as plant,
         ):
             await plant.publish("plant/pv", "1.5", qos=1, retain=True)

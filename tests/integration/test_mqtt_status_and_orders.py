@@ -9,7 +9,7 @@ import time
 
 import pytest
 from aiomqtt import Client, ProtocolVersion
-from buses import Reading, connector_of, mosquitto_broker, until
+from buses import connector_of, mosquitto_broker
 
 from agent.alarms import State
 from agent.runtime.agent import Agent
@@ -17,6 +17,8 @@ from agent.runtime.commission.probe import probe
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import settings_of
 from connectors.base import Order, Publication, RefusedError
+from connectors.checks import Reader
+from connectors.checks.session import until
 from tests.unit.runtime.test_agent import judged
 
 ALARM = {"schema": 1, "active": True, "s": 4.0, "j": math.nan}
@@ -143,7 +145,7 @@ async def test_orders_are_read_and_retained_ones_are_not(mosquitto, tmp_path):
         await person.publish(topic, json.dumps({"action": "unshelve", "by": "ghost"}), qos=1, retain=True)
         bus = connector(port, orders=True)
         assert bus.takes_orders
-        async with bus.session() as session, Reading(session) as reading:
+        async with bus.session() as session, Reader(session) as reading:
             await until(lambda: bus.orders.retained == 1)
             for number in ("1", "1", "2"):
                 order = {"action": "acknowledge", "by": "jane", "id": number}

@@ -4,9 +4,11 @@ import math
 
 import pytest
 from asyncua import Client, ua
-from buses import START, Reading, connector_of, connector_to, until, wave
+from buses import START, connector_of, connector_to, wave
 
 from connectors.base import ConnectionLostError, Publication, Quality, RefusedError
+from connectors.checks import Reader
+from connectors.checks.session import until
 from simulators.plant import Row
 from simulators.servers.opcua import OpcUaServer
 
@@ -22,7 +24,7 @@ async def read(server, node):
 
 async def test_a_value_measured_again_counts_though_it_is_the_same():
     async with serving() as server:
-        async with connector_to(server, ["FIC101"]).session() as session, Reading(session) as reading:
+        async with connector_to(server, ["FIC101"]).session() as session, Reader(session) as reading:
             for i in range(5):
                 await server.put("FIC101", Row(START + i, {"pv": 1.0, "op": 50.0, "mode": "AUTO"}))
                 await until(lambda: reading.of("FIC101.op"))  # from the first on, it is subscribed
@@ -32,7 +34,7 @@ async def test_a_value_measured_again_counts_though_it_is_the_same():
 
 async def test_a_bad_status_is_a_bad_value_with_its_code():
     async with serving() as server:
-        async with connector_to(server, ["FIC101"]).session() as session, Reading(session) as reading:
+        async with connector_to(server, ["FIC101"]).session() as session, Reader(session) as reading:
             await server.put("FIC101", Row(START, {"pv": math.nan, "op": 1.0, "mode": "MAN"}))
             await until(lambda: len(reading.samples) == 3)
         (pv,) = reading.of("FIC101.pv")
@@ -45,7 +47,7 @@ async def test_an_unknown_node_is_told_once_and_found_when_it_comes():
         entry = server.loop_settings("FIC101", 1.0)
         entry["tags"]["sp"] = {"node": "ns=2;s=FIC101.LATE"}
         connector = connector_of({**server.connection_settings(), "retry": 0.05}, [entry])
-        async with connector.session() as session, Reading(session) as reading:
+        async with connector.session() as session, Reader(session) as reading:
             await until(lambda: reading.of("FIC101.sp"))
             await server.put("FIC101", next(wave("FIC101", 1).rows()))
             await until(lambda: reading.of("FIC101.pv"))
@@ -62,7 +64,7 @@ async def test_a_server_that_answers_but_no_longer_publishes_is_told():
         quick = {"timeout": 0.4, "keep_alive": 2}
         async with (
             connector_to(server, ["FIC101"], **quick).session() as session,
-            Reading(session) as reading,
+            Reader(session) as reading,
         ):
             await server.put("FIC101", next(wave("FIC101", 1).rows()))
             await until(lambda: reading.samples)
@@ -77,7 +79,7 @@ async def test_silence_of_a_healthy_server_is_no_loss():
         quick = {"timeout": 0.2, "keep_alive": 2}
         async with (
             connector_to(server, ["FIC101"], **quick).session() as session,
-            Reading(session) as reading,
+            Reader(session) as reading,
         ):
             await until(lambda: session._client.state.name == "CONNECTED")
             with pytest.raises(TimeoutError):
@@ -114,7 +116,7 @@ async def test_a_node_that_is_made_anew_is_found_and_spares_the_others():
         connector = connector_of(
             {**server.connection_settings(), "retry": 0.1}, [server.loop_settings("FIC101", 1.0)]
         )
-        async with connector.session() as session, Reading(session) as reading:
+        async with connector.session() as session, Reader(session) as reading:
             rows = wave("FIC101", 1000, roles=("pv", "op", "mode")).rows()
             await server.put("FIC101", next(rows))
             await until(lambda: reading.of("FIC101.pv"))
@@ -136,7 +138,7 @@ async def test_a_node_that_the_server_forgot_to_report_is_watched_anew():
         connector = connector_of(
             {**server.connection_settings(), "retry": 0.1}, [server.loop_settings("FIC101", 1.0)]
         )
-        async with connector.session() as session, Reading(session) as reading:
+        async with connector.session() as session, Reader(session) as reading:
             first, second = wave("FIC101", 2, roles=("pv", "op", "mode")).rows()
             await server.put("FIC101", first)
             await until(lambda: reading.of("FIC101.pv"))

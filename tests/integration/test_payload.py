@@ -10,13 +10,14 @@ import time
 
 import pytest
 from aiomqtt import Client
-from buses import mosquitto_broker, until
+from buses import mosquitto_broker
 from jsonschema import Draft202012Validator
 
 from agent.alarms import Command, Event
 from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import settings_of
+from connectors.checks.session import until
 from connectors.mqtt.orders import OrderMessage
 from tests.conftest import ROOT
 from tests.unit.alarms.test_alarm import diagnosis

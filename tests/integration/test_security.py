@@ -7,13 +7,15 @@ from dataclasses import replace
 import pytest
 import pytest_asyncio
 from asyncua import ua
-from buses import Reading, connector_of, free_port, until
+from buses import connector_of, free_port
 from secure_peers import HOST, PASSWORD, make_keys, secure_broker, secure_device, secure_server
 
 from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import settings_of
 from connectors.base import AccessDeniedError, ConnectionLostError, Publication
+from connectors.checks import Reader
+from connectors.checks.session import until
 
 in_the_loop_of_the_server = pytest.mark.asyncio(loop_scope="module")
 ALARM = Publication("FIC101", "state", "1", {"active": True, "s": 4.0})
@@ -81,7 +83,7 @@ def security(keys, client="opcua", **server):
 async def denied(connector):
     """Open a session, ask for a sample, and return what is said instead."""
     with pytest.raises((ConnectionLostError, ExceptionGroup)) as caught:
-        async with connector.session() as session, Reading(session) as reading:
+        async with connector.session() as session, Reader(session) as reading:
             await reading.end(within=5.0)
     assert isinstance(caught.value, AccessDeniedError), caught.value
     return str(caught.value)
@@ -91,7 +93,7 @@ async def denied(connector):
 async def test_mqtt_with_tls_client_certificate_and_password(mosquitto, tmp_path, keys, password, version):
     async with secure_broker(mosquitto, tmp_path, keys, ask=True) as port:
         known = {"version": version, "tls": tls(keys, "client"), "user": "agent", "password": password}
-        async with mqtt(port, **known).session() as session, Reading(session) as reading:
+        async with mqtt(port, **known).session() as session, Reader(session) as reading:
             async with mqtt(port, client="plant", **known).session() as plant:
                 await plant._client.publish("pv", "1.5", qos=1, retain=True)
             await until(lambda: reading.samples)
@@ -134,7 +136,7 @@ async def test_modbus_with_tls_and_client_certificate(keys):
     async with (
         secure_device(keys) as port,
         modbus(port, tls=tls(keys, "client")).session() as session,
-        Reading(session) as reading,
+        Reader(session) as reading,
     ):
         await until(lambda: reading.samples)
         await session.publish(ALARM)
@@ -165,7 +167,7 @@ async def test_opcua_signed_and_encrypted_with_login(guarded, keys, password, kn
         "certificate": {"certificate": f"{keys}/client.der", "key": f"{keys}/client-key.pem"},
     }[login]
     connector = opcua(guarded, security=security(keys, **server), login=who)
-    async with connector.session() as session, Reading(session) as reading:
+    async with connector.session() as session, Reader(session) as reading:
         await until(lambda: reading.samples, within=30.0)
         before = reading.samples[0].value
         await session.publish(replace(ALARM, fields={"s": before + 1}))

@@ -6,13 +6,15 @@ import socket
 
 import pytest
 from aiomqtt import Client
-from buses import Reading, connector_of, mosquitto_broker, until
+from buses import connector_of, mosquitto_broker
 
 from agent.alarms import Alarm, Announcement, Command
 from connectors.base import ConnectionLostError, Order, Publication
+from connectors.checks import Reader
+from connectors.checks.proxy import BLACK_HOLE, REFUSE, STALL, FaultProxy
+from connectors.checks.session import until
 from connectors.sparkplug.metrics import METRICS, REBIRTH
 from connectors.sparkplug.payload import DataType, Metric, decode, encode
-from tests.faults.proxy import BLACK_HOLE, REFUSE, STALL, FaultProxy
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.test_agent import agent_of
 
@@ -95,7 +97,7 @@ async def command(client, verb, device=None, **values):
 async def test_birth_data_rebirth_and_both_kinds_of_death(mosquitto, tmp_path, version):
     async with mosquitto_broker(mosquitto, tmp_path) as (port, _), host(port) as (client, heard):
         bus = connector(port, "FIC101", "FIC102", version=version)
-        async with bus.session() as session, Reading(session):
+        async with bus.session() as session, Reader(session):
             await session.publish(publication(state="unacked_active", s=4.0))
             await until(lambda: len(heard) == 4)
             await command(client, "NCMD", **{REBIRTH: (True, DataType.BOOLEAN)})
@@ -129,7 +131,7 @@ async def test_a_command_is_an_order_and_a_retained_or_broken_one_is_not(mosquit
         kept = encode([Metric("Alarm/Unshelve", *yes)], NOW)
         await client.publish(NODE.format("DCMD") + "/FIC101", kept, retain=True)
         bus = connector(port, orders=True)
-        async with bus.session() as session, Reading(session) as reading:
+        async with bus.session() as session, Reader(session) as reading:
             await until(lambda: bus.retained == 1)
             for raw in (b"\xff\xff", encode([Metric("Alarm/Active", *yes)], NOW)):
                 await client.publish(NODE.format("DCMD") + "/FIC101", raw)
@@ -145,7 +147,7 @@ async def test_a_command_is_an_order_and_a_retained_or_broken_one_is_not(mosquit
 
 async def test_without_orders_a_host_can_only_ask_for_births(mosquitto, tmp_path):
     async with mosquitto_broker(mosquitto, tmp_path) as (port, _), host(port) as (client, heard):
-        async with connector(port).session() as session, Reading(session) as reading:
+        async with connector(port).session() as session, Reader(session) as reading:
             await command(client, "DCMD", "FIC101", **{"Alarm/Acknowledge": (True, DataType.BOOLEAN)})
             await command(client, "NCMD", **{REBIRTH: (True, DataType.BOOLEAN)})
             await until(lambda: verbs(heard).count("NBIRTH") == 2)
@@ -156,7 +158,7 @@ async def test_a_killed_broker_is_told(mosquitto, tmp_path):
     async with (
         mosquitto_broker(mosquitto, tmp_path) as (port, process),
         connector(port).session() as session,
-        Reading(session) as reading,
+        Reader(session) as reading,
     ):
         process.kill()
         with pytest.raises(ConnectionLostError):

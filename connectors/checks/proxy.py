@@ -9,22 +9,25 @@ TCP loses no byte amid a connection, so this proxy does not either: bytes come l
 with flipped bits (as bad hardware behind the checksum makes them), or the connection ends.
 """
 
+from __future__ import annotations
+
 import asyncio
 import contextlib
 import random
 import socket
 import struct
+from collections.abc import AsyncIterator, Coroutine
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal, Self
 
 CHUNK = 4096
 RESET_ON_CLOSE = struct.pack("ii", 1, 0)
 """SO_LINGER: on, 0 s."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Fault:
-    """What the proxy does from now on. The default is to pass everything on."""
+    """What the proxy does from now on; by default it passes everything on."""
 
     name: str
     resets: bool = False
@@ -71,23 +74,26 @@ class FaultProxy:
         self._fault = HEALTHY
         self._chance = random.Random(seed)
         self._flowing = asyncio.Event()
-        self._links: dict[asyncio.Task, list[asyncio.StreamWriter]] = {}
+        self._links: dict[asyncio.Task[Any] | None, list[asyncio.StreamWriter]] = {}
 
     @property
     def open(self) -> int:
         """Connections that clients have now."""
         return len(self._links)
 
-    async def __aenter__(self):
+    async def __aenter__(self) -> Self:
+        """Begin to listen."""
         self._flowing.set()
         await self._listen()
         return self
 
-    async def __aexit__(self, *_):
+    async def __aexit__(self, *_: object) -> None:
+        """Stop to listen and close every connection."""
         self._server.close()
-        for task in self._links:
+        links = [task for task in self._links if task is not None]
+        for task in links:
             task.cancel()
-        await asyncio.gather(*self._links, return_exceptions=True)
+        await asyncio.gather(*links, return_exceptions=True)
         await self._server.wait_closed()
 
     async def begin(self, fault: Fault) -> None:
@@ -111,7 +117,7 @@ class FaultProxy:
         await self.begin(HEALTHY)
 
     @contextlib.asynccontextmanager
-    async def suffering(self, fault: Fault):
+    async def suffering(self, fault: Fault) -> AsyncIterator[None]:
         """Have a fault for a while."""
         await self.begin(fault)
         try:
@@ -119,15 +125,16 @@ class FaultProxy:
         finally:
             await self.end()
 
-    async def _listen(self):
+    async def _listen(self) -> None:
         self._server = await asyncio.start_server(self._accept, "127.0.0.1", self.port)
         self.port = self._server.sockets[0].getsockname()[1]
 
-    async def _accept(self, reader, writer):
+    async def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self.accepted += 1
         task = asyncio.current_task()
         writers = self._links[task] = [writer]
-        task.add_done_callback(self._links.pop)
+        if task is not None:
+            task.add_done_callback(self._links.pop)
         try:
             if not self._fault.answers:
                 await reader.read()  # until the client gives up
@@ -143,7 +150,7 @@ class FaultProxy:
             for each in writers:
                 each.close()
 
-    async def _pump(self, reader, writer, *, down):
+    async def _pump(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, *, down: bool) -> None:
         left = self._chance.randint(1, 200)
         while data := await reader.read(CHUNK):
             await self._flowing.wait()
@@ -164,7 +171,7 @@ class FaultProxy:
                 continue
             await self._write(writer, data, fault)
 
-    async def _write(self, writer, data, fault):
+    async def _write(self, writer: asyncio.StreamWriter, data: bytes, fault: Fault) -> None:
         while data:
             size = self._chance.randint(1, 3) if fault.slices else len(data)
             if fault.rate is not None:
@@ -176,12 +183,12 @@ class FaultProxy:
                 await asyncio.sleep(0)  # the loop sends this piece before it gets the next
             data = data[size:]
 
-    def _flipped(self, data):
+    def _flipped(self, data: bytes) -> bytes:
         at = self._chance.randrange(len(data))
         return data[:at] + bytes([data[at] ^ (1 << self._chance.randrange(8))]) + data[at + 1 :]
 
 
-async def _first_of(*pumps):
+async def _first_of(*pumps: Coroutine[Any, Any, None]) -> None:
     """Run all until one ends; raise what it raised."""
     tasks = [asyncio.ensure_future(pump) for pump in pumps]
     try:
@@ -194,7 +201,7 @@ async def _first_of(*pumps):
         task.result()
 
 
-def _reset(writer):
+def _reset(writer: asyncio.StreamWriter) -> None:
     """Close with an RST instead of a FIN."""
     sock = writer.get_extra_info("socket")
     if sock is not None and sock.fileno() >= 0:
