@@ -1,4 +1,4 @@
-"""The other end of a bus in a check: a device, broker or client on loopback, and what it is asked to do."""
+"""The other end of a bus in a check: a device, broker or client on loopback, under the control of the check."""
 
 from __future__ import annotations
 

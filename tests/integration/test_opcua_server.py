@@ -10,7 +10,7 @@ import pytest
 import pytest_asyncio
 from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
-from buses import free_port, listens
+from buses import free_port, listens, until
 from opcua_clients import alarm_list, alarms_at, session_around_the_endpoints
 from secure_peers import PASSWORD, make_keys
 
@@ -18,7 +18,6 @@ from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, ConnectionSettings, Settings
 from connectors.base import ConnectionLostError, Order
-from connectors.checks.session import until
 from connectors.opcua_server.asyncua_private import client_sessions, monitored_items
 from connectors.opcua_server.connector import OpcUaServerConnector
 from connectors.opcua_server.listening import look_after
