@@ -1,4 +1,4 @@
-"""The other end of a bus in a check: a device, broker or client on loopback, under the control of the check."""
+"""The other end of a bus in a check: a device, broker or client on loopback that the check controls."""
 
 from __future__ import annotations
 
