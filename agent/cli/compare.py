@@ -6,7 +6,7 @@ import json
 import os
 import sys
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -19,6 +19,7 @@ from agent.cli.common.errors import BAD_INPUT, complain
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
+    from agent.physics.effect import Effect
     from agent.workbench.comparison import Comparison
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.session import Workbench
@@ -72,7 +73,8 @@ def compare(
     from connectors.recording import Columns
 
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
-    _check_names(base, [*(add or ()), *(drop or ())])
+    effects = _effects()
+    _check_names(base, [*(add or ()), *(drop or ())], effects)
     window = _window(recording, columns)
     other = None if validate is None else _window(validate, columns)
     with ExitStack() as stack:
@@ -81,7 +83,7 @@ def compare(
         from agent.workbench.session import Workbench
 
         try:
-            bench = Workbench(window, base, other, without or (), run=run, tell=tell)
+            bench = Workbench(window, base, other, without or (), effects=effects, run=run, tell=tell)
             if bench.reason is None:
                 _steps(bench, load, add or (), drop or ())
                 if auto:
@@ -107,15 +109,24 @@ def compare(
         raise typer.Exit(BAD_INPUT)
 
 
-def _check_names(base: str, names: Iterable[str]) -> None:
+def _effects() -> tuple[Effect, ...]:
+    """Return the effects that may be tried; name each installed one that is left out, and why."""
+    from agent.checks.plug_ins import usable_effects
+
+    found = usable_effects()
+    for line in found.left_out:
+        complain(line)
+    return found.effects
+
+
+def _check_names(base: str, names: Iterable[str], effects: Sequence[Effect]) -> None:
     """Refuse what does not exist before anything is read."""
-    from agent.physics.effects import effects
     from agent.workbench.library import base_named, effect_named
 
     try:
         base_named(base)
         for name in names:
-            effect_named(name, effects())
+            effect_named(name, effects)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from error
 

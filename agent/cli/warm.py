@@ -38,8 +38,8 @@ def _warm_workbench(window: LoopWindow) -> None:
     """Fit every effect on every base that it applies to, in the middle of its parameters."""
     import numpy as np
 
+    from agent.checks.plug_ins import usable_effects
     from agent.physics.bases import BASES
-    from agent.physics.effects import effects
     from agent.physics.loop_model import LoopModel
     from agent.workbench.fit import fit_at
     from agent.workbench.library import applies
@@ -49,8 +49,9 @@ def _warm_workbench(window: LoopWindow) -> None:
     from agent.workbench.space import space_of
 
     record = bare_record(window)
+    effects = usable_effects().effects
     for base in BASES:
-        own = [effect for effect in effects() if applies(effect, base)]
+        own = [effect for effect in effects if applies(effect, base)]
         for model in (LoopModel(base), *(LoopModel(base, (effect,)) for effect in own)):
             space = space_of(model, record.facts)
             target = target_of(record, record.weight, linear=base.linear)

@@ -41,6 +41,7 @@ class Workbench:
         validate: LoopWindow | None = None,
         without: Iterable[str] = (),
         *,
+        effects: Sequence[Effect] | None = None,
         extra: Sequence[Effect] = (),
         run: Map = map,
         tell: Progress = silent,
@@ -52,7 +53,8 @@ class Workbench:
             base: Name of the process that the model begins with.
             validate: Another recording of the same loop; every step is scored on it, nothing fitted.
             without: Effects or families that are not to be tried.
-            extra: Effects beside those that are installed.
+            effects: Built in and installed; None: ``agent.physics.effects.effects``.
+            extra: Effects beside those.
             run: Tries effects, perhaps in parallel.
             tell: Is told what is tried.
 
@@ -61,7 +63,7 @@ class Workbench:
         """
         self.window = window
         self.base = base_named(base)
-        self.installed = (*known_effects(), *extra)
+        self.installed = (*(known_effects() if effects is None else effects), *extra)
         self.library = library(self.installed, self.base, without)
         self.reason: str | None = None
         """In plain words why nothing can be said about the recording; None where something can."""

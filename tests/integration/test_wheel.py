@@ -9,6 +9,7 @@ import zipfile
 
 import pytest
 
+from agent.checks import FAMILIES
 from agent.cli.common.compilation import COMPILING
 from simulators.plant import rows
 from simulators.record_file import write_rows
@@ -59,6 +60,30 @@ def test_the_configuration_travels_and_nothing_else_does(wheel):
         name for name in folders if name.endswith(".dist-info")
     }
     assert not [name for name in names if name.endswith((".nbi", ".nbc", ".pyc"))]
+
+
+CHECKED = """
+import sys
+
+sys.modules["pytest"] = sys.modules["hypothesis"] = None
+from agent import checks
+from agent.analysis.oscillation import AcfFiltered
+
+checks.check_all("oscillation_detectors", AcfFiltered())
+print(checks.__file__, *checks.FAMILIES)
+for family in checks.FAMILIES:
+    assert checks.checks_of(family)
+"""
+
+
+def test_the_checks_are_in_the_wheel_and_need_no_test_tools(wheel, tmp_path):
+    zipfile.ZipFile(wheel).extractall(tmp_path / "site")
+    words = f"import sys; sys.path.insert(0, {str(tmp_path / 'site')!r})\n{CHECKED}"
+    done = run(sys.executable, "-c", words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    file, *families = done.stdout.split()
+    assert file.startswith(str(tmp_path))
+    assert families == list(FAMILIES)
 
 
 @pytest.mark.bench  # an environment of its own installs everything and compiles every kernel anew

@@ -1,20 +1,23 @@
 """The example of docs/howto/own_effect.md, offered as an installed package offers it."""
 
+import os
 import re
+import shlex
+import subprocess
 import sys
 import tomllib
 from importlib.metadata import EntryPoint
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from agent.checks import checks_of, plug_ins
+from agent.cli import main
 from agent.physics import effects as registry
-from agent.physics.bases import BASES
 from agent.physics.effects import EFFECTS, effects
-from tests.contracts import test_effects as contract
+from tests.conftest import ROOT
 
-PAGE = (Path(__file__).parents[3] / "docs" / "howto" / "own_effect.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "howto" / "own_effect.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture
@@ -35,8 +38,8 @@ def split_range(offered, monkeypatch, tmp_path):
     (tmp_path / "plant_effects.py").write_text(source, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "plant_effects", raising=False)
-    told = tomllib.loads(re.search(r"```toml\n(.*?)```", PAGE, re.DOTALL).group(1))
-    for group, own in told["project"]["entry-points"].items():
+    offer = tomllib.loads(re.search(r"```toml\n(.*?)```", PAGE, re.DOTALL).group(1))
+    for group, own in offer["project"]["entry-points"].items():
         offered.extend(EntryPoint(name, value, group) for name, value in own.items())
     return effects()[-1]
 
@@ -46,25 +49,137 @@ def test_the_example_joins_the_others(split_range):
     assert effects()[:-1] == EFFECTS
 
 
-@pytest.mark.parametrize(
-    "promise",
-    [
-        contract.test_at_the_null_it_is_not_there,
-        contract.test_every_parameter_counts,
-        contract.test_op_in_other_units_gives_the_same_in_other_units,
-        contract.test_time_in_other_units_gives_the_same,
-    ],
-    ids=lambda promise: promise.__name__,
-)
-@pytest.mark.parametrize("base", BASES, ids=lambda base: base.name)
-def test_the_example_keeps_the_contract(split_range, promise, base):
-    promise(split_range, base)
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
 
 
-def test_the_example_has_known_names_bounds_and_output(split_range):
-    contract.test_names_units_and_stage_are_known_words(split_range)
-    contract.test_bounds_are_finite_and_in_order(split_range, 60)
-    contract.test_what_comes_out_is_finite_and_what_goes_in_is_left(split_range, BASES[0], 1.0)
+@pytest.fixture
+def written(tmp_path):
+    """The files of the page, in a folder."""
+    for name, text in zip(
+        ("plant_effects", "test_plant_effects", "plant_detector"), blocks("python"), strict=True
+    ):
+        (tmp_path / f"{name}.py").write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def run(folder, *words):
+    where = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{folder}"}
+    return subprocess.run(
+        [sys.executable, *words],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=folder,
+        env=where,
+        timeout=200,
+    )
+
+
+def test_the_commands_of_the_page_end_without_a_word(written):
+    commands = [shlex.split(line) for block in blocks("sh") for line in block.splitlines()]
+    assert len(commands) == 2
+    for program, *words in commands:
+        assert program == "python"
+        done = run(written, *words)
+        assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_the_tests_of_the_page_pass_one_for_each_demand(written):
+    done = run(written, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_plant_effects.py")
+    assert done.returncode == 0, done.stdout
+    assert f"{len(checks_of('effects', plant_effect(written)))} passed" in done.stdout
+
+
+def plant_effect(folder):
+    scope = {"__name__": "plant_effects"}
+    exec((folder / "plant_effects.py").read_text(encoding="utf-8"), scope)  # noqa: S102 - the page's own code
+    return scope["SplitRange"]()
+
+
+def test_a_wrong_effect_ends_with_the_line_of_the_page(written):
+    source = (written / "plant_effects.py").read_text(encoding="utf-8")
+    wrong = source.replace("return np.minimum(position, at)", "return np.nan * np.minimum(position, at)")
+    (written / "plant_effects.py").write_text(wrong, encoding="utf-8")
+    done = run(written, *shlex.split(blocks("sh")[0])[1:])
+    assert done.returncode == 1
+    (line,) = [line.strip() for line in PAGE.splitlines() if line.startswith("    effect split_range (")]
+    assert line.replace("/home/jane", str(written)) in done.stderr
+
+
+@pytest.fixture(name="offers")
+def offering(offered, monkeypatch, tmp_path):
+    """Offer an effect of a file of its own, as an installed package does."""
+
+    def offer(name, text, module=None):
+        (tmp_path / f"{name}.py").write_text(text, encoding="utf-8")
+        monkeypatch.syspath_prepend(tmp_path)
+        monkeypatch.delitem(sys.modules, name, raising=False)
+        offered.append(EntryPoint(name, f"{module or name}:Own", registry.ENTRY_POINTS))
+        return tmp_path / f"{name}.py"
+
+    monkeypatch.setattr(
+        plug_ins, "entry_points", lambda group: [each for each in offered if each.group == group]
+    )
+    return offer
+
+
+OWN = blocks("python")[0].replace("class SplitRange", "class Own")
+BROKEN = {
+    "import": ("import no_such_package\n" + OWN, "can be imported"),
+    "syntax": ("class Own(:\n", "can be imported"),
+    "exit": ("1 / 0\n", "can be imported"),
+    "arguments": (OWN.replace('    name: str = "split_range"', "    name: str"), "without arguments"),
+    "no_parameters": (OWN.replace("def parameters", "def no_parameters"), "no attribute 'parameters'"),
+    "stage": (OWN.replace('"valve"', '"pump"'), "its stage is 'pump'"),
+    "bounds": (OWN.replace("0.2, 5.0", "5.0, 0.2"), "finite bounds in order"),
+    "shape": (OWN.replace("position - at, 0.0)", "position - at, 0.0)[1:]"), "finite numbers in the shape"),
+    "nan": (
+        OWN.replace("return ", "return np.nan * ").replace("np.nan * (", "("),
+        "a position is not finite",
+    ),
+    "writes": (OWN.replace("at, ratio = values", "at, ratio = values; position += 0.0"), "leave its input"),
+    "null": (OWN.replace("null=1.0", "null=2.0"), "must do nothing at its null"),
+    "taken": (OWN.replace('"split_range"', '"deadband"'), "a name that no other effect has"),
+}
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_an_installed_effect_that_fails_is_left_out_in_one_line(offers, kind):
+    text, demanded = BROKEN[kind]
+    file = offers(f"broken_{kind}", text)
+    offers("fine", OWN)
+    found = plug_ins.usable_effects()
+    assert found.effects[:-1] == EFFECTS
+    assert found.effects[-1].name == "split_range"
+    (line,) = found.left_out
+    assert demanded in line
+    assert str(file) in line
+    assert line.startswith("effect ")
+    assert line.endswith("it is left out")
+    assert "\n" not in line
+
+
+def test_a_module_that_is_not_there_is_named_as_the_entry_point_has_it(offers):
+    offers("lost", "", module="lost_package.effects")
+    (line,) = plug_ins.usable_effects().left_out
+    assert line.startswith("effect lost (lost_package.effects:Own) must be a class that can be imported")
+
+
+def test_compare_names_what_it_leaves_out_and_does_not_know_it(offers, capsys, tmp_path):
+    offers("broken_nan", BROKEN["nan"][0])
+    with pytest.raises(SystemExit) as ended:
+        main(["compare", str(tmp_path / "none.csv"), "--add", "split_range"])
+    assert ended.value.code == 2
+    left_out, unknown = capsys.readouterr().err.splitlines()
+    assert "effect split_range" in left_out
+    assert "left out" in left_out
+    assert "no effect 'split_range'" in unknown
+
+
+@pytest.mark.parametrize("check", checks_of("effects"), ids=lambda check: check.name)
+def test_the_example_keeps_the_contract(split_range, check):
+    check(split_range)
 
 
 def test_above_the_split_the_slope_is_another(split_range):
