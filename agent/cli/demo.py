@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import json
+import signal
 import time
 from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,8 +21,15 @@ if TYPE_CHECKING:
 
     from agent.analysis.results import Diagnosis
     from agent.cli.common.stage import Stage
+    from agent.runtime.agent import Agent
     from agent.runtime.operate.status import LoopStatus
     from simulators.scenario import Scenario
+
+
+LONG = 1e8
+"""Duration of the scenarios where somebody looks at the page, simulated s: a month at 40 times real time."""
+PORT = 9187
+"""Of the page, where it is free: the one of `agent.http`."""
 
 
 @dataclass(slots=True)
@@ -60,14 +70,13 @@ def demo(
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object at the end.")] = False,
 ) -> None:
     """Show the main job: simulated loops stream in over three buses, sticking valves raise alarms there."""
-    del no_web  # there is no page yet
     from rich.console import Console
 
     from agent.cli.common.errors import BAD_INPUT, complain
 
     console = Console(stderr=as_json)
     try:
-        loops, elapsed = asyncio.run(_play(seconds, console))
+        loops, elapsed = asyncio.run(_play(seconds, console, web=not no_web, stays=not as_json))
     except OSError as error:
         complain(str(error))
         raise typer.Exit(BAD_INPUT) from error
@@ -86,23 +95,25 @@ def demo(
         print(json.dumps({"loops": rows, "seconds": round(elapsed, 1)}))  # noqa: T201 - the command's output
 
 
-async def _play(seconds: float, console: Console) -> tuple[list[DemoLoop], float]:
-    """Play until all verdicts are in, at most so many seconds; return the loops and the wall time."""
+async def _play(seconds: float, console: Console, *, web: bool, stays: bool) -> tuple[list[DemoLoop], float]:
+    """Play until all verdicts are in, at most so many seconds; return the loops and the wall time.
+
+    With ``web`` the page is served, and on a terminal, where it ``stays``, until Ctrl-C.
+    """
     import yaml
     from rich.live import Live
 
     from agent.cli.common.config_folder import config_folder
+    from agent.cli.common.page import free_port, serve_page
     from agent.cli.common.stage import LOOK, on_stage
     from agent.runtime.loop.workers import PoolExecutor
-    from simulators.scenario import load_scenario
+    from agent.settings import HttpSettings
     from simulators.source import PlantSource
 
     folder = config_folder()
     plan = yaml.safe_load((folder / "demo.yaml").read_text(encoding="utf-8"))
-    loops = [
-        DemoLoop(load_scenario(folder / "scenarios" / Path(entry["scenario"])), entry["bus"])
-        for entry in plan["loops"]
-    ]
+    stays = web and stays and console.is_terminal
+    loops = _loops(folder / "scenarios", plan["loops"], LONG if stays else None)
     by_name = {loop.name: loop for loop in loops}
     sources = defaultdict(list)
     for loop in loops:
@@ -111,23 +122,50 @@ async def _play(seconds: float, console: Console) -> tuple[list[DemoLoop], float
     console.print(f"{len(loops)} loops on {', '.join(sources)}, {plan['speed']} times real time")
     async with PoolExecutor(plan["workers"]) as executor:
         started = time.monotonic()
+
+        def accompany(agent: Agent) -> None:
+            if web:
+                say = functools.partial(console.print, highlight=False, soft_wrap=True)
+                serve_page(agent, HttpSettings(port=free_port(PORT)), executor, say, "Demo plant")
+
         async with on_stage(
             sources,
             lambda source: {"window": plan["window"], "alarm": plan["alarm"], **_known(by_name[source.loop])},
             plan["speed"],
             executor,
             lambda diagnosis: by_name[diagnosis.loop].diagnoses.append(diagnosis),
+            accompany,
         ) as stage:
             with Live(_table(loops, stage), console=console, auto_refresh=False) as live:
-                while time.monotonic() - started < seconds and not all(
-                    loop.settled(windows) for loop in loops
-                ):
+
+                async def look_again() -> None:
                     await asyncio.sleep(10 * LOOK)
                     for loop, status in zip(loops, _status(loops, stage), strict=True):
                         loop.active, loop.seen = status.alarm.active, stage.told.get(loop.name, False)
                     live.update(_table(loops, stage), refresh=console.is_terminal)
-        elapsed = time.monotonic() - started
+
+                while time.monotonic() - started < seconds and not all(
+                    loop.settled(windows) for loop in loops
+                ):
+                    await look_again()
+                elapsed = time.monotonic() - started
+                if stays:
+                    console.print("All verdicts are in. The page stays until Ctrl-C.")
+                    end = asyncio.Event()
+                    asyncio.get_running_loop().add_signal_handler(signal.SIGINT, end.set)
+                    while not end.is_set():
+                        await look_again()
     return loops, elapsed
+
+
+def _loops(folder: Path, entries: Sequence[Mapping[str, str]], duration: float | None) -> list[DemoLoop]:
+    """Return the loops of the plan, each with its own duration or another (s)."""
+    from simulators.scenario import load_scenario
+
+    scenarios = [load_scenario(folder / Path(entry["scenario"])) for entry in entries]
+    if duration is not None:
+        scenarios = [each.model_copy(update={"duration": duration}) for each in scenarios]
+    return [DemoLoop(each, entry["bus"]) for each, entry in zip(scenarios, entries, strict=True)]
 
 
 def _status(loops: list[DemoLoop], stage: Stage) -> list[LoopStatus]:

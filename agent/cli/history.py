@@ -63,6 +63,12 @@ def _show(entries: tuple[Entry, ...]) -> None:
     table = Table("time (UTC)", "loop", "what", "S", "J", "cause, or who", box=None, padding=(0, 2, 0, 0))
     for entry in entries:
         time = f"{datetime.fromtimestamp(entry.time, UTC):%Y-%m-%d %H:%M:%S}"
+        if entry.kind == "note":
+            action, said = str(entry.content["action"]).replace("_", " "), entry.content["comment"]
+            table.add_row(
+                time, entry.loop, action, "", "", f"{entry.content['by']}: {said}".removesuffix(": ")
+            )
+            continue
         is_alarm = entry.kind == "alarm"
         what = f"ALARM {entry.content['state']}" if is_alarm else str(entry.content["verdict"])
         why = entry.content["by"] if is_alarm else entry.content["cause"]

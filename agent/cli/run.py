@@ -16,6 +16,7 @@ from agent.cli.common.logs import LogFormat, LogLevel, set_up
 if TYPE_CHECKING:
     from agent.analysis.results import Diagnosis
     from agent.runtime.agent import Agent
+    from agent.runtime.loop.workers import Executor
     from agent.settings import HttpSettings, Settings
 
 LOG = logging.getLogger(__name__)
@@ -64,7 +65,7 @@ async def _until_stopped(config: Path, settings: Settings) -> None:
         agent.accompany(Health("configuration"), Reloader(config, agent, manager, changed).run)
         agent.accompany(Health("watchdog"), functools.partial(watch, agent.hung, manager))
         if settings.agent.http is not None:
-            _serve_http(agent, settings.agent.http)
+            _serve_http(agent, settings.agent.http, executor)
 
         def ready() -> None:
             LOG.info("%s", agent.summary, extra={"event": "started"})
@@ -82,15 +83,11 @@ async def _until_stopped(config: Path, settings: Settings) -> None:
         work.result()  # it never ends by itself: raise what ended it
 
 
-def _serve_http(agent: Agent, settings: HttpSettings) -> None:
-    """Serve health and metrics while the agent runs."""
-    from agent.runtime.operate.http import serve
-    from agent.runtime.operate.metrics import Metrics
-    from agent.runtime.supervisor import Health
+def _serve_http(agent: Agent, settings: HttpSettings, executor: Executor) -> None:
+    """Serve the page, health and metrics while the agent runs."""
+    from agent.cli.common.page import serve_page
 
-    metrics, health = Metrics(agent.overview), Health(f"http server on {settings.host} port {settings.port}")
-    agent.observe(metrics)
-    agent.accompany(health, functools.partial(serve, settings, agent.overview, metrics, health.works))
+    serve_page(agent, settings, executor, lambda line: print(line, flush=True))  # noqa: T201 - its output
 
 
 def _log(diagnosis: Diagnosis) -> None:

@@ -17,7 +17,7 @@ from agent.runtime.crew import Crew
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.link.withdrawal import leaving, withdraw
-from agent.runtime.loop.pipeline import Diagnose, Judged, Observer
+from agent.runtime.loop.pipeline import Diagnose, Judged, LoopPipeline, Observer
 from agent.runtime.loop.workers import Executor
 from agent.runtime.operate.operators import Operators
 from agent.runtime.operate.orders import Orders
@@ -95,6 +95,11 @@ class Agent:
     def connections(self) -> list[Connection]:
         """In the order of the settings."""
         return list(self._wiring.connections.values())
+
+    @property
+    def pipelines(self) -> Mapping[str, LoopPipeline]:
+        """What is done for each loop, by its name."""
+        return self._pipelines
 
     @property
     def outboxes(self) -> Mapping[str, Outbox]:

@@ -47,6 +47,7 @@ async def on_stage(
     speed: float | None,
     executor: Executor,
     on_diagnosis: Callable[[Diagnosis], None],
+    accompany: Callable[[Agent], None] | None = None,
 ) -> AsyncIterator[Stage]:
     """Play sources on their buses to an agent, with an independent consumer on each bus.
 
@@ -56,6 +57,7 @@ async def on_stage(
         speed: Times real time; None: as fast as the reader takes it.
         executor: Where diagnoses run.
         on_diagnosis: Called with each diagnosis.
+        accompany: Called with the agent before it starts.
 
     Raises:
         OSError: A port cannot be had; one line with host and port.
@@ -79,6 +81,8 @@ async def on_stage(
             }
         )
         agent = Agent(settings, executor, on_diagnosis)
+        if accompany is not None:
+            accompany(agent)
         tasks = await stack.enter_async_context(asyncio.TaskGroup())
         playing = tasks.create_task(_play(sources, servers, speed, agent), name="players")
         stage = Stage(agent, playing)

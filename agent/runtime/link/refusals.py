@@ -15,6 +15,7 @@ LOG = logging.getLogger(__name__)
 RETRY = 30.0
 """s from one attempt to the next: a missing node usually appears with a restart of its server."""
 LIMIT = 1000
+REASONS = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +57,11 @@ class Refusals:
     def oldest(self) -> int | None:
         """Least sequence number; None if nothing waits."""
         return min((refusal.sequence for refusal in self._waiting.values()), default=None)
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """What the peer said of those that wait, each once, at most ``REASONS``."""
+        return tuple(dict.fromkeys(refusal.problem for refusal in self._waiting.values()))[:REASONS]
 
     def next(self) -> Publication:
         """Return the publication that is due first."""

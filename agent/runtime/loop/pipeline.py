@@ -77,6 +77,8 @@ class LoopPipeline:
         self.alarm = Alarm(settings.name, settings.alarm.priority, delay)
         self.diagnosis: Diagnosis | None = None
         """Of the newest window."""
+        self.fitted: LoopWindow | None = None
+        """The window of ``diagnosis``, where it got a fit: the model's PV and valve lie on its samples."""
         self.superseded = 0
         """Windows that were never diagnosed, because a newer one came due before their turn."""
         self._shapes = OnlineShapes(integrating=settings.hints.integrating)
@@ -120,7 +122,7 @@ class LoopPipeline:
         """
         if _of_the_window(self.settings) == _of_the_window(former.settings):
             self.window, self._shapes, self.clock = former.window, former._shapes, former.clock
-            self.diagnosis, self.superseded = former.diagnosis, former.superseded
+            self.diagnosis, self.fitted, self.superseded = former.diagnosis, former.fitted, former.superseded
             self.heard, self.judged_at = former.heard, former.judged_at
             self._waiting, self._due_since = former._waiting, former._due_since
             if self._waiting is not None:
@@ -167,7 +169,7 @@ class LoopPipeline:
 
     async def _judge(self, window: LoopWindow, due_since: float) -> None:
         diagnosis, fitted = await self._diagnosis_of(window)
-        self.diagnosis = diagnosis
+        self.diagnosis, self.fitted = diagnosis, window if fitted else None
         self.judged_at = asyncio.get_running_loop().time()
         if diagnosis.oscillation is not None:
             self.window.period = diagnosis.oscillation.period if diagnosis.oscillation.detected else None

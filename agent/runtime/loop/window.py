@@ -123,6 +123,23 @@ class RollingWindow:
         for ring in self._rings.values():
             ring.interrupt(after)
 
+    def recent(self, since: float = -math.inf) -> tuple[float, dict[str, FloatArray]]:
+        """Return what is held after ``since`` (s UTC): start of the grid (s UTC) and each role's (n,) column.
+
+        A value holds until the next one, as in a window; silence is not marked. A column is empty where
+        nothing is held.
+        """
+        ts, origin = self._settings.ts, self._origin or 0.0
+        last = max(ring.newest for ring in self._rings.values())
+        firsts = [ring.first for ring in self._rings.values() if ring.newest != NEVER]
+        if not firsts:
+            return origin, {role: np.empty(0) for role in self._rings}
+        first = max(min(firsts), last - self._capacity + 1)
+        if math.isfinite(since):
+            first = max(first, math.floor((since - origin) / ts + 1e-6) + 1)
+        n = max(last - first + 1, 0)
+        return origin + first * ts, {role: ring.column(first, n) for role, ring in self._rings.items()}
+
     def _start_anew(self) -> None:
         self._rings = {role: SlotRing(self._capacity) for role in self._settings.roles}
         self._origin = None

@@ -37,18 +37,23 @@ class Orders:
 
     async def obey(self, connection: str, order: Order) -> None:
         """Execute an order received over ``connection``, and return when the result is on disk."""
+        await self.decide(connection, order)
+
+    async def decide(self, connection: str, order: Order) -> str | None:
+        """Execute it as ``obey`` does; return why it was refused, None where it was not."""
         problem = self._obey(order)
         about = {"event": "order", "connection": connection, "loop": order.subject}
         if problem is None:
             self.taken += 1
             LOG.info("%s: %s by %r, over %s", order.subject, order.action, order.by, connection, extra=about)
             await self._journal.flush()
-            return
+            return None
         self.refused += 1
         message = f"{order.action} of {order.subject!r} by {order.by!r}, over {connection}: {problem}"
         if message != self._problem:
             self._problem = message
             LOG.warning("%s", message, extra=about)
+        return problem
 
     def _obey(self, order: Order) -> str | None:
         """Pass it to its loop; return the reason if that fails."""

@@ -65,6 +65,10 @@ class History:
         """Remember a change of an alarm."""
         self._put(Entry(announcement.time, announcement.alarm.loop, "alarm", dict(announcement.fields())))
 
+    def noted(self, entry: Entry) -> None:
+        """Remember what a person decided, with the comment."""
+        self._put(entry)
+
     async def run(self) -> NoReturn:
         """Write what comes, until cancelled."""
         while True:

@@ -41,9 +41,10 @@ class Entry:
     time: float
     """End of the window, or time of the decision, s UTC."""
     loop: str
-    kind: Literal["diagnosis", "alarm"]
+    kind: Literal["diagnosis", "alarm", "note"]
     content: dict[str, Any]
-    """As JSON: of `slipjump diagnose` without its methods, or the published fields of the alarm."""
+    """As JSON: of `slipjump diagnose` without its methods, the published fields of the alarm, or what a person
+    decided on the page, with the comment."""
 
 
 def history_path(state: Path) -> Path:

@@ -1,0 +1,62 @@
+"""The page beside an agent, for the commands that serve one."""
+
+from __future__ import annotations
+
+import functools
+import socket
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from agent.runtime.agent import Agent
+    from agent.runtime.loop.workers import Executor
+    from agent.settings import HttpSettings
+
+
+def serve_page(
+    agent: Agent,
+    settings: HttpSettings,
+    executor: Executor,
+    say: Callable[[str], None],
+    title: str = "slipjump",
+) -> None:
+    """Serve the page, health and metrics while the agent works.
+
+    Args:
+        agent: Not running yet.
+        settings: Where to listen.
+        executor: Where calculations for the page run.
+        say: Is given the line with the address when clients can come, once.
+        title: Name of the plant.
+    """
+    from agent.runtime.operate.http import serve
+    from agent.runtime.operate.metrics import Metrics
+    from agent.runtime.supervisor import Health
+    from agent.web.plant import Plant
+    from agent.web.plant_page import address, plant_page
+
+    metrics, health = Metrics(agent.overview), Health(f"http server on {settings.host} port {settings.port}")
+    agent.observe(metrics)
+    said = False
+
+    def listens() -> None:
+        nonlocal said
+        health.works()
+        if not said:
+            said = True
+            say(f"address: {address(settings)}")
+
+    page = plant_page(Plant(agent, executor), title)
+    agent.accompany(health, functools.partial(serve, settings, agent.overview, metrics, listens, page))
+
+
+def free_port(preferred: int) -> int:
+    """Return a port of loopback that is free: the preferred one where it is."""
+    for port in (preferred, 0):
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+            return int(probe.getsockname()[1])
+    raise OSError("no port of 127.0.0.1 is free")

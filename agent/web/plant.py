@@ -1,0 +1,141 @@
+"""The running agent as screens see it: looks, live streams, calculations on demand, and who decided what."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import OrderedDict, deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from agent.alarms import Announcement
+from agent.report.diagnosis_json import diagnosis_json
+from agent.runtime.agent import Agent
+from agent.runtime.loop.pipeline import Judged
+from agent.runtime.loop.workers import Executor
+from agent.runtime.operate.status import AgentStatus
+from agent.runtime.store.database import StoreError
+from agent.runtime.store.history_file import Entry, HistoryFile, history_path
+from agent.web.live import Live
+from agent.web.ranking import Item, area_of, group_of, urgency
+
+REMEMBERED = 20_000
+"""Entries of history that are kept in memory where no file keeps them, of all loops together."""
+READ = 3000
+"""Entries of history that a page gets at most."""
+DRAWN = 64
+"""Results of calculations that are kept for pages."""
+ALARM_KEYS = ("state", "active", "by", "until", "s", "id")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """The plant at a moment."""
+
+    time: float
+    """s UTC"""
+    items: tuple[Item, ...]
+    """All loops, what needs somebody first."""
+    status: AgentStatus
+    by_name: dict[str, Item]
+
+
+class Plant:
+    """What the screens share. It observes the agent from its making on."""
+
+    def __init__(self, agent: Agent, executor: Executor, clock: Callable[[], float] = time.time) -> None:
+        """Make it.
+
+        Args:
+            agent: Not running yet.
+            executor: Where calculations for pages run, one at a time.
+            clock: Gives the time, s UTC.
+        """
+        self.agent = agent
+        self.clock = clock
+        self.live: Live[Look] = Live(self.look)
+        self._executor = executor
+        self._since: dict[str, tuple[str, float]] = {}
+        self._entries: deque[Entry] = deque(maxlen=REMEMBERED)
+        self._drawn: OrderedDict[tuple[object, ...], Any] = OrderedDict()
+        self._calculating = asyncio.Lock()
+        agent.observe(self)
+        agent.accompany(self.live.health, self.live.run)
+
+    def judged(self, judged: Judged) -> None:
+        """Take the verdict on a window."""
+        diagnosis = judged.diagnosis
+        former = self._since.get(diagnosis.loop)
+        if former is None or former[0] != diagnosis.verdict:
+            self._since[diagnosis.loop] = (diagnosis.verdict, judged.end)
+        if self.agent.history is None:
+            content = diagnosis_json(diagnosis, "")
+            kept = {name: content[name] for name in ("verdict", "cause", "confidence", "stiction")}
+            self._entries.append(Entry(judged.end, diagnosis.loop, "diagnosis", kept))
+
+    def announced(self, announcement: Announcement) -> None:
+        """Take a change of an alarm."""
+        if self.agent.history is None:
+            fields = announcement.fields()
+            kept = {name: fields[name] for name in ALARM_KEYS}
+            self._entries.append(Entry(announcement.time, announcement.alarm.loop, "alarm", kept))
+
+    def look(self) -> Look:
+        """Look at all loops and rank them."""
+        status, pipelines = self.agent.overview(), self.agent.pipelines
+        found = []
+        for each in status.loops:
+            pipeline = pipelines[each.loop]
+            group = group_of(each.diagnosis)
+            area = area_of(each.loop, pipeline.settings.variables)
+            found.append(
+                Item(each, pipeline.alarm, group, area, self._since_of(each.loop, pipeline.alarm), 0)
+            )
+        found.sort(key=lambda item: (*urgency(item.status, item.alarm, item.group), item.status.loop))
+        items = tuple(replace(item, spot=spot) for spot, item in enumerate(found))
+        return Look(self.clock(), items, status, {item.status.loop: item for item in items})
+
+    def note(self, loop: str, content: dict[str, Any]) -> None:
+        """Keep what a person decided about a loop."""
+        entry = Entry(self.clock(), loop, "note", content)
+        if self.agent.history is None:
+            self._entries.append(entry)
+        else:
+            self.agent.history.noted(entry)
+
+    async def history(self, loop: str | None, since: float | None = None) -> tuple[Entry, ...]:
+        """Return what was kept of a loop, or of all, the oldest first."""
+        state = self.agent.settings.agent.state
+        if self.agent.history is None or state is None:
+            entries = [each for each in self._entries if loop in (None, each.loop)]
+            return tuple(each for each in entries if since is None or each.time >= since)[-READ:]
+
+        def read() -> tuple[Entry, ...]:
+            try:
+                file = HistoryFile(history_path(state), create=False)
+            except StoreError:
+                return ()  # nothing was written yet
+            try:
+                return file.read(loop, since, READ)
+            finally:
+                file.close()
+
+        return await asyncio.to_thread(read)
+
+    async def calculated(self, key: tuple[object, ...], function: Callable[..., T], *arguments: object) -> T:
+        """Return ``function(*arguments)`` from a worker, one calculation at a time; known ones are kept."""
+        async with self._calculating:
+            if key not in self._drawn:
+                self._drawn[key] = await self._executor.run(function, *arguments)
+                if len(self._drawn) > DRAWN:
+                    self._drawn.popitem(last=False)
+            found: T = self._drawn[key]
+            return found
+
+    def _since_of(self, loop: str, alarm: Any) -> float | None:  # noqa: ANN401
+        known = self._since.get(loop)
+        if alarm.state.active and alarm.id is not None:
+            return float(alarm.id.rpartition("/")[2])
+        return None if known is None else known[1]

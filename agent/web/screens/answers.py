@@ -1,0 +1,25 @@
+"""Answers that several screens give."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fastapi import HTTPException
+from starlette.responses import JSONResponse, Response
+
+if TYPE_CHECKING:
+    from agent.runtime.loop.pipeline import LoopPipeline
+    from agent.web.plant import Plant
+
+
+def too_many_pages() -> Response:
+    """Return the answer to a stream that is one too many."""
+    return JSONResponse({"detail": "too many pages are open"}, 503, {"Retry-After": "10"})
+
+
+def loop_of(plant: Plant, name: str) -> LoopPipeline:
+    """Return what is done for a loop; raises HTTPException where there is none of this name."""
+    pipeline = plant.agent.pipelines.get(name)
+    if pipeline is None:
+        raise HTTPException(404, f"no loop is called {name}")
+    return pipeline

@@ -1,0 +1,140 @@
+"""The work list: loops ranked by what to do next."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query
+from pydantic import BaseModel, Field
+from starlette.responses import Response
+
+from agent.web.event_stream import EventStream
+from agent.web.plant import Look, Plant
+from agent.web.ranking import GROUPS, Item, estimate_of, probability_of
+from agent.web.rows import row_of, sparkline_of
+from agent.web.screens.answers import too_many_pages
+from agent.web.screens.screen import Screen
+
+LARGEST_PAGE = 200
+SPARKLINES_EVERY = 5
+"""Looks from one sparkline of a row to its next."""
+NEVER = float("inf")
+
+
+class Wanted(BaseModel):
+    """Which part of the list a page shows."""
+
+    group: Literal[
+        "", "sticks", "suspected", "tight_tuning", "disturbance", "undecided", "not_testable", "healthy",
+        "waiting", "stale",
+    ] = ""  # fmt: skip
+    search: Annotated[str, Field(max_length=100)] = ""
+    area: Annotated[str, Field(max_length=200)] = ""
+    sort: Literal["next", "name", "s", "probability", "since"] = "next"
+    page: Annotated[int, Field(ge=0)] = 0
+    size: Annotated[int, Field(ge=1, le=LARGEST_PAGE)] = 50
+
+
+class Rows:
+    """The view of one open work list: only rows that it shows, sparklines now and then."""
+
+    def __init__(self, plant: Plant, wanted: Wanted) -> None:
+        self._plant = plant
+        self._wanted = wanted
+        self._looks = 0
+        self._sparklines: dict[str, Any] = {}
+
+    def __call__(self, look: Look) -> dict[str, object]:
+        """Return the parts of the page."""
+        parts = listed(look, self._wanted)
+        shown = parts["order"]
+        if self._looks % SPARKLINES_EVERY == 0:
+            self._sparklines.clear()
+        self._looks += 1
+        ages: dict[str, int | None] = {}
+        for name in shown:
+            pipeline = self._plant.agent.pipelines[name]
+            if name not in self._sparklines:
+                self._sparklines[name] = sparkline_of(pipeline)
+            item = look.by_name[name]
+            parts[f"row:{name}"] = row_of(item)
+            parts[f"spark:{name}"] = self._sparklines[name]
+            ages[name] = None if item.status.data_age is None else round(item.status.data_age)
+        parts["ages"] = ages
+        return parts
+
+
+def listed(look: Look, wanted: Wanted) -> dict[str, Any]:
+    """Return the counts of all loops and the names of those that a page shows, in their order."""
+    counts: Counter[str] = Counter(item.group for item in look.items)
+    counts["stale"] = sum(item.stale for item in look.items)
+    fit = [item for item in look.items if _fits(item, wanted)]
+    if wanted.sort != "next":
+        fit.sort(key=lambda item: _key(item, wanted.sort))
+    first = wanted.page * wanted.size
+    return {
+        "counts": {group: counts[group] for group in [*GROUPS, "stale"]},
+        "plant": {"loops": len(look.items), "fitting": len(fit), "widest": _widest(fit)},
+        "order": [item.status.loop for item in fit[first : first + wanted.size]],
+    }
+
+
+def map_of(look: Look) -> list[dict[str, Any]]:
+    """Return the loops of each area: name, group, and whether it is stale, the most urgent first."""
+    areas: dict[str, list[list[object]]] = {}
+    for item in look.items:
+        areas.setdefault(item.area, []).append([item.status.loop, item.group, int(item.stale)])
+    return [{"area": area, "loops": loops} for area, loops in sorted(areas.items())]
+
+
+def screen(plant: Plant) -> Screen:
+    """Return the screen of a plant."""
+    router = APIRouter(prefix="/api/work-list", tags=["work list"])
+
+    @router.get("")
+    async def work_list(wanted: Annotated[Wanted, Query()]) -> dict[str, Any]:
+        """One page of the list: ranked, filtered and counted."""
+        look = plant.look()
+        parts = listed(look, wanted)
+        return parts | {"rows": [row_of(look.by_name[name]) for name in parts.pop("order")]}
+
+    @router.get("/stream", response_class=Response)
+    async def stream(wanted: Annotated[Wanted, Query()]) -> Response:
+        """Server-sent events: the page of the list, then what changes in it."""
+        page = plant.live.open(Rows(plant, wanted))
+        return too_many_pages() if page is None else EventStream(page, lambda: plant.live.close(page))
+
+    @router.get("/map")
+    async def areas() -> list[dict[str, Any]]:
+        """Loops by area, each [name, group, stale]."""
+        return map_of(plant.look())
+
+    return Screen("work_list", "Work list", "/", router)
+
+
+def _fits(item: Item, wanted: Wanted) -> bool:
+    if wanted.group and not (item.stale if wanted.group == "stale" else item.group == wanted.group):
+        return False
+    return (
+        not wanted.area or item.area == wanted.area
+    ) and wanted.search.casefold() in item.status.loop.casefold()
+
+
+def _key(item: Item, sort: str) -> tuple[float | str, ...]:
+    name, diagnosis = item.status.loop, item.status.diagnosis
+    if sort == "s":
+        s = estimate_of(diagnosis)
+        return (NEVER if s is None else -s.value, name)
+    if sort == "probability":
+        probability = probability_of(diagnosis)
+        return (NEVER if probability is None else -probability, name)
+    if sort == "since":
+        return (NEVER if item.since is None else -item.since, name)
+    return (name,)
+
+
+def _widest(items: list[Item]) -> float | None:
+    """Return the scale of the bars: the upper end of the widest interval of S, OP units."""
+    found = [s for s in (estimate_of(item.status.diagnosis) for item in items) if s is not None]
+    return max((s.value if s.high is None else s.high for s in found), default=None)
