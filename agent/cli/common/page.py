@@ -54,6 +54,7 @@ def free_port(preferred: int) -> int:
     """Return a port of loopback that is free: the preferred one where it is."""
     for port in (preferred, 0):
         with socket.socket() as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             try:
                 probe.bind(("127.0.0.1", port))
             except OSError:

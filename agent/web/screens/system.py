@@ -35,10 +35,10 @@ class Rates:
             if each.data_age is not None:
                 ages[each.connection] = min(each.data_age, ages.get(each.connection, each.data_age))
         former, self._former = self._former, (look.time, samples)
-        told = health_json(look.status)
-        del told["loops"], told["connections"]
+        counters = health_json(look.status)
+        del counters["loops"], counters["connections"]
         return {
-            "agent": told | {"summary": self._plant.agent.summary},
+            "agent": counters | {"summary": self._plant.agent.summary},
             "silent": silent_loops(look),
             **{
                 f"connection:{each.connection}": {
