@@ -25,7 +25,7 @@ GROUPS: Mapping[Group, str] = {
     "undecided": "Undecided",
     "not_testable": "Not testable",
     "healthy": "No stiction",
-    "waiting": "Waiting for data",
+    "waiting": "No verdict yet",
 }
 """In the order of their urgency, with their words."""
 ORDER = {group: place for place, group in enumerate(GROUPS)}

@@ -43,8 +43,8 @@ class Entry:
     loop: str
     kind: Literal["diagnosis", "alarm", "note"]
     content: dict[str, Any]
-    """As JSON: of `slipjump diagnose` without its methods, the published fields of the alarm, or the decision of
-    a person on the page, with the comment."""
+    """As JSON: of `slipjump diagnose` without its methods, the published fields of the alarm, or the decision
+    of a person on the page, with the comment."""
 
 
 def history_path(state: Path) -> Path:

@@ -36,7 +36,7 @@ function Loaded({ name, params, address }) {
     import(`./screens/${name}.js`).then(set, (error) => setFault(error.message));
   }, [name]);
   if (fault) return html`<p class="problem" role="alert">This screen could not be loaded: ${fault}</p>`;
-  if (!module) return html`<p class="waiting" role="status">Loading</p>`;
+  if (!module) return html`<p class="loading" role="status">Loading</p>`;
   return html`<${module.default} params=${params} address=${address} />`;
 }
 

@@ -13,8 +13,8 @@ export function StickBand({ s, widest, identifiable }) {
     <svg class="band-bar" height="14" aria-hidden="true">
       <line x1="0" x2="100%" y1="7" y2="7" class="scale" />
       ${known && html`<line x1=${place(s.low)} x2=${place(s.high)} y1="7" y2="7" class=${identifiable === false ? "interval unsure" : "interval"} />
-        <line x1=${place(s.low)} x2=${place(s.low)} y1="3.5" y2="10.5" class="end" /><line x1=${place(s.high)} x2=${place(s.high)} y1="3.5" y2="10.5" class="end" />`}
-      <circle cx=${place(s.value)} cy="7" r="3.4" class="value" />
+        <line x1=${place(s.low)} x2=${place(s.low)} y1="2.5" y2="11.5" class="end" /><line x1=${place(s.high)} x2=${place(s.high)} y1="2.5" y2="11.5" class="end" />`}
+      <line x1=${place(s.value)} x2=${place(s.value)} y1="0.5" y2="13.5" class="value" />
     </svg>
     <span class="band-text">${text}${identifiable === false ? ", not identifiable" : ""}</span>
   </span>`;

@@ -15,7 +15,7 @@ const SHAPES = {
 
 export const GROUPS = {
   sticks: "Sticks", suspected: "Suspected", tight_tuning: "Tight tuning", disturbance: "Disturbance", undecided: "Undecided",
-  not_testable: "Not testable", healthy: "No stiction", waiting: "Waiting for data", stale: "Stale data",
+  not_testable: "Not testable", healthy: "No stiction", waiting: "No verdict yet", stale: "Stale data",
 };
 
 export function Shape({ group, size = 16 }) {

@@ -36,7 +36,7 @@ export default function Loop({ params }) {
     return () => stop.abort();
   }, [name, start]);
   if (fault) return html`<p class="crumb"><a href="/">Work list</a></p><h1>${name}</h1><p class="problem" role="alert">${fault}</p>`;
-  if (!about) return html`<p class="waiting" role="status">Loading ${name}</p>`;
+  if (!about) return html`<p class="loading" role="status">Loading ${name}</p>`;
   const row = parts?.row ?? about.row;
   const diagnosis = about.diagnosis;
   const shown = diagnosis?.stiction?.s?.value !== null && diagnosis?.verdict !== "no_stiction";

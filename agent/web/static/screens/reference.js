@@ -31,7 +31,7 @@ export default function Reference() {
     document.title = "REST interface";
     get("/api/openapi.json").then(set);
   }, []);
-  if (!described) return html`<p class="waiting" role="status">Loading</p>`;
+  if (!described) return html`<p class="loading" role="status">Loading</p>`;
   const schemas = Object.entries(described.components?.schemas ?? {}).filter(([name]) => !name.includes("Validation"));
   return html`<h1>REST interface</h1>
     <p>Version ${described.info.version}. The description for programs is <a href="/api/openapi.json" target="_self">/api/openapi.json</a>.

@@ -6,7 +6,7 @@ import { useStream } from "../parts/stream.js";
 export default function System() {
   const parts = useStream("/api/system/stream");
   useEffect(() => { document.title = "System"; }, []);
-  if (!parts) return html`<h1>System</h1><p class="waiting" role="status">Loading</p>`;
+  if (!parts) return html`<h1>System</h1><p class="loading" role="status">Loading</p>`;
   const { agent, silent } = parts;
   const connections = Object.entries(parts).filter(([name]) => name.startsWith("connection:")).map(([, each]) => each);
   const facts = [["State", agent.status], ["Waiting for a worker", agent.worker_queue], ["Orders taken, refused", `${agent.orders.taken}, ${agent.orders.refused}`],
