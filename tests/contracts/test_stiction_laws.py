@@ -23,7 +23,7 @@ from agent.checks.stiction_laws import (
 from agent.physics import valves
 from agent.physics.valves import LAWS
 from simulators.parameters import ValveParameters
-from simulators.valve import STEP, Valve
+from simulators.valve import STEP, SimulatedValve
 
 PAGES = Path(__file__).parents[2] / "docs" / "methods"
 COMPARED = (PAGES / "stiction_laws.md").read_text(encoding="utf-8")
@@ -38,7 +38,7 @@ def physical(friction, op, x0):
     OP goes in a straight line from sample to sample: held for a second, a ramp is a row of steps, and the
     stem rests between them.
     """
-    stem = Valve(ValveParameters(law=friction, f_s=F_S, f_d=F_D), (-100.0, 100.0), x0)
+    stem = SimulatedValve(ValveParameters(law=friction, f_s=F_S, f_d=F_D), (-100.0, 100.0), x0)
     stem._state[1] = x0
     dt, pieces = STEP[friction], 20
     line = np.interp(np.arange(1, pieces * (op.size + 1)) / pieces, np.arange(op.size + 1), [x0, *op])
@@ -95,7 +95,7 @@ def test_a_law_is_found_by_the_name_of_its_kernel_and_its_page(law):
     assert hasattr(import_module(f"agent.physics.valves.{law.name}"), law.name)
     page = (PAGES / f"{law.name}.md").read_text(encoding="utf-8")
     assert f"../pictures/law_{law.name}.png" in page
-    assert "## Reference" in page
+    assert "## Source" in page
 
 
 def test_an_unknown_law_is_refused_with_the_names_there_are():
