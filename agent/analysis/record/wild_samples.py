@@ -1,0 +1,71 @@
+"""Isolated samples far outside everything around them, as transmitters and gateways send them for one scan.
+
+A process has a lag and a valve has a range: neither leaves its range for one or two samples by as much again
+as all the rest of the record spans. Values such as 1e6, -999, 65535 or 0 do. They are gaps, as values too
+large for any plant are; one of them would else decide a fit by squares.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from agent.analysis.record.recording import FloatArray
+
+LONGEST_RUN = 2
+"""Samples in a row: a scan, or one that two samples hold."""
+BESIDE = 3
+"""Samples on each side that a sample is compared with; more than ``LONGEST_RUN``, so that they outvote it."""
+SUDDEN = 20.0
+"""Typical steps between samples by which a sample that may be wild stands off its neighbours."""
+OUTSIDE = 1.0
+"""Spans of all other samples by which it lies outside their range."""
+MOST = 0.02
+"""Share of the samples up to which they are single events; more of them are a signal of their own."""
+
+
+def wild(values: FloatArray) -> NDArray[np.bool_]:
+    """Return which samples are wild, shape (n,).
+
+    Args:
+        values: One signal on a uniform grid, shape (n,), NaN where it is missing.
+    """
+    none = np.zeros(len(values), np.bool_)
+    finite = np.isfinite(values)
+    if np.count_nonzero(finite) < 4 * BESIDE:
+        return none
+    apart = np.abs(values - _beside(values))
+    steps = np.abs(np.diff(values[finite]))
+    typical = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    suspect = finite & (apart > SUDDEN * typical)
+    suspect &= _short_runs(suspect)
+    rest = values[finite & ~suspect]
+    if not suspect.any() or not rest.size or np.ptp(rest) <= 0:
+        return none
+    low, high, span = float(rest.min()), float(rest.max()), float(np.ptp(rest))
+    found: NDArray[np.bool_] = suspect & ((values < low - OUTSIDE * span) | (values > high + OUTSIDE * span))
+    return found if np.count_nonzero(found) <= max(1.0, MOST * np.count_nonzero(finite)) else none
+
+
+def _beside(values: FloatArray) -> FloatArray:
+    """Return the median of the samples on both sides of each, shape (n,)."""
+    padded = np.concatenate([np.full(BESIDE, np.nan), values, np.full(BESIDE, np.nan)])
+    n = len(values)
+    shifts = [k for k in range(2 * BESIDE + 1) if k != BESIDE]
+    around = np.stack([padded[k : k + n] for k in shifts])
+    known = np.isfinite(around).any(axis=0)
+    middle = np.full(n, np.nan)
+    middle[known] = np.nanmedian(around[:, known], axis=0)
+    return middle
+
+
+def _short_runs(marked: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return which marks stand in runs of at most ``LONGEST_RUN``, shape (n,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], marked, [False]))))
+    short = np.zeros(len(marked), np.bool_)
+    for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        short[begin:end] = end - begin <= LONGEST_RUN
+    return short
