@@ -15,6 +15,21 @@ const axis = (label, size) => ({
   ticks: { stroke: () => colour("grid"), width: 1, size: 4 },
 });
 
+const two = (value) => String(value).padStart(2, "0");
+
+/** Times of an axis, 24 hours; with the day where the axis spans more than one. */
+function clock(_, splits) {
+  const long = splits.length > 1 && splits.at(-1) - splits[0] > 86400;
+  const fine = splits.length > 1 && splits[1] - splits[0] < 60;
+  return splits.map((each) => {
+    const date = new Date(1000 * each);
+    const day = `${two(date.getMonth() + 1)}-${two(date.getDate())}`;
+    if (long && splits[1] - splits[0] >= 86400) return day;
+    const time = `${two(date.getHours())}:${two(date.getMinutes())}${fine ? `:${two(date.getSeconds())}` : ""}`;
+    return long ? `${day} ${time}` : time;
+  });
+}
+
 /**
  * A chart. ``lines``: [{label, colour (a name of the theme), width, dash, points}]; ``data``: [x, ...one array a line],
  * null is a gap; ``x``: {label, time}; ``y``: {label, range}; ``text``: what the chart shows, in words.
@@ -31,7 +46,7 @@ export function Chart({ data, lines, x = {}, y = {}, height = 220, text, sync, o
         legend: { live: false },
         cursor: { sync: sync ? { key: sync } : undefined, points: { size: 5 }, drag: { setScale: true } },
         scales: { x: { time: Boolean(x.time), range: x.range }, y: { range: y.range } },
-        axes: [axis(x.label, x.label ? 44 : 28), axis(y.label, 52)],
+        axes: [{ ...axis(x.label, 28), ...(x.time ? { values: clock } : {}) }, axis(y.label, 48)],
         series: [
           { label: x.label ?? "time" },
           ...lines.map((line) => ({

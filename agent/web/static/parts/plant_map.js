@@ -25,7 +25,9 @@ export function PlantMap({ choose }) {
     };
   }, []);
   const sorted = [...(areas ?? [])].sort((a, b) => b.loops.length - a.loops.length);
-  const height = width < 500 ? Math.max(TALL, 150 * sorted.length) : TALL;
+  const loops = sorted.reduce((sum, each) => sum + each.loops.length, 0);
+  const wide = Math.min(TALL, 200 + 6 * loops);
+  const height = width < 500 ? Math.max(wide, 130 * sorted.length) : wide;
   const boxes = width ? squarified(sorted.map((each) => each.loops.length), 0, 0, width, height) : [];
   return html`<div class="plant-map" ref=${place} style=${{ height: `${height}px` }}>
     ${sorted.map((each, k) => boxes[k] && html`<${Area} key=${each.area} area=${each} box=${boxes[k]} choose=${choose} />`)}

@@ -45,7 +45,7 @@ export default function Loop({ params }) {
     <div class="loop-head">
       <h1>${name}</h1>
       <span class=${`verdict-words ${row.group}`} data-verdict=${row.verdict}><${Shape} group=${row.group} size=${20} /> ${row.words}</span>
-      <${AlarmMark} row=${row} />
+      ${row.alarm !== "normal" && html`<${AlarmMark} row=${row} />`}
       ${parts?.busy && html`<span class="quiet" role="status">a new window is judged</span>`}
       <div class="actions"><a class="button" href=${`${base}/window.csv`} download=${`${name}.csv`}>Window as CSV</a>
         ${diagnosis && html`<a class="button" href=${`${base}/report`} target="_blank" rel="noopener">Report</a>`}</div>
@@ -170,7 +170,9 @@ function Profile({ profile }) {
   const inside = profile.s.filter((_, k) => profile.error[k] <= profile.limit);
   const data = useMemo(() => [profile.s, profile.error, profile.s.map(() => profile.limit)], [profile]);
   const top = 1 + 4 * (profile.limit - 1);
-  return html`<${Chart} data=${data} height=${170} x=${{ label: "S (OP units)" }} y=${{ label: "error over the least", range: [1 - 0.3 * (profile.limit - 1), top] }}
+  const width = inside.length ? Math.max(inside.at(-1) - inside[0], 0.02 * inside.at(-1)) : 0;
+  const near = inside.length ? [Math.max(inside[0] - 2 * width, profile.s[0]), Math.min(inside.at(-1) + 2 * width, profile.s.at(-1))] : undefined;
+  return html`<${Chart} data=${data} height=${170} x=${{ label: "S (OP units)", range: near }} y=${{ label: "error over the least", range: [1 - 0.3 * (profile.limit - 1), top] }}
     lines=${[{ label: "least error at this S", colour: "measured", width: 1.6 }, { label: "limit of the 90 % interval", colour: "model", dash: [5, 4] }]}
     text=${inside.length ? `Models that fit alike have S from ${number(inside[0])} to ${number(inside.at(-1))} OP units` : "No S within the interval"} />`;
 }
@@ -196,9 +198,9 @@ function History({ entries }) {
   const decided = entries.filter((each) => each.kind !== "diagnosis").slice(-30).reverse();
   if (!entries.length) return html`<p class="quiet">Nothing was kept yet.</p>`;
   return html`
-    ${data[1].some((each) => each !== null) && html`<${Chart} data=${data} height=${150} x=${{ time: true }} y=${{ label: "S (OP units)" }} text=${`S over ${judged.length} windows: ${said(data[1])}`}
+    ${data[1].filter((each) => each !== null).length > 1 && html`<${Chart} data=${data} height=${150} x=${{ time: true }} y=${{ label: "S (OP units)" }} text=${`S over ${judged.length} windows: ${said(data[1])}`}
       lines=${[{ label: "S", colour: "measured", width: 1.8, points: 5 }, { label: "90 % interval, low", colour: "bar", dash: [3, 3] }, { label: "high", colour: "bar", dash: [3, 3] }]} />`}
-    <p class="quiet">${judged.length} windows judged${judged.length ? `, from ${moment(judged[0].time)} to ${moment(judged.at(-1).time)}` : ""}.</p>
+    <p class="quiet">${judged.length} ${judged.length === 1 ? "window" : "windows"} judged${judged.length ? `, from ${moment(judged[0].time)} to ${moment(judged.at(-1).time)}` : ""}.</p>
     ${decided.length > 0 && html`<div class="scroll"><table><caption class="unseen">Alarms and decisions</caption>
       <thead><tr><th scope="col">Time</th><th scope="col">What</th><th scope="col">Who</th><th scope="col">Comment</th></tr></thead>
       <tbody>${decided.map((each) => html`<tr><td class="nowrap">${moment(each.time)}</td><td>${words(each.action ?? each.state)}</td><td>${each.by ?? "diagnosis"}</td><td>${each.comment ?? ""}</td></tr>`)}</tbody></table></div>`}`;
