@@ -13,7 +13,7 @@ WITHDRAWN = "withdrawn"
 """Kind of a publication that ends all others of its subject."""
 JsonValue = float | int | str | bool | None
 Action = Literal["acknowledge", "shelve", "unshelve", "out_of_service", "in_service"]
-"""What a person may ask for."""
+"""Orders that an operator may give."""
 
 
 class Quality(IntEnum):
@@ -59,13 +59,13 @@ class Sample:
 
 @dataclass(frozen=True, slots=True)
 class Publication:
-    """Something to tell the plant about a subject; each bus maps the fields onto its own targets."""
+    """Something to publish about a subject; each bus maps the fields onto its own targets."""
 
     subject: str
     """Whom it is about, e.g. the loop's name."""
     kind: str
-    """``state`` (the newest replaces the former), ``event`` (each counts), ``WITHDRAWN`` (it is not told
-    any more, and what was told last must not stay there)."""
+    """``state`` (the newest replaces the former), ``event`` (each counts), ``WITHDRAWN`` (it is not published
+    any more, and what was published last must not stay there)."""
     id: str
     """Stable over retries: a consumer that honours it sees nothing twice."""
     fields: Mapping[str, JsonValue]
@@ -78,13 +78,13 @@ class Publication:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What a person asks of a subject's alarm, over a bus."""
+    """Order of an operator for a subject's alarm, over a bus."""
 
     subject: str
     """Whose alarm, e.g. the loop's name."""
     action: Action
     by: str
-    """Who asks, as far as the bus tells."""
+    """Operator, as far as the bus names one."""
     until: float | None = None
     """End of shelving, s UTC; None with every other action."""
     alarm: str | None = None
@@ -96,11 +96,11 @@ class ConnectionLostError(Exception):
 
 
 class AccessDeniedError(ConnectionLostError):
-    """The peer does not let us in, or is not who it should be: tell a person, who must change something."""
+    """The peer does not let us in, or is not who it should be: an operator must change something."""
 
 
 class RefusedError(Exception):
-    """The peer is there but will not take some of this publication: try that again later, and tell a person.
+    """The peer is there but will not take some of this publication: try that again later, and report it.
 
     All that it does take has been written.
     """
@@ -134,7 +134,7 @@ class Session(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class TargetReport:
-    """Whether something could be told at one place, as far as that shows before it is."""
+    """Whether a target could be written, as far as that can be checked without writing."""
 
     subject: str
     place: str
@@ -142,7 +142,7 @@ class TargetReport:
     problem: str | None = None
     """Why it could not; None where nothing speaks against it."""
     remark: str = ""
-    """What only telling it would show."""
+    """What only writing would show."""
 
 
 @runtime_checkable

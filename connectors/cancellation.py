@@ -1,4 +1,4 @@
-"""Ends a task that was told to end while a library was not listening."""
+"""Ends a task whose cancellation a library has swallowed."""
 
 from __future__ import annotations
 

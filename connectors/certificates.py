@@ -1,4 +1,4 @@
-"""Makes certificates for plants that have no authority of their own to ask for them.
+"""Makes certificates for plants that have no authority of their own.
 
 Extensions are those of RFC 5280 for TLS, and of OPC UA Part 6, 6.2.2 for an application instance.
 """

@@ -1,4 +1,4 @@
-"""What a server's clients send that cannot be read: counted, and told in the log when it is new."""
+"""Messages of a server's clients that cannot be read: counted, and logged when new."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ class Malformed:
         self.count = 0
         """Messages that could not be read."""
         self._where = where
-        self._told: set[tuple[str, str]] = set()
+        self._logged: set[tuple[str, str]] = set()
 
     def note(self, client: str, what: str) -> None:
         """Count a message; logged where ``client`` sends one of this kind for the first time."""
         self.count += 1
-        if (client, what) not in self._told and len(self._told) < _MOST:
-            self._told.add((client, what))
+        if (client, what) not in self._logged and len(self._logged) < _MOST:
+            self._logged.add((client, what))
             _LOG.warning("%s: %s %s", self._where, client, what)

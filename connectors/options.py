@@ -28,7 +28,7 @@ class NoTag(Options):
 
 
 class Target(Options):
-    """One entry of a loop's ``publish``: where its alarm is told."""
+    """One entry of a loop's ``publish``: where its alarm is published."""
 
     connection: str
     """Name of the connection that carries the alarm; it need not be the one that is read."""
@@ -45,7 +45,7 @@ class LoopTags(Generic[TagT, TargetT]):
     tags: Mapping[str, TagT]
     """Role -> where its value is found."""
     targets: Sequence[TargetT] = ()
-    """Where the loop's alarm is told."""
+    """Where the loop's alarm is published."""
     variables: Mapping[str, str] = field(default_factory=dict)
     """Name -> what stands for ``{name}`` in the names of a bus, e.g. topics."""
 

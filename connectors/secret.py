@@ -36,7 +36,7 @@ class Secret(Options):
     @classmethod
     def _not_in_the_open(cls, value: object) -> object:
         if not isinstance(value, dict | Secret):
-            # the value itself must not be told: this message goes to screens and logs
+            # the value itself must not be printed: this message goes to screens and logs
             raise ValueError("a secret does not belong in this file: write {env: NAME} or {file: PATH}")  # noqa: TRY004
         return value
 
@@ -47,7 +47,7 @@ class Secret(Options):
         return self
 
     def read(self, option: str) -> str:
-        """Return the password that ``option`` asks for; raises AccessDeniedError where there is none."""
+        """Return the password of ``option``; raises AccessDeniedError where there is none."""
         if self.file is not None:
             try:
                 return content(option, self.file).decode().rstrip("\r\n")

@@ -27,7 +27,7 @@ class Tls(Options):
     ca: str | None = None
     """File (PEM) with the authorities that may have signed the server's certificate. None: the system's."""
     certificate: str | None = None
-    """File (PEM) with this client's certificate, for servers that ask for one."""
+    """File (PEM) with this client's certificate, for servers that require one."""
     key: str | None = None
     """File (PEM) with its private key. None: it is in the certificate's file."""
     key_password: Secret | None = None
@@ -53,11 +53,11 @@ class Tls(Options):
     def _identify(self, context: ssl.SSLContext, certificate: str) -> None:
         files = {"tls.certificate": certificate} | ({} if self.key is None else {"tls.key": self.key})
         for option, path in files.items():
-            content(option, path)  # tells which of them is missing, which ssl does not
+            content(option, path)  # names the one that is missing, which ssl does not
         password = "" if self.key_password is None else self.key_password.read("tls.key_password")
         key = None if self.key is None else located(self.key)
         try:
-            # without a password of some kind OpenSSL would ask for one on the terminal
+            # without a password of some kind OpenSSL would prompt for one on the terminal
             context.load_cert_chain(located(certificate), key, password)
         except ssl.SSLError as error:
             raise AccessDeniedError(

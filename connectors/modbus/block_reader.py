@@ -32,7 +32,7 @@ class BlockReader:
         """The newest that was."""
         self._unreachable: DeviceError | None = None
         self._due = 0.0
-        """When a unit that cannot be reached is asked again, s of the event loop's clock."""
+        """When a unit that cannot be reached is tried again, s of the event loop's clock."""
         if all(block in parking for block in blocks):
             for block in blocks:
                 parking.release(block)

@@ -1,4 +1,4 @@
-"""Which registers to ask for together, so that all values of a loop come from one instant."""
+"""Which registers to request together, so that all values of a loop come from one instant."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Block:
     address_base: int
 
     def __str__(self) -> str:
-        """Return what is asked for, with addresses as in the configuration, e.g. ``input 100 to 109``."""
+        """Return what is requested, with addresses as in the configuration, e.g. ``input 100 to 109``."""
         first = self.address + self.address_base
         return f"{self.table} {first}" + (f" to {first + self.count - 1}" if self.count > 1 else "")
 

@@ -29,7 +29,7 @@ EXCEPTIONS = {
     10: "the gateway has no way to this unit",
     11: "the unit behind the gateway does not answer",
 }
-"""Of the Modbus application protocol 1.1b3, 7, told of a device."""
+"""Of the Modbus application protocol 1.1b3, 7, as messages about a device."""
 Request = Callable[..., Awaitable[ModbusPDU]]
 
 
@@ -76,7 +76,7 @@ class ModbusClient:
         answer = await self._ask(read, address, count=count)
         values = answer.bits[:count] if table in ("coil", "discrete") else answer.registers
         if len(values) != count:
-            raise ConnectionLostError(f"the device sent {len(values)} values of {count} asked for")
+            raise ConnectionLostError(f"the device sent {len(values)} values of {count} requested")
         return [int(value) for value in values]
 
     async def write_coil(self, address: int, value: bool) -> None:  # noqa: FBT001 - the value is what it is

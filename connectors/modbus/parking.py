@@ -1,6 +1,6 @@
 """Blocks that a device leaves without an answer while it answers others: parked, so that they hold up none.
 
-A parked block is asked for every 2 s over a connection of its own, until it is answered.
+A parked block is requested every 2 s over a connection of its own, until it is answered.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Parking:
         if str(block) not in self._told:
             self._told.add(str(block))
             _LOG.warning(
-                "connection %s: %s: %s; it is asked for every %g s apart from the others",
+                "connection %s: %s: %s; it is requested every %g s apart from the others",
                 self._name,
                 block,
                 why,
@@ -71,7 +71,7 @@ class Parking:
             )
 
     async def probe(self, options: ModbusOptions) -> NoReturn:
-        """Ask for what is parked, until cancelled."""
+        """Request what is parked, until cancelled."""
         while True:
             await self._filled.wait()
             await asyncio.sleep(PROBE)
@@ -83,7 +83,7 @@ class Parking:
 
 @asynccontextmanager
 async def probed(parking: Parking, options: ModbusOptions) -> AsyncIterator[None]:
-    """Ask for what is parked, beside all else."""
+    """Request what is parked, beside all else."""
     probing = asyncio.create_task(parking.probe(options), name="probe what is parked")
     try:
         yield
@@ -95,13 +95,13 @@ async def probed(parking: Parking, options: ModbusOptions) -> AsyncIterator[None
 
 
 async def _is_silent(options: ModbusOptions, block: Block) -> bool:
-    """Whether the device leaves it unanswered; no where it allows no second connection to ask it on."""
+    """Whether the device leaves it unanswered; no where it allows no second connection to request it on."""
     try:
         async with connected(options) as client:
             try:
                 await client.read(block.table, block.address, block.count)
             except DeviceError:
-                return False  # why there is no value, its loop is told when it reads it
+                return False  # its loop gets the reason when it reads the block
             except ConnectionLostError:
                 return client.silent
     except ConnectionLostError:

@@ -58,14 +58,14 @@ class ModbusServerSession:
         self._loops = loops
 
     async def samples(self) -> AsyncIterator[Order]:
-        """Yield what people ask for; raises ConnectionLostError when the server no longer listens."""
+        """Yield the orders of operators; raises ConnectionLostError when the server no longer listens."""
         clock = asyncio.get_running_loop()
         due = clock.time()
         while True:
             asked = self._image.oldest()
             if asked is not None:
                 yield asked.order
-                self._image.taken(asked)  # whoever asks for the next one has obeyed this one
+                self._image.taken(asked)  # whoever requests the next one has obeyed this one
             if clock.time() >= due:
                 self._image.beat()
                 due = max(due + BEAT, clock.time())
@@ -76,7 +76,7 @@ class ModbusServerSession:
             obey_cancellation()
 
     async def check_targets(self) -> list[TargetReport]:
-        """Tell where each loop is shown; nothing can speak against it, as the server is ours."""
+        """Report where each loop is shown; nothing can speak against it, as the server is ours."""
         return [
             TargetReport(
                 loop,

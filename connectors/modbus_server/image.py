@@ -1,4 +1,4 @@
-"""What clients read and write: the register map filled with what was told, and the orders that wait."""
+"""What clients read and write: the register map filled with what was published, and the orders that wait."""
 
 from __future__ import annotations
 

@@ -83,14 +83,14 @@ class Clients:
                         return
                     request = await reader.readexactly(length - 1)
             except (asyncio.IncompleteReadError, TimeoutError):
-                self._malformed.note(name, "does not end what it asks for and is dropped")
+                self._malformed.note(name, "does not end its request and is dropped")
                 raise
             if self._options.unit in (None, unit):
                 said = answer(
                     request,
                     self._image,
                     name,
-                    lambda: self._malformed.note(name, "asks for what is no request to this server"),
+                    lambda: self._malformed.note(name, "sends what is no request to this server"),
                 )
             else:
                 said = bytes([request[0] | 0x80, _TARGET_FAILED])

@@ -29,7 +29,7 @@ class ServerTls(Options):
         """Read the files; raises AccessDeniedError for those that are no good."""
         ca = content("tls.ca", self.ca)
         for option, path in {"tls.certificate": self.certificate, "tls.key": self.key}.items():
-            content(option, path)  # tells which of them is missing, which ssl does not
+            content(option, path)  # names the one that is missing, which ssl does not
         password = "" if self.key_password is None else self.key_password.read("tls.key_password")
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
         context.minimum_version = ssl.TLSVersion.TLSv1_2
@@ -39,7 +39,7 @@ class ServerTls(Options):
         except (ssl.SSLError, UnicodeDecodeError) as error:
             raise AccessDeniedError(f"tls.ca: {self.ca} holds no certificates in PEM") from error
         try:
-            # without a password of some kind OpenSSL would ask for one on the terminal
+            # without a password of some kind OpenSSL would prompt for one on the terminal
             context.load_cert_chain(located(self.certificate), located(self.key), password)
         except ssl.SSLError as error:
             raise AccessDeniedError(

@@ -23,7 +23,7 @@ def answer(request: bytes, image: Image, by: str, malformed: Callable[[], None])
     Args:
         request: Function code and what belongs to it; at least one byte, and nothing in it can do harm.
         image: What is read and written.
-        by: Who asks.
+        by: Who sends it.
         malformed: Called where it is no request; the answer is an exception then, too.
     """
     function = request[0]

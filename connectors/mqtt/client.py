@@ -64,9 +64,9 @@ class Outgoing:
     """Whether the broker keeps it for who comes late."""
     qos: int = AT_LEAST_ONCE
     content: str = "application/json"
-    """MIME type, told with MQTT 5."""
+    """MIME type, sent with MQTT 5."""
     schema: str | None = None
-    """Version of the payload's fields, told with MQTT 5."""
+    """Version of the payload's fields, sent with MQTT 5."""
 
     def will(self, version: str) -> Will:
         """Return it as what the broker says when we are gone without a word."""
@@ -157,7 +157,7 @@ class StrictClient(Client):
 
 
 def _noticed(future: asyncio.Future[None]) -> None:
-    """Take a loss out of its future, or asyncio tells in the log that nobody did."""
+    """Take a loss out of its future, or asyncio logs that nobody did."""
     if not future.cancelled():
         future.exception()
 
@@ -227,7 +227,7 @@ def _denial(error: MqttError, options: Broker) -> str | None:
 
 @contextmanager
 def as_connection_lost() -> Iterator[None]:
-    """Tell the library's errors in our words."""
+    """Raise the library's errors as ConnectionLostError."""
     try:
         yield
     except (MqttError, OSError) as error:

@@ -30,7 +30,7 @@ from connectors.mqtt.topics import MqttLoops, Topics, topics_of
 
 _LOG = logging.getLogger(__name__)
 _FAREWELL = 1.0
-"""Longest time to say that this goes offline, s; where the broker does not hear it, its will tells."""
+"""Longest time to say that this goes offline, s; where the broker does not hear it, its will is published."""
 
 
 class MqttConnector:
@@ -85,7 +85,7 @@ async def _say(client: StrictClient, message: Outgoing) -> None:
     try:
         await client.send(message)
     except RefusedError as error:
-        _LOG.warning("the status cannot be told: %s", error)
+        _LOG.warning("the status cannot be published: %s", error)
 
 
 class MqttSession:
@@ -100,7 +100,7 @@ class MqttSession:
         self._orders = orders
 
     async def samples(self) -> AsyncIterator[Sample | Order]:
-        """Yield the samples and orders of every message; a topic that the broker refuses is told once."""
+        """Yield the samples and orders of every message; a topic that the broker refuses is reported once."""
         refused = await subscribe(self._client, dict.fromkeys([*self._readers, *self._topics.orders]))
         for topic, code in refused.items():
             for name in self._readers[topic].names if topic in self._readers else ():
@@ -117,7 +117,7 @@ class MqttSession:
                         yield order
                 reader = self._readers.get(topic)
                 if reader is None:
-                    continue  # amqtt was seen to send what nobody asked for
+                    continue  # amqtt was seen to send what nobody subscribed to
                 malformed = reader.malformed
                 for sample in reader.samples(payload, arrival, retained=retained):
                     yield sample

@@ -47,7 +47,7 @@ class Broker(Options):
     password: Secret | None = None
     """Of the user."""
     keepalive: Annotated[int, Field(ge=1, le=65535)] = 10
-    """Silence after which the broker is asked whether it is there, s; after as long again it is gone."""
+    """Silence after which the broker is pinged, s; after as long again it is gone."""
     timeout: Seconds = 4.0
     """Longest wait for an answer, s."""
     queue: Annotated[int, Field(ge=1)] = 10_000
@@ -61,18 +61,18 @@ class Broker(Options):
 
 
 class MqttOptions(Broker):
-    """An MQTT broker, and the topics that are told there."""
+    """An MQTT broker, and the topics published there."""
 
     client: Level | None = None
     """Who this is on the broker: its client identifier, and `{client}` in topics; no two may have the same.
     None: the computer's and the connection's name, and an identifier by chance."""
     topic: Template = "slipjump/{loop}/alarm"
-    """Where the alarm of a loop is told, if its target names no other. `{loop}` and the names of `variables`
+    """Topic of the alarm of a loop, if its target names no other. `{loop}` and the names of `variables`
     stand for their values."""
     variables: Mapping[str, Word] = {}
     """Name -> what stands for `{name}` in topics; those of a loop come first."""
     status: Template | None = "slipjump/{client}/status"
-    """Where it is told, retained, whether this is online; the broker tells if it breaks. None: nowhere."""
+    """Topic of its retained status; its will says offline if the connection breaks. None: no status."""
     orders: bool = False
     """Whether people may acknowledge, shelve and so on by a message to `order_topic`."""
     order_topic: Template = "{topic}/order"

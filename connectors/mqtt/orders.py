@@ -1,4 +1,4 @@
-"""What people ask by a message, e.g. ``{"action": "acknowledge", "by": "jane"}``; no message breaks it."""
+"""Orders of operators as messages, e.g. ``{"action": "acknowledge", "by": "jane"}``; no message breaks it."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class OrderMessage(Options):
         return self
 
     def order(self, subject: str, arrival: float) -> Order:
-        """Return what this asks of a subject if it came at ``arrival``, s UTC."""
+        """Return the order for a subject if this came at ``arrival``, s UTC."""
         until = None if self.until is None else seconds(self.until)
         if self.minutes is not None:
             until = arrival + 60 * self.minutes
@@ -75,7 +75,7 @@ class OrderReader:
         self._obeyed: OrderedDict[tuple[str, str], None] = OrderedDict()
 
     def order(self, topic: str, payload: bytes, arrival: float, *, retained: bool) -> Order | None:
-        """Return what a message asks that came at ``arrival``, s UTC; None where it is not to be obeyed."""
+        """Return the order of a message that came at ``arrival``, s UTC; None where it is skipped."""
         if not payload:
             return None  # that only takes a kept message back
         if retained:
@@ -85,7 +85,7 @@ class OrderReader:
             return None
         try:
             if len(payload) > LONGEST:
-                raise ValueError(f"it is longer than {LONGEST} bytes")  # noqa: TRY301 - told as all others are
+                raise ValueError(f"it is longer than {LONGEST} bytes")  # noqa: TRY301 - reported as all others are
             message = OrderMessage.model_validate_json(payload)
         except ValueError as error:
             self.malformed += 1

@@ -17,7 +17,7 @@ def status(
     """Return the message.
 
     Args:
-        topic: Where it is told.
+        topic: Where it is published.
         client: Who is meant.
         word: How it is.
         session: When the connection began, s UTC. A last will carries that of the birth it belongs to.

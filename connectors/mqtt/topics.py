@@ -49,7 +49,7 @@ def topics_of(connection: str, options: MqttOptions, loops: MqttLoops) -> Topics
                     _filled(options.order_topic, {**known, "topic": topic}, place, faults), loop
                 )
     faults += [
-        f"connections.{connection}: {count} alarms would be told on topic {topic}"
+        f"connections.{connection}: {count} alarms would be published on topic {topic}"
         for topic, count in Counter(topic for each in alarms.values() for topic in each).items()
         if count > 1
     ]

@@ -15,7 +15,7 @@ from connectors.opcua.values import in_words, quality
 
 OBJECTS = "i=85"
 _SERVER = "i=2253"
-"""Where a server tells of itself: nothing of the plant is below."""
+"""Nodes about the server itself: nothing of the plant is below."""
 _AT_ONCE = 64
 """Nodes looked into between two looks at the bounds."""
 _ANSWERS = 1000

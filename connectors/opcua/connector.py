@@ -72,7 +72,7 @@ class OpcUaSession:
     async def samples(self) -> AsyncIterator[Sample]:
         """Yield every change.
 
-        A node that is not there is told once and asked for again now and then; one that is silent is read.
+        A node that is not there is reported once and tried again now and then; one that is silent is read.
         """
         with as_connection_lost():
             watched = await subscription(self._client, self._options)
@@ -124,7 +124,7 @@ class OpcUaSession:
             raise RefusedError("; ".join(f"{node}: {status.name}" for node, status in refused.items()))
 
     async def check_targets(self) -> list[TargetReport]:
-        """Ask for the rights to each node that would be written; raises ConnectionLostError."""
+        """Read the rights to each node that would be written; raises ConnectionLostError."""
         places = [
             (loop, tag.node)
             for loop, entry in self._loops.items()

@@ -48,7 +48,7 @@ def private_key_in(option: str, path: str, secret: Secret | None) -> bytes:
 
 
 def application_uri(option: str, path: str, certificate: x509.Certificate) -> str:
-    """Return the application URI, which the other side compares with the one that it is told."""
+    """Return the application URI, which the other side compares with the one that it receives."""
     uris = _names(certificate).get_values_for_type(x509.UniformResourceIdentifier)
     if not uris:
         raise AccessDeniedError(f"{option}: {path} has no application URI in its alternative names")

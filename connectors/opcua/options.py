@@ -16,12 +16,12 @@ NodeId = Annotated[str, Field(pattern=r"^(ns=\d+;)?[isgb]=.+$", examples=["ns=2;
 class Security(Options):
     """Messages signed and encrypted (SignAndEncrypt), between two who know each other's certificate.
 
-    The server must know the client's certificate; of the server's, `server_certificate` or `ca` tells.
+    The server must know the client's certificate; the server's is known by `server_certificate` or `ca`.
     """
 
     policy: Literal["Basic256Sha256", "Aes128Sha256RsaOaep", "Aes256Sha256RsaPss"] = "Basic256Sha256"
     certificate: str
-    """File (PEM or DER) with this client's certificate. The application URI in it is the one that is told."""
+    """File (PEM or DER) with this client's certificate. Its application URI is sent."""
     key: str
     """File (PEM or DER) with its private key."""
     key_password: Secret | None = None
@@ -84,7 +84,7 @@ class OpcUaOptions(Options):
     timeout: Seconds = 4.0
     """Longest wait for an answer, s; after that the server counts as gone."""
     retry: Seconds = 2.0
-    """How often a node that was not found is asked for again, and one that is silent is read, s."""
+    """How often a node that was not found is tried again, and one that is silent is read, s."""
 
     @model_validator(mode="after")
     def _no_password_in_the_open(self) -> OpcUaOptions:

@@ -50,7 +50,7 @@ def refusal(error: Exception) -> str | None:
 
 
 async def identify(client: Client, options: OpcUaOptions) -> None:
-    """Make sure who the server is and tell the client who we are, before it connects.
+    """Make sure who the server is and give the client our identity, before it connects.
 
     Raises AccessDeniedError, and what asyncua raises where there is no server.
     """
@@ -107,7 +107,7 @@ def _same(server: x509.Certificate, path: str) -> None:
     if server != expected:
         raise AccessDeniedError(
             f"it shows another certificate (SHA-256 {server.fingerprint(SHA256()).hex()}) than "
-            f"security.server_certificate {path}; if it was renewed, ask its owner and replace that file"
+            f"security.server_certificate {path}; if it was renewed, replace that file"
         )
 
 

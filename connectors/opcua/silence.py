@@ -1,4 +1,4 @@
-"""Tells a node that stays the same from one that its server has forgotten to report."""
+"""Distinguishes a node that stays the same from one that its server has forgotten to report."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from asyncua import ua
 GONE = (ua.StatusCodes.BadNodeIdUnknown, ua.StatusCodes.BadNodeIdInvalid)
 """What a server says of a node that is not there any more."""
 DIFFERENT = 2
-"""Looks in a row that must find another value than was told."""
+"""Looks in a row that must find another value than was reported."""
 MOST = 3
-"""Times that a node is watched anew in one session: some servers never read what they tell."""
+"""Times that a node is watched anew in one session: some servers never report what a read returns."""
 
 
 @dataclass(slots=True)
@@ -20,7 +20,7 @@ class _Node:
     told: object = None
     """Its newest value."""
     heard: bool = True
-    """Whether it was told since the last look."""
+    """Whether it was reported since the last look."""
     different: int = 0
     """Looks in a row that found another value."""
 
@@ -28,9 +28,9 @@ class _Node:
 class Silence:
     """Nodes that are watched, and which of them were silent between two looks.
 
-    A subscription tells changes only, so silence means nothing by itself. But servers were seen to drop what
-    they watched where a node was deleted and made again, as after a download to a controller. Reading the
-    silent ones now and then shows it: the node is gone, or has another value than was told.
+    A subscription reports changes only, so silence means nothing by itself. But some servers drop what
+    they watch where a node was deleted and made again, as after a download to a controller. Reading the
+    silent ones now and then shows it: the node is gone, or has another value than was reported.
     """
 
     def __init__(self) -> None:
@@ -46,7 +46,7 @@ class Silence:
         self._nodes[node] = _Node(_value(data))
 
     def silent(self) -> list[str]:
-        """Return what was not told since the last call."""
+        """Return what was not reported since the last call."""
         silent = [node for node, known in self._nodes.items() if not known.heard]
         for known in self._nodes.values():
             known.heard = False

@@ -1,7 +1,7 @@
 """A subscription that says so when it dies.
 
 asyncua's own guard recreates a silent subscription by itself and can lose its nodes while doing so. Therefore
-the subscription is made without the client's knowledge, and whoever reads it is told that it is dead.
+the subscription is made without the client's knowledge, and whoever reads it gets an error when it is dead.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class NodeSubscription:
         )
 
     async def read(self, nodes: Sequence[str]) -> dict[str, ua.DataValue]:
-        """Ask for the values of ``nodes``, told or not."""
+        """Read the values of ``nodes``, reported or not."""
         answers = await self._reads.ask(self._values, [ua.NodeId.from_string(node) for node in nodes])
         return dict(zip(nodes, answers, strict=True))
 

@@ -43,7 +43,7 @@ class Access(UserManager):  # type: ignore[misc]
         """Sessions that were not let in."""
         self._options = options
         self._clients = _clients(options.security)
-        self._told = ""
+        self._logged = ""
         for name, user in options.users.items():
             user.password.read(f"users.{name}.password")
 
@@ -83,10 +83,10 @@ class Access(UserManager):  # type: ignore[misc]
         return True
 
     def _refuse(self, whom: str) -> None:
-        """Count it; told once, until it is another."""
+        """Count it; logged once, until it is another."""
         self.refused += 1
-        if whom != self._told:
-            self._told = whom
+        if whom != self._logged:
+            self._logged = whom
             _LOG.warning("OPC UA server on port %d: %s was not let in", self._options.port, whom)
 
 

@@ -1,4 +1,4 @@
-"""Sessions that tell a method who calls it, which those of asyncua do not, and that know their limits."""
+"""Sessions that show a method who calls it, which those of asyncua do not, and that know their limits."""
 
 from __future__ import annotations
 

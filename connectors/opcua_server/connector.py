@@ -84,7 +84,7 @@ class OpcUaServerSession:
         self._newest = newest
 
     async def samples(self) -> AsyncIterator[Order]:
-        """Yield what people ask for; raises ConnectionLostError when the server no longer listens."""
+        """Yield the orders of operators; raises ConnectionLostError when the server no longer listens."""
         while True:
             try:
                 async with asyncio.timeout(_LOOK):
@@ -96,7 +96,7 @@ class OpcUaServerSession:
             obey_cancellation()
 
     async def check_targets(self) -> list[TargetReport]:
-        """Tell where each loop is shown; nothing can speak against it, as the server is ours."""
+        """Report where each loop is shown; nothing can speak against it, as the server is ours."""
         return [TargetReport(loop, f"object {loop} of this server") for loop in self._views]
 
     async def publish(self, publication: Publication) -> None:
@@ -114,7 +114,7 @@ class OpcUaServerSession:
 async def served(
     server: Server, options: OpcUaServerOptions, loops: ServedLoops, newest: dict[str, Publication]
 ) -> OpcUaServerSession:
-    """Fill the address space of a server with loops, as their ``newest`` publications tell them."""
+    """Fill the address space of a server with loops, as their ``newest`` publications show them."""
     names = Names(await server.register_namespace(NAMESPACE))
     above = ua.NodeId(ua.ObjectIds.ObjectsFolder)
     add_object(

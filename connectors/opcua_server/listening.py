@@ -133,7 +133,7 @@ async def _stop(server: Server) -> None:
         clock.cancel()
     for transport in list(internal.asyncio_transports):
         transport.abort()
-    await asyncio.sleep(0)  # the transports tell their protocols, whose closing is then awaited by ``stop``
+    await asyncio.sleep(0)  # the transports notify their protocols, whose closing is then awaited by ``stop``
     await server.stop()
     for session in client_sessions(internal):
         await session.close_session()

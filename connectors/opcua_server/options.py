@@ -15,7 +15,7 @@ class ServerSecurity(Options):
     """Messages signed and encrypted (Basic256Sha256), and only clients whose certificate is known."""
 
     certificate: str
-    """File (PEM or DER) with this server's certificate. The application URI in it is the one that is told."""
+    """File (PEM or DER) with this server's certificate. Its application URI is sent."""
     key: str
     """File (PEM or DER) with its private key."""
     key_password: Secret | None = None
@@ -84,4 +84,4 @@ class OpcUaServerTarget(Target):
     """A loop that is shown on the server."""
 
     unit: Annotated[str, Field(min_length=1, max_length=40)] | None = None
-    """Unit of OP, told as that of S, J, FS and FD, e.g. ``%``. None: not told."""
+    """Unit of OP, shown as that of S, J, FS and FD, e.g. ``%``. None: not shown."""

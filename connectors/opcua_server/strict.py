@@ -1,4 +1,4 @@
-"""Clients that send what is no OPC UA: counted, told, dropped. asyncua lets them stay and says nothing.
+"""Clients that send what is no OPC UA: counted, logged, dropped. asyncua lets them stay and says nothing.
 
 A frame that cannot be read ends its connection (OPC UA Part 6, 7.1.5); a request that cannot is answered with
 a fault, as asyncua does. What a server may refuse in good order is neither.
@@ -30,7 +30,7 @@ _SECURE = (b"OPN", b"MSG", b"CLO")
 _CHUNKS = b"FCA"
 _NO_OPCUA = "does not speak OPC UA and is dropped"
 _ENDS_AMID = "ends amid a message"
-_NO_REQUEST = "asks for what is no request"
+_NO_REQUEST = "sends what is no request"
 
 
 class StrictServer(Server):  # type: ignore[misc]

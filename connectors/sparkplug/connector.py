@@ -1,4 +1,4 @@
-"""Sparkplug B as a connector: every session is a fresh client that is born, tells data and dies."""
+"""Sparkplug B as a connector: every session is a fresh client that is born, publishes data and dies."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from connectors.sparkplug.payload import MalformedError, decode
 
 _LOG = logging.getLogger(__name__)
 _FAREWELL = 1.0
-"""Longest time to say that this node dies, s; where the broker does not hear it, its will tells."""
+"""Longest time to say that this node dies, s; where the broker does not hear it, its will is published."""
 
 SparkplugLoops = Mapping[str, LoopTags[NoTag, SparkplugTarget]]
 
@@ -31,7 +31,7 @@ SparkplugLoops = Mapping[str, LoopTags[NoTag, SparkplugTarget]]
 class SparkplugConnector:
     """An edge node; ConfigError where two loops would be one device."""
 
-    takes_orders = True  # a host may ask for births anew, so its commands are always read
+    takes_orders = True  # a host may request births anew, so its commands are always read
 
     def __init__(self, name: str, options: SparkplugOptions, loops: SparkplugLoops) -> None:
         self.name = name
@@ -45,7 +45,7 @@ class SparkplugConnector:
         if faults := list(_faults(name, loops, devices)):
             raise ConfigError(faults)
         self._node = EdgeNode(group, node, devices, writable=options.orders)
-        # The broker lets go of a former connection with the same name, and tells its death before our birth.
+        # The broker lets go of a former connection with the same name, and sends its death before our birth.
         self._identifier = f"slipjump-{group}-{node}"
 
     @asynccontextmanager
@@ -82,7 +82,7 @@ class SparkplugSession:
         self._subjects = {node.topic("DCMD", device): subject for device, subject in node.subjects.items()}
 
     async def born(self) -> None:
-        """Listen for commands, then tell the births; raises ConnectionLostError."""
+        """Listen for commands, then publish the births; raises ConnectionLostError."""
         for topic in await subscribe(self._client, self._command_topics()):
             _LOG.warning("topic %s: the broker refuses it, no host can command there", topic)
         await self._births()
@@ -95,7 +95,7 @@ class SparkplugSession:
                     yield order
 
     async def publish(self, publication: Publication) -> None:
-        """Tell what has changed and return when the broker has it; raises ConnectionLostError."""
+        """Publish what has changed and return when the broker has it; raises ConnectionLostError."""
         async with self._in_order:
             message = self._node.data(publication, time.time())
             if message is None:
@@ -112,7 +112,7 @@ class SparkplugSession:
     async def _obeyed(self, message: Message) -> list[Order]:
         topic = message.topic.value
         if topic != self._node.topic("NCMD") and topic not in self._subjects:
-            return []  # amqtt was seen to send what nobody asked for
+            return []  # amqtt was seen to send what nobody subscribed to
         if message.retain:
             self._counts.retained += 1
             if self._counts.retained == 1:

@@ -1,4 +1,4 @@
-"""What is told of a loop, as metrics; and what a host asks by writing some of them."""
+"""What is published of a loop, as metrics; and the orders of a host that writes some of them."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from connectors.mqtt.orders import OrderMessage
 from connectors.sparkplug.payload import DataType, MalformedError, Metric
 
 REBIRTH = "Node Control/Rebirth"
-"""Metric with which a host asks for all births anew (Sparkplug 3.0.0, 6.4.19)."""
+"""Metric with which a host requests all births anew (Sparkplug 3.0.0, 6.4.19)."""
 BD_SEQ = "bdSeq"
-"""Metric that tells which death belongs to which birth."""
+"""Metric that shows which death belongs to which birth."""
 
 _FIELDS: Mapping[str, tuple[str, DataType]] = {
     "Alarm/Active": ("active", DataType.BOOLEAN),
@@ -43,7 +43,7 @@ METRICS: Mapping[str, DataType] = {
     **{name: kind for name, (_, kind) in _FIELDS.items()},
     OUT_OF_SERVICE: DataType.BOOLEAN,
 }
-"""What is told of a loop."""
+"""What is published of a loop."""
 ABOUT_THE_MESSAGE = frozenset(name for name in METRICS if name.startswith("Message/"))
 """Metrics that are news each time, though nothing may have changed."""
 COMMANDS: Mapping[str, tuple[DataType, JsonValue]] = {
@@ -79,26 +79,26 @@ def commands_at_rest(time: float) -> list[Metric]:
 
 
 def orders(subject: str, metrics: tuple[Metric, ...], arrival: float) -> list[Order]:
-    """Return what a command asks that came at ``arrival``, s UTC; raises MalformedError.
+    """Return the orders of a command that came at ``arrival``, s UTC; raises MalformedError.
 
-    ``Alarm/Operator`` says who asks and ``Alarm/Id`` which activation is meant, both for all of the command.
+    ``Alarm/Operator`` names the operator and ``Alarm/Id`` the activation, both for the whole command.
     """
     written = {metric.name: metric.value for metric in metrics}
     unknown = written.keys() - COMMANDS.keys() - {"Alarm/Id", OUT_OF_SERVICE}
     if unknown:
         raise MalformedError(f"nobody can write {', '.join(sorted(unknown))}")
     common = {"by": written.get("Alarm/Operator") or NOBODY, "alarm": written.get("Alarm/Id") or None}
-    asked: list[dict[str, object]] = []
+    requested: list[dict[str, object]] = []
     if written.get("Alarm/Acknowledge"):
-        asked.append({"action": "acknowledge"})
+        requested.append({"action": "acknowledge"})
     if minutes := written.get("Alarm/Shelve Minutes"):
-        asked.append({"action": "shelve", "minutes": minutes})
+        requested.append({"action": "shelve", "minutes": minutes})
     if written.get("Alarm/Unshelve"):
-        asked.append({"action": "unshelve"})
+        requested.append({"action": "unshelve"})
     if (out := written.get(OUT_OF_SERVICE)) is not None:
-        asked.append({"action": "out_of_service" if out else "in_service"})
+        requested.append({"action": "out_of_service" if out else "in_service"})
     try:
-        messages = [OrderMessage.model_validate({**common, **each}) for each in asked]
+        messages = [OrderMessage.model_validate({**common, **each}) for each in requested]
     except ValidationError as error:
         raise MalformedError(error.errors(include_url=False)[0]["msg"]) from error
     return [message.order(subject, arrival) for message in messages]

@@ -26,7 +26,7 @@ WRAP = 256
 
 
 class EdgeNode:
-    """What is told, and how far the sequences are. Send what its methods return, in that order."""
+    """What is published, and how far the sequences are. Send what its methods return, in that order."""
 
     def __init__(self, group: str, node: str, devices: Mapping[str, str], *, writable: bool) -> None:
         """Make one that is not connected yet.
@@ -70,10 +70,10 @@ class EdgeNode:
         ]
         messages = [self._numbered("NBIRTH", None, node, now)]
         for subject, device in self.devices.items():
-            told = self._reported[subject]
+            known = self._reported[subject]
             unknown = Reported(None, now)
             metrics = [
-                Metric(name, told.get(name, unknown).value, kind, told.get(name, unknown).time)
+                Metric(name, known.get(name, unknown).value, kind, known.get(name, unknown).time)
                 for name, kind in METRICS.items()
             ]
             if self._writable:
@@ -82,10 +82,10 @@ class EdgeNode:
         return messages
 
     def data(self, publication: Publication, now: float) -> Outgoing | None:
-        """Return what has changed with a publication; None where there is nothing to tell.
+        """Return what has changed with a publication; None where there is nothing to publish.
 
-        The state of a change comes first, so that its event mostly has nothing to add. An event that is told
-        late has all its values, marked as history: newer ones were told already.
+        The state of a change comes first, so that its event mostly has nothing to add. An event that
+        is late has all its values, marked as history: newer ones were published already.
         """
         subject, fields = publication.subject, publication.fields
         if subject not in self.devices or publication.kind == WITHDRAWN:  # the next birth will not have it
@@ -95,11 +95,11 @@ class EdgeNode:
         values = values_of(fields)
         historical = bool(fields.get("historical"))
         if not historical:
-            told = self._reported[subject]
-            values = {name: each for name, each in values.items() if _is_news(told.get(name), each)}
+            known = self._reported[subject]
+            values = {name: each for name, each in values.items() if _is_news(known.get(name), each)}
             if publication.kind == "event" and values.keys() <= ABOUT_THE_MESSAGE:
                 return None
-            told |= {name: Reported(each, time) for name, each in values.items()}
+            known |= {name: Reported(each, time) for name, each in values.items()}
         if not values:
             return None
         metrics = [Metric(name, each, METRICS[name], time, historical) for name, each in values.items()]
@@ -110,5 +110,5 @@ class EdgeNode:
         return Outgoing(self.topic(verb, device), encode(metrics, now, self._seq), qos=0, content=CONTENT)
 
 
-def _is_news(told: Reported | None, value: JsonValue) -> bool:
-    return told is None or told.value != value
+def _is_news(known: Reported | None, value: JsonValue) -> bool:
+    return known is None or known.value != value

@@ -11,7 +11,7 @@ from connectors.options import Target
 
 
 class SparkplugOptions(Broker):
-    """A Sparkplug B edge node on an MQTT broker; its devices are the loops that are told there."""
+    """A Sparkplug B edge node on an MQTT broker; its devices are the loops that are published there."""
 
     group: Level = "slipjump"
     """Sparkplug's group id."""

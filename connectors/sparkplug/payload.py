@@ -35,7 +35,7 @@ class DataType(IntEnum):
     BOOLEAN = 11
     STRING = 12
     DATE_TIME = 13
-    """Told as s since 1970, sent as ms."""
+    """Given as s since 1970, sent as ms."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class Metric:
     time: float | None = None
     """Of the value, s UTC."""
     historical: bool = False
-    """Whether it is told late, and a newer value may have been told before."""
+    """Whether it is late, and a newer value may have been published before."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +121,7 @@ _Message = _described()
 
 
 def encode(metrics: Sequence[Metric], time: float | None, seq: int | None = None) -> bytes:
-    """Return the payload with these metrics; NaN and infinity are told as null."""
+    """Return the payload with these metrics; NaN and infinity are encoded as null."""
     message = _Message()
     if time is not None:
         message.timestamp = _milliseconds(time)

@@ -11,7 +11,9 @@ from amqtt.broker import Broker
 from amqtt.errors import BrokerError
 
 for library in ("amqtt", "transitions"):
-    logging.getLogger(library).setLevel(logging.CRITICAL)  # a client that comes and goes is nothing to tell
+    logging.getLogger(library).setLevel(
+        logging.CRITICAL
+    )  # a client that comes and goes is not worth a log line
 
 
 class _Broker(Broker):  # type: ignore[misc]  # amqtt has no types

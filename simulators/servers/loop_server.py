@@ -39,11 +39,11 @@ class LoopServer(AbstractAsyncContextManager["LoopServer"], Protocol):
         ...
 
     def loop_settings(self, loop: str, ts: float) -> Entry:
-        """Return the entry of ``loops`` that reads the loop from here, and tells its alarm here."""
+        """Return the entry of ``loops`` that reads the loop from here, and publishes its alarm here."""
         ...
 
     def watch_alarms(self) -> AsyncIterator[tuple[str, bool]]:
-        """Yield (loop, is its alarm active) whenever a client of its own is told so on the bus."""
+        """Yield (loop, is its alarm active) whenever a client of its own sees so on the bus."""
         ...
 
 

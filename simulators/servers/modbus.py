@@ -17,7 +17,9 @@ from connectors.modbus.codec import encode
 from simulators.plant import Row
 from simulators.servers.loop_server import ALARM_FIELDS, Entry, loop_entry
 
-logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # a client that comes and goes is nothing to tell
+logging.getLogger("pymodbus").setLevel(
+    logging.CRITICAL
+)  # a client that comes and goes is not worth a log line
 
 UNIT = 1
 READ_INPUT_REGISTERS = 4

@@ -74,5 +74,5 @@ class MqttServer:
             await client.subscribe([(topic, AT_LEAST_ONCE) for topic in loops])
             async for message in client.messages:
                 if message.topic.value not in loops:
-                    continue  # amqtt was seen to send what nobody asked for
+                    continue  # amqtt was seen to send what nobody subscribed to
                 yield loops[message.topic.value], bool(json.loads(bytes(message.payload))["active"])

@@ -15,7 +15,9 @@ from connectors.opcua_server.asyncua_private import client_sessions
 from simulators.plant import Row
 from simulators.servers.loop_server import ALARM_FIELDS, Entry, loop_entry
 
-logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # a client that comes and goes is nothing to tell
+logging.getLogger("asyncua").setLevel(
+    logging.CRITICAL
+)  # a client that comes and goes is not worth a log line
 
 PUBLISHING_INTERVAL = 0.05
 """Of readers and watchers, s of wall time."""

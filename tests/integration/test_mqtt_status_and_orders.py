@@ -136,7 +136,7 @@ async def test_a_broker_that_does_not_take_it_says_so_with_mqtt_5(mosquitto, tmp
                 await session.publish(Publication("FIC101", "state", "1", ALARM))
         async with connector(port, version="5", topic="open/{loop}").session() as session:
             await session.publish(Publication("FIC101", "state", "1", ALARM))
-    assert "the status cannot be told: topic slipjump/me/status: Not authorized" in caplog.text
+    assert "the status cannot be published: topic slipjump/me/status: Not authorized" in caplog.text
 
 
 async def test_orders_are_read_and_retained_ones_are_not(mosquitto, tmp_path):

@@ -1,4 +1,4 @@
-"""Methods of the alarm (Part 9, 5.5 to 5.8): what a person asks becomes an order, which the agent obeys.
+"""Methods of the alarm (Part 9, 5.5 to 5.8): what a person calls becomes an order, which the agent obeys.
 
 A method is answered when its order waits, the change follows as an event. ConfirmedState, OneShotShelve and
 Disable have no counterpart in slipjump and are answered with BadNotSupported.
@@ -41,7 +41,7 @@ class Commands:
             longest_shelving: s.
         """
         self.orders: asyncio.Queue[Order] = asyncio.Queue(MOST_ORDERS)
-        """What people asked for."""
+        """Orders of operators."""
         self.taken = 0
         """Orders that were put into the queue."""
         self._longest_shelving = longest_shelving

@@ -63,7 +63,7 @@ class Condition:
     comment_at: float | None = None
     """When somebody wrote the comment, s UTC."""
     event_ids: tuple[bytes, ...] = ()
-    """Of all that was told since nobody need acknowledge, the newest last: those one may acknowledge by."""
+    """Of all events since nobody need acknowledge, the newest last: an operator may acknowledge by these."""
 
     @property
     def active(self) -> bool:
@@ -96,7 +96,7 @@ class Condition:
         return self.event_ids[-1] if self.event_ids else b""
 
     def after(self, publication: Publication) -> Condition:
-        """Return the condition that a publication tells; the same one where it tells nothing new."""
+        """Return the condition after a publication; the same one where nothing is new."""
         told = publication.fields
         state, at = str(told.get("state")), _number(told.get("time")) or 0.0
         new = replace(
@@ -121,7 +121,7 @@ class Condition:
         )
 
     def remarked(self, comment: str, user: str, at: float) -> Condition:
-        """Return the condition with what ``user`` wrote at ``at``, s UTC; it is told with the next event."""
+        """Return the condition with what ``user`` wrote at ``at``, s UTC; it is sent with the next event."""
         return replace(self, comment=comment, comment_at=at, user=user)
 
     def commented(self, comment: str, user: str, at: float) -> Condition:

@@ -28,7 +28,7 @@ _BANDS = {"S": "s", "J": "j", "FS": "f_s", "FD": "f_d"}
 def event_fields(
     names: Names, condition: Condition, told: Mapping[str, JsonValue], longest_shelving: float
 ) -> dict[str, ua.Variant]:
-    """Return browse path -> value of all that is told of a condition.
+    """Return browse path -> value of all fields of a condition.
 
     Args:
         names: Node ids of the server.

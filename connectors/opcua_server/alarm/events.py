@@ -26,13 +26,13 @@ CONDITION_ID = "NodeId"
 
 
 class Events:
-    """Knows what is retained and tells what happens."""
+    """Knows what is retained and sends events."""
 
     def __init__(self, server: Server, area: ua.NodeId) -> None:
         """Make it.
 
         Args:
-            server: Whose clients are told.
+            server: Whose clients get events.
             area: Object above all loops; whoever subscribes to it or to the Server object gets all events.
         """
         self._server = server
@@ -82,7 +82,7 @@ class Events:
         return status(ua.StatusCodes.Good)
 
     async def _mark(self, subscription: InternalSubscription, items: Iterable[int], kind: int) -> None:
-        """Tell start or end of a refresh, whatever the filter says (Part 9, 5.5.7)."""
+        """Send start or end of a refresh, whatever the filter says (Part 9, 5.5.7)."""
         event, now = Event(), datetime.now(UTC)
         for name, value, variant_type in (
             ("EventId", uuid.uuid4().bytes, ua.VariantType.ByteString),
@@ -97,8 +97,8 @@ class Events:
             event.add_property(name, value, variant_type)
         for item in items:
             data = monitored_items(subscription)[item]
-            told = ua.EventFieldList(data.client_handle, event.to_event_fields(data.filter.SelectClauses))
-            await subscription.enqueue_event(item, told, data.queue_size)
+            marked = ua.EventFieldList(data.client_handle, event.to_event_fields(data.filter.SelectClauses))
+            await subscription.enqueue_event(item, marked, data.queue_size)
 
 
 def _event(fields: Fields, condition: ua.NodeId) -> Any:  # noqa: ANN401 - asyncua's own

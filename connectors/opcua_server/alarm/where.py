@@ -1,6 +1,6 @@
 """Filters of events: as asyncua's, but that a type includes its subtypes (Part 4, 7.7.3).
 
-asyncua 2.1 compares the type alone; a client that asks for every AlarmConditionType would get none of ours.
+asyncua 2.1 compares the type alone; a client that selects every AlarmConditionType would get none of ours.
 """
 
 from __future__ import annotations

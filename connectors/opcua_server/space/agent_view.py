@@ -1,4 +1,4 @@
-"""The agent as clients see it, as far as its publications tell."""
+"""The agent as clients see it, as far as its publications show."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _VARIABLES = {
 
 
 class AgentView:
-    """Shows how many loops and alarms there are, and when the agent told something last."""
+    """Shows how many loops and alarms there are, and when the agent published something last."""
 
     def __init__(self, server: Server, names: Names) -> None:
         """Add the nodes."""

@@ -86,7 +86,7 @@ def add_loop(server: Server, names: Names, loop: str, unit: str | None) -> None:
         server: Where.
         names: Its node ids.
         loop: Name.
-        unit: Of OP; None tells none.
+        unit: Of OP; None: no unit.
     """
     here = names.loop(loop)
     add_object(server, names.folder, here, names.browse(loop), notifies=True)

@@ -1,4 +1,4 @@
-"""One loop as clients see it: what is told of it, and how its alarm stands."""
+"""One loop as clients see it: what is published of it, and how its alarm stands."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class LoopView:
         Args:
             server: Where it is shown.
             names: Node ids of the server.
-            events: Who tells them.
+            events: Sends them.
             condition: The loop and where its alarm stood when it was last shown.
             longest_shelving: s.
         """
@@ -56,7 +56,7 @@ class LoopView:
         await self.change(self.condition.after(publication))
 
     async def change(self, condition: Condition) -> None:
-        """Let the alarm be as ``condition`` says; told as an event where that is new."""
+        """Let the alarm be as ``condition`` says; sent as an event where that is new."""
         is_new = condition != self.condition
         self.condition = condition
         fields, names = self._fields(), self._names

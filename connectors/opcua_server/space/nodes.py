@@ -18,7 +18,7 @@ _OF_VARIABLE = (
     | _HAS.UserAccessLevel
     | _HAS.Historizing
 )
-"""What Part 3 asks of a node and no more: asyncua takes as long for each attribute that says nothing."""
+"""What Part 3 requires of a node and no more: asyncua takes as long for each attribute that says nothing."""
 _DATA_TYPES = {
     ua.VariantType.LocalizedText: ua.ObjectIds.LocalizedText,
     ua.VariantType.StatusCode: ua.ObjectIds.StatusCode,
@@ -83,7 +83,7 @@ def add_property(
 
 
 def add_reference(server: Server, source: ua.NodeId, kind: int, target: ua.NodeId) -> None:
-    """Let a node point to another; the way back is not told, as a method of a type serves all its objects."""
+    """Let a node point to another; the way back is not shown, since a type's method serves all objects."""
     item = ua.AddReferencesItem(SourceNodeId=source, ReferenceTypeId=ua.NodeId(kind), TargetNodeId=target)
     for status in server.iserver.node_mgt_service.add_references([item]):
         status.check()

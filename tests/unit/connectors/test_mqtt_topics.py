@@ -56,7 +56,7 @@ def test_orders_are_not_taken_unless_asked_for_nor_by_a_guest():
             {"FIC101": told()},
             "loops.FIC101.publish.topic: no variable is called area (there are: client",
         ),
-        ({"topic": "stiction"}, {"A": told(), "B": told()}, "connections.broker: 2 alarms would be told on"),
+        ({"topic": "stiction"}, {"A": told(), "B": told()}, "connections.broker: 2 alarms would be"),
         (UNS, {"A": told(area="a/#")}, "has an empty level, or + or # in it"),
         (UNS, {"A": told(area="")}, "'acme/x//A/stiction' begins with $, or has an empty level"),
         ({"topic": "{c}/x", "variables": {"c": "$SYS"}}, {"A": told()}, "begins with $"),
