@@ -7,11 +7,8 @@ from agent.analysis.quantify.free_run import second_search
 from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
 from agent.analysis.quantify.free_run.fitted import Fitted, start
 from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, J_RATIO, SIZE, SOPDT, S
-from agent.analysis.quantify.free_run.residuals import lasting
 from agent.analysis.quantify.free_run.search import Found
 from agent.analysis.quantify.free_run.second_search import (
-    AROUND,
-    IN_VAIN,
     OF_ALL,
     STARTS,
     SURE_OF_A_FAMILY,
@@ -29,13 +26,22 @@ def found_of(problem, candidate, by_shots=np.inf):
     return Found(start(candidate, FOPDT, problem), (), by_shots)
 
 
-def test_the_true_valve_has_converged_and_is_not_sought_again(monkeypatch):
+def test_the_true_valve_has_converged_and_is_kept():
     problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
     found = found_of(problem, candidate)
     assert converged(found, problem)
-    monkeypatch.setattr(second_search, "searched_again", None)
-    monkeypatch.setattr(second_search, "searched_around", None)
     assert converged_search(found, problem, LoopHints()) is found
+
+
+def test_a_wrong_valve_is_replaced_by_the_true_one():
+    problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
+    wrong = candidate.copy()
+    wrong[S] *= 1.3
+    first = found_of(problem, wrong)
+    found = converged_search(first, problem, LoopHints(False, 1))
+    assert found.best.candidate[S] == pytest.approx(candidate[S], rel=0.02)
+    assert clearly_less(found, first)
+    assert converged(found, problem)
 
 
 def test_a_valve_that_loses_its_way_has_not_converged():
@@ -49,45 +55,6 @@ def test_a_valve_that_needs_shots_has_not_converged():
     assert not converged(found_of(problem, candidate, 0.5 * error), problem)
 
 
-def test_residuals_that_last_ask_for_one_search_more(monkeypatch):
-    problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
-    candidate[S] *= 0.8
-    found = found_of(problem, candidate)
-    assert lasting(found.best, problem) >= second_search.LASTS
-    monkeypatch.setattr(second_search, "converged", lambda *_: True)
-    course = []
-    monkeypatch.setattr(
-        second_search, "searched_again", lambda found, begin, *_: course.append(begin) or found
-    )
-    monkeypatch.setattr(second_search, "searched_around", lambda found, *_: course.append("around") or found)
-    converged_search(found, problem, LoopHints())
-    assert course == [STARTS[0], *["around"] * IN_VAIN]
-
-
-def test_searches_around_go_on_while_they_gain(monkeypatch):
-    problem, candidate = loop_whose_stem_rests_elsewhere_once()
-    monkeypatch.setattr(second_search, "searched_again", lambda found, *_: found)
-    errors = []
-
-    def halved(found, *_):
-        errors.append(found.by_shots)
-        return Found(found.best, found.others, 0.5 * found.by_shots)
-
-    monkeypatch.setattr(second_search, "searched_around", halved)
-    converged_search(found_of(problem, candidate, 1.0), problem, LoopHints())
-    assert len(errors) == len(STARTS) * AROUND
-
-
-def test_no_search_around_what_has_converged(monkeypatch):
-    problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
-    wrong = candidate.copy()
-    wrong[S] *= 0.8
-    right = found_of(problem, candidate)
-    monkeypatch.setattr(second_search, "searched_again", lambda *_: right)
-    monkeypatch.setattr(second_search, "searched_around", None)
-    assert converged_search(found_of(problem, wrong), problem, LoopHints()) is right
-
-
 @pytest.mark.parametrize(
     ("by_shots", "error", "clearly"),
     [(1.0, 1.0, False), (0.85, 0.85, False), (0.75, 1.0, True), (1.0, 0.75, True)],
@@ -97,15 +64,6 @@ def test_a_further_search_is_believed_where_it_needs_clearly_less(by_shots, erro
         Found(Fitted(e, FOPDT, np.zeros(SIZE)), (), s) for e, s in ((2.0, 2.0), (2 * error, 2 * by_shots))
     )
     assert clearly_less(found, first) == clearly
-
-
-def test_what_needs_a_little_less_changes_nothing(monkeypatch):
-    problem, candidate = loop_whose_stem_rests_elsewhere_once()
-    first = found_of(problem, candidate, 1.0)
-    little = Found(first.best, first.others, 0.9)
-    monkeypatch.setattr(second_search, "searched_again", lambda *_: little)
-    monkeypatch.setattr(second_search, "searched_around", lambda found, *_: found)
-    assert converged_search(first, problem, LoopHints()) is first
 
 
 def test_what_needs_more_by_shots_changes_nothing():

@@ -136,6 +136,8 @@ def test_the_lesser_of_two_held_out_errors_is_told():
     assert found.held_out.rmse == by_free_run.rmse
 
 
+@pytest.mark.bench  # ten records; that an interval holds the truth is tested on single ones above
+@pytest.mark.slow
 def test_of_ten_intervals_eight_hold_the_truth(monkeypatch):
     """The law is known to be the true one and the noise is white, so that 90 % is meant as it is said."""
     monkeypatch.setattr(deadband, "S_BY_LAW", 0.0)
