@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 STAGES = ("valve", "process", "sensor", "disturbance")
 UNITS = ("OP", "PV", "s", "1/s", "OP/s", "PV/s", "PV/s/OP", "1/OP", "1")
 LENGTHS = (60, SAMPLES, 100_000)
-"""Samples of records that bounds are asked for."""
+"""Samples of the records whose bounds are checked."""
 SHARES = (0.0, 0.07, 0.5, 0.93, 1.0)
 """Of the range of each parameter, its ends included."""
 DRAWS = 60
@@ -65,7 +65,7 @@ def names(effect: Effect) -> None:
 
 @demand("effect", "must give finite bounds in order, with its null value between them")
 def bounds(effect: Effect) -> None:
-    """Ask for the bounds of short and long records."""
+    """Check the bounds of short and long records."""
     for samples in LENGTHS:
         for each in effect.parameters(replace(FACTS, samples=samples)):
             with where(f"{each.name}, {samples} samples"):

@@ -103,7 +103,7 @@ def missing_position(process: Process) -> None:
 
 @demand("process", "must give no response to a delay beyond the record, nor to an empty record")
 def beyond_the_record(process: Process) -> None:
-    """Look at the ends of what may be asked."""
+    """Check a delay of 1e6 samples and a record of none."""
     lags = lags_of(process)
     late = process.respond(stairs(1), (*lags, 1e6))
     require_close(late, np.zeros(200), "the response before the delay", atol=ROUNDING)

@@ -138,7 +138,7 @@ WRONG_EFFECTS = [
 
 
 class Changed:
-    """A member of which one method is another; everything else is asked of the member."""
+    """A member of which one method is another; everything else comes from the member."""
 
     def __init__(self, member, **methods):
         self.member, self.methods = member, methods
