@@ -19,7 +19,6 @@ from simulators.draws.hidden_effects import HiddenEffectPlant, HiddenTruth, hidd
 
 DECOYS = 2
 FAMILIES = {effect.name: effect.family for effect in EFFECTS}
-NAMES_IT = {"confirmed", "family"}
 
 
 @dataclass(frozen=True, slots=True)

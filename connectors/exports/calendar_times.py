@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta, timezone
+from datetime import datetime, timedelta, timezone
 from typing import Literal
 
 Order = Literal["dmy", "mdy"]
@@ -180,6 +180,3 @@ def order_of(moments: Sequence[Moment], cells: Sequence[str]) -> Order | None:
     if any(cell.rstrip(". ").upper().endswith(("AM", "PM", "A.M", "P.M")) for cell in cells[:100]):
         return "mdy"
     return None
-
-
-EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
