@@ -24,16 +24,9 @@ BOUNDS = {
     "agent/report": 3,
     "agent/runtime": 11,
     "agent/workbench": 13,
-    "connectors": 0,
-    "connectors/modbus": 0,
     "connectors/modbus_server": 1,
-    "connectors/mqtt": 0,
-    "connectors/opcua": 0,
     "connectors/opcua_server": 2,
-    "connectors/sparkplug": 0,
-    "docs": 2,
-    "docs/howto": 2,
-    "simulators/servers": 0,
+    "docs": 1,
 }
 """Largest number of such words in a place. It may be lowered, never raised."""
 HELP_BOUND = 2
