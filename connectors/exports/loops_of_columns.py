@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,11 +50,7 @@ def loops_of_columns(sheet: Sheet, layout: Layout, options: ReadOptions) -> Expo
             problems.append(f"{names[loop]}: MV was taken for the controller's output")
         for placed in found.values():
             if placed.time not in times:
-                times[placed.time] = (
-                    None
-                    if placed.time is None
-                    else times_of(sheet, sheet.columns[placed.time], options.times, style)
-                )
+                times[placed.time] = _times(sheet, placed.time, layout, options, style)
         loops.append(_loop(sheet, layout, names[loop], found, times, options, style, problems))
     if not loops:
         raise no_loops(sheet, problems)
@@ -62,6 +59,22 @@ def loops_of_columns(sheet: Sheet, layout: Layout, options: ReadOptions) -> Expo
     return Export(
         sheet.path, layout.format, sheet.kind, zone, form, style.decimal, tuple(loops), tuple(problems)
     )
+
+
+def _times(
+    sheet: Sheet, place: int | None, layout: Layout, options: ReadOptions, style: NumberStyle
+) -> Times | None:
+    """Return the times of a column; where each tag has its own, the column may end before the table does."""
+    if place is None:
+        return None
+    column = sheet.columns[place]
+    cells = column.cells
+    if layout.format != "interleaved" or isinstance(cells, np.ndarray):
+        return times_of(sheet, column, options.times, style)
+    end = max((k for k, cell in enumerate(cells) if cell), default=-1) + 1
+    cut = replace(sheet, lines=sheet.lines[:end])
+    found = times_of(cut, replace(column, cells=cells[:end]), options.times, style)
+    return replace(found, read=np.append(found.read, np.full(len(cells) - end, np.nan)))
 
 
 def number_style(sheet: Sheet, layout: Layout, options: ReadOptions) -> NumberStyle:

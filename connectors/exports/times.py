@@ -231,10 +231,7 @@ def _complete(sheet: Sheet, column: Column, times: Times) -> Times:
 
 
 def _lost(read: FloatArray) -> list[int]:
-    """Return the rows without a time; those behind the last one are no rows of this column."""
-    known = np.flatnonzero(np.isfinite(read))
-    end = int(known[-1]) + 1 if known.size else len(read)
-    return np.flatnonzero(~np.isfinite(read[:end])).tolist()
+    return [int(row) for row in np.flatnonzero(~np.isfinite(read))]
 
 
 def _missing_time(sheet: Sheet, column: Column, row: int) -> RecordingError:
