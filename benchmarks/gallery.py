@@ -11,9 +11,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import track
 
-from agent.analysis.diagnose import without_impossible
-from agent.analysis.record.recording import LoopHints
-from agent.cli.common.recordings import loop_window
+from agent.analysis.record.window_of_recording import loop_window
 from agent.plots.axes import MEASURED, MODEL, VALVE, legend_above, tidy
 from agent.plots.time_units import time_of
 from agent.report.comparison_text import verdict_words
@@ -113,7 +111,7 @@ def report(rows: Sequence[Sequence[object]]) -> str:
 
 def shown(file: Path, label: str, integrating: str) -> Shown:
     """Run the workbench on one recording, and draw the result."""
-    window = without_impossible(loop_window(read_recording(file), LoopHints()))
+    window = loop_window(read_recording(file))
     bench = Workbench(window, "integrator" if integrating == "True" else "fopdt")
     steps = bench.auto()
     found = bench.comparison()

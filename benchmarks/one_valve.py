@@ -14,10 +14,11 @@ from rich.console import Console
 from rich.progress import track
 
 from agent.analysis.diagnose import SURE, diagnose
+from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.evidence.together import weigh_together
 from agent.analysis.one_valve import judged_together
 from agent.analysis.record.recording import LoopWindow
-from agent.analysis.results import Diagnosis, Verdict
+from agent.analysis.results import Verdict
 from agent.runtime.loop.process_pool import process_pool
 from benchmarks.cases.options import Options
 from benchmarks.cases.random_group import GROUP_KINDS, random_group

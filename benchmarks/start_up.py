@@ -13,8 +13,7 @@ from statistics import median
 import numpy as np
 
 from agent.analysis.diagnose import DEFAULT_QUANTIFIER
-from agent.analysis.record.recording import LoopHints
-from agent.cli.common.recordings import loop_window
+from agent.analysis.record.window_of_recording import loop_window
 from benchmarks.cases.cpu_time import diagnosis_seconds
 from benchmarks.cases.options import Options
 from benchmarks.lee2008_map import sticking_loop
@@ -34,7 +33,7 @@ def run(_options: Options) -> None:
         op, pv = sticking_loop(1000, SAMPLES)
         rows = np.stack([np.arange(SAMPLES), op, pv], axis=1)
         np.savetxt(recording, rows, delimiter=",", header="time,OP,PV", comments="")
-        window = loop_window(read_recording(recording), LoopHints())
+        window = loop_window(read_recording(recording))
         fit = diagnosis_seconds(window, DEFAULT_QUANTIFIER)
         fresh_process(recording, None)
         warm = median(fresh_process(recording, None)[0] for _ in range(REPEATS))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from agent.analysis.quantify import quantifier
 from agent.analysis.record.recording import LoopHints, LoopWindow
-from agent.cli.common.recordings import loop_window
+from agent.analysis.record.window_of_recording import loop_window
 from agent.units import FrictionBands
 from benchmarks.cases.cpu_time import quantifier_seconds
 from benchmarks.cases.options import Options
@@ -79,4 +79,4 @@ def amounts(windows: Sequence[LoopWindow]) -> str:
 
 
 def window_of(path: Path) -> LoopWindow:
-    return loop_window(read_recording(path), LoopHints())
+    return loop_window(read_recording(path))

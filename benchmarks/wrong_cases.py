@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import track
 
-from agent.analysis.diagnose import diagnose, without_impossible
+from agent.analysis.diagnose import diagnose
+from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.one_valve import judged_together
 from agent.analysis.oscillation.acf_zero_crossings import autocorrelation
-from agent.analysis.record.recording import LoopHints, LoopWindow
-from agent.analysis.results import Diagnosis
+from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.window_of_recording import loop_window
 from agent.cli.common.one_valve import valves
-from agent.cli.common.recordings import loop_window
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
 from agent.plots.time_units import time_of
 from agent.runtime.loop.process_pool import process_pool
@@ -88,7 +88,7 @@ def run(_options: Options) -> None:
 
 def judged(file: Path) -> tuple[LoopWindow, Diagnosis]:
     """Diagnose a recording alone."""
-    window = without_impossible(loop_window(read_recording(file), LoopHints()))
+    window = loop_window(read_recording(file))
     return window, diagnose(window)
 
 

@@ -9,7 +9,8 @@ from agent.alarms.command import Command
 from agent.alarms.delay import Delay
 from agent.alarms.device_health import DeviceHealth, device_health
 from agent.alarms.state import Event, State, next_state
-from agent.analysis.results import Diagnosis, StictionEstimate, Verdict
+from agent.analysis.diagnosis import Diagnosis
+from agent.analysis.results import StictionEstimate, Verdict
 
 Priority = Literal["low", "medium", "high", "critical"]
 SCHEMA = 1

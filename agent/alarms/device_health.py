@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-from agent.analysis.results import Diagnosis
+from agent.analysis.diagnosis import Diagnosis
 
 FAILED_SIGNAL = frozenset({"pv_constant", "pv_frozen", "gaps", "few_samples"})
 """Gates that close when a signal is dead or missing."""

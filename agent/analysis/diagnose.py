@@ -1,4 +1,4 @@
-"""From evidence to a diagnosis, with reasons an engineer can check."""
+"""From a window to a diagnosis: the first look, the fit, the weighing of evidence, the causes."""
 
 from __future__ import annotations
 
@@ -6,74 +6,50 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from agent.analysis.advice import advice
 from agent.analysis.cause import cause_without_stiction, causes_with_stiction
+from agent.analysis.diagnosis import Diagnosis, RecordSummary
 from agent.analysis.evidence.weighing import weigh
-from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
 from agent.analysis.innovations import log_likelihood_ratio
-from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.quantify import Quantifier
 from agent.analysis.quantify import quantifier as quantifier_named
-from agent.analysis.reasons import bands_of, reasons
-from agent.analysis.record.recording import FloatArray, LoopWindow
-from agent.analysis.results import (
-    CauseShare,
-    Diagnosis,
-    MethodResult,
-    Oscillation,
-    Quantification,
-    Verdict,
-)
-from agent.analysis.stiction import detect_stiction
+from agent.analysis.results import CauseShare, MethodResult
+from agent.analysis.seen import look
 from agent.analysis.stiction_class import stiction_class
 
 if TYPE_CHECKING:
     from agent.analysis.evidence.weighing import Weighed
-    from agent.analysis.gates import GateFault
+    from agent.analysis.quantify import Quantifier
+    from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.results import Oscillation, Quantification, Verdict
+    from agent.analysis.seen import Seen
 
-LARGEST = 1e15
-"""No plant has such numbers: historians mark lost values by 1e30 and the like."""
 DEFAULT_QUANTIFIER = "free_run"
 SURE = 0.8
-"""Probability from which the valve is blamed, or cleared: one of 187 simulated sound loops exceeds it, each
-weighed by what the others taught."""
+"""Probability from which stiction is reported, or excluded: one of 187 simulated sound loops exceeds it, each
+weighed with weights fitted to the others."""
 
 
-def diagnose(window: LoopWindow, *, quantifier: Quantifier | None = None) -> Diagnosis:
-    """Say whether the valve sticks, by how much, and else why the loop swings.
+def diagnose(
+    window: LoopWindow, seen: Seen | None = None, *, quantifier: Quantifier | None = None
+) -> Diagnosis:
+    """Say whether the valve sticks, by how much, and else why the loop oscillates.
 
-    Never raises on the content of a window: what forbids a verdict is told in ``reasons``.
+    Never raises on the content of a window: what forbids a verdict is in ``faults`` and in the
+    ``failure`` of the quantification.
 
     Args:
         window: The stretch to judge.
+        seen: The first look at the window; None takes it here.
         quantifier: The method that measures stiction; None takes the default one.
     """
     started = time.perf_counter()
-    diagnosis = _judge(without_impossible(window), quantifier or quantifier_named(DEFAULT_QUANTIFIER))
-    return replace(diagnosis, seconds=time.perf_counter() - started)
+    before = 0.0 if seen is None else seen.seconds
+    method = quantifier or quantifier_named(DEFAULT_QUANTIFIER)
+    diagnosis = _judge(window, look(window) if seen is None else seen, method)
+    return replace(diagnosis, seconds=before + time.perf_counter() - started)
 
 
-def without_impossible(window: LoopWindow) -> LoopWindow:
-    """Return the window with gaps where its numbers are too large for any plant."""
-    return replace(
-        window,
-        op=_possible(window.op),
-        pv=_possible(window.pv),
-        sp=None if window.sp is None else _possible(window.sp),
-        mv=None if window.mv is None else _possible(window.mv),
-    )
-
-
-def _possible(values: FloatArray) -> FloatArray:
-    return np.where(np.abs(values) < LARGEST, values, np.nan)
-
-
-def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
-    oscillation = detect_oscillation(window)
-    faults = gates(window, oscillation)
-    if closed_kinds(faults) == ALL_KINDS:
+def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
+    if not seen.testable:
         return Diagnosis(
             loop=window.loop,
             verdict="not_testable",
@@ -81,36 +57,35 @@ def _judge(window: LoopWindow, quantifier: Quantifier) -> Diagnosis:
             cause="undecided",
             causes=(CauseShare("undecided", 1.0),),
             stiction_class=None,
-            reasons=tuple(fault.reason for fault in faults),
             oscillation=None,
             quantification=None,
-            gates=tuple(fault.name for fault in faults),
-            advice=advice("not_testable", (), None, oscillation, window),
+            faults=seen.faults,
+            record=RecordSummary.of(window),
         )
     found = with_likelihood(quantifier.quantify(window), window)
-    detected = detect_stiction(window, oscillation, faults)
-    weighed = weigh(found, detected, stem_measured=window.mv is not None)
-    open_yet = Diagnosis(
+    weighed = weigh(found, seen.methods, stem_measured=window.mv is not None)
+    without_verdict = Diagnosis(
         loop=window.loop,
         verdict="undecided",
         confidence=0.0,
         cause="undecided",
         causes=(),
         stiction_class=None,
-        reasons=(),
-        oscillation=oscillation,
+        oscillation=seen.oscillation,
         quantification=found,
         methods={
             found.quantifier: MethodResult(found.decision, found.evidence, found.failure or ""),
-            **detected,
+            **seen.methods,
         },
-        gates=tuple(fault.name for fault in faults),
+        faults=seen.faults,
+        weighed=weighed,
+        record=RecordSummary.of(window),
     )
-    return _concluded(open_yet, window, faults, weighed, *verdict_of(found, weighed))
+    return with_verdict(without_verdict, window, *verdict_of(found, weighed))
 
 
 def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, confidence: float) -> Diagnosis:
-    """Return a diagnosis with another verdict, and with the cause, class, reasons and advice of that.
+    """Return a diagnosis with another verdict, and with the causes and the class of that.
 
     Args:
         diagnosis: Of a record that was testable; another is returned as it is.
@@ -118,22 +93,6 @@ def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, con
         verdict: On the valve.
         confidence: Probability that it is right.
     """
-    if diagnosis.oscillation is None or diagnosis.quantification is None:
-        return diagnosis
-    weighed = weigh(diagnosis.quantification, diagnosis.methods, stem_measured=window.mv is not None)
-    faults = gates(window, diagnosis.oscillation)
-    return _concluded(diagnosis, window, faults, weighed, verdict, confidence)
-
-
-def _concluded(
-    diagnosis: Diagnosis,
-    window: LoopWindow,
-    faults: tuple[GateFault, ...],
-    weighed: Weighed,
-    verdict: Verdict,
-    confidence: float,
-) -> Diagnosis:
-    """Return the diagnosis with all that follows from the verdict."""
     found, oscillation = diagnosis.quantification, diagnosis.oscillation
     if found is None or oscillation is None:
         return diagnosis
@@ -145,25 +104,23 @@ def _concluded(
         confidence=confidence,
         cause=causes[0].cause,
         causes=causes,
-        stiction_class=None if sticking is None else stiction_class(bands_of(sticking), window.op_span),
-        reasons=reasons(window, oscillation, faults, found, weighed, verdict),
-        advice=advice(verdict, [each.cause for each in causes], found.stiction, oscillation, window),
+        stiction_class=None if sticking is None else stiction_class(sticking.bands, window.op_span),
     )
 
 
 def with_likelihood(found: Quantification, window: LoopWindow) -> Quantification:
     """Return the answer of ``free_run`` with its log likelihood ratio unless it has one; another as it is."""
-    told = found.log_likelihood_ratio is not None
-    if told or found.failure is not None or found.quick_evidence is None:
+    known = found.log_likelihood_ratio is not None
+    if known or found.failure is not None or found.quick_evidence is None:
         return found
     return replace(found, log_likelihood_ratio=log_likelihood_ratio(window, found))
 
 
 def verdict_of(found: Quantification, weighed: Weighed) -> tuple[Verdict, float]:
-    """Return the verdict and how probable it is that it is right.
+    """Return the verdict and the probability that it is right.
 
-    Only ``free_run`` is weighed with the detectors: the weights were fitted with it. Another quantifier has
-    the word alone, and no probability is known: 0.5 stands for it.
+    Only ``free_run`` is weighed with the detectors: the weights were fitted with it. Another quantifier
+    decides alone, and no probability is known: 0.5 stands for it.
     """
     if found.failure is not None or found.decision == "not_applicable":
         return "undecided", 0.0
@@ -186,5 +143,5 @@ def _causes(
         return causes_with_stiction(window, found)
     if verdict == "no_stiction":
         return cause_without_stiction(window, oscillation, found)
-    # What the loop does is known, also where it is not known what the valve does.
+    # Whether the loop oscillates is known, also where it is not known what the valve does.
     return (CauseShare("undecided" if oscillation.detected else "no_oscillation", 1.0),)

@@ -1,16 +1,22 @@
-"""The diagnosis of a window in which nothing happened that a valve could be blamed for."""
+"""The diagnosis of a window in which nothing happened that a valve could cause."""
 
 from __future__ import annotations
 
-from agent.analysis.record.recording import LoopWindow
-from agent.analysis.results import CauseShare, Diagnosis, MethodResult, Oscillation
+from typing import TYPE_CHECKING
+
+from agent.analysis.diagnosis import Diagnosis, RecordSummary
+from agent.analysis.results import CauseShare
+
+if TYPE_CHECKING:
+    from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.seen import Seen
 
 CONFIDENCE = 0.5
 """A valve that hardly moved cannot show much of itself."""
 
 
-def quiet(window: LoopWindow, oscillation: Oscillation, methods: dict[str, MethodResult]) -> Diagnosis:
-    """Say so of a testable window that neither oscillates nor moves its valve to and fro."""
+def quiet(window: LoopWindow, seen: Seen) -> Diagnosis:
+    """Return the diagnosis of a testable window that neither oscillates nor reverses its valve often."""
     return Diagnosis(
         loop=window.loop,
         verdict="no_stiction",
@@ -18,8 +24,8 @@ def quiet(window: LoopWindow, oscillation: Oscillation, methods: dict[str, Metho
         cause="no_oscillation",
         causes=(CauseShare("no_oscillation", 1.0),),
         stiction_class=None,
-        reasons=("the loop shows no regular oscillation, and OP does not travel to and fro",),
-        oscillation=oscillation,
+        oscillation=seen.oscillation,
         quantification=None,
-        methods=methods,
+        methods=seen.methods_without_pictures,
+        record=RecordSummary.of(window),
     )

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
+from agent.units import FrictionBands
+
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
-    from agent.units import FrictionBands
 
 Verdict = Literal["stiction", "no_stiction", "undecided", "not_testable"]
 Cause = Literal["stiction", "tight_tuning", "external_disturbance", "no_oscillation", "undecided"]
@@ -56,6 +57,11 @@ class StictionEstimate:
     def of(cls, bands: FrictionBands) -> StictionEstimate:
         """Return the estimate without intervals."""
         return cls(Estimate(bands.f_s), Estimate(bands.f_d), Estimate(bands.s), Estimate(bands.j))
+
+    @property
+    def bands(self) -> FrictionBands:
+        """The friction without its intervals, OP units."""
+        return FrictionBands(self.f_s.value, self.f_d.value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,28 +166,3 @@ class MethodResult:
     """Why, for an engineer; empty where the quantifier's own words stand elsewhere."""
     seen: object = field(default=None, repr=False, compare=False)
     """What the detector looked at, its own dataclass, for its picture; None where it did not get so far."""
-
-
-@dataclass(frozen=True, slots=True)
-class Diagnosis:
-    """Why a loop oscillates, or why that cannot be said."""
-
-    loop: str
-    verdict: Verdict
-    confidence: float
-    """Probability that the verdict is right, 0 to 1; 0 where there is none."""
-    cause: Cause
-    causes: tuple[CauseShare, ...]
-    stiction_class: StictionClass | None
-    """Only with verdict ``stiction``."""
-    reasons: tuple[str, ...]
-    """What the record shows and what speaks for and against, in plain words."""
-    oscillation: Oscillation | None
-    quantification: Quantification | None
-    methods: dict[str, MethodResult] = field(default_factory=dict)
-    gates: tuple[str, ...] = ()
-    """Names of the gates that closed some methods or all (docs/methods/gates.md)."""
-    advice: tuple[str, ...] = ()
-    """What to do next, the most useful first."""
-    seconds: float = 0.0
-    """Wall time of the analysis, s."""

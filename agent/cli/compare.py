@@ -132,11 +132,10 @@ def _check_names(base: str, names: Iterable[str], effects: Sequence[Effect]) -> 
 
 
 def _window(path: Path, columns: Columns) -> LoopWindow:
-    from agent.analysis.diagnose import without_impossible
     from agent.analysis.record.recording import LoopHints
     from connectors.recording import read_recording
 
-    return without_impossible(option.loop_window(read_recording(path, columns), LoopHints()))
+    return option.window_of(read_recording(path, columns), LoopHints())
 
 
 def _steps(bench: Workbench, load: Path | None, add: Iterable[str], drop: Iterable[str]) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from agent.analysis.results import Diagnosis
+    from agent.analysis.diagnosis import Diagnosis
     from agent.cli.common.stage import Stage
     from agent.runtime.agent import Agent
     from agent.runtime.operate.status import LoopStatus

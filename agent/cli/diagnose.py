@@ -8,7 +8,6 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -16,16 +15,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from agent.cli.common import recordings as option
+from agent.cli.common.answer import Answer, Task
 from agent.cli.common.compilation import announce_compilation
 from agent.cli.common.errors import BAD_INPUT, complain
 from agent.cli.common.one_valve import together, valves
 from agent.cli.common.pictures import draw, picture_files
 
 if TYPE_CHECKING:
+    from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.quantify import Quantifier
-    from agent.analysis.record.recording import LoopHints, LoopWindow
-    from agent.analysis.results import Diagnosis
-    from connectors.recording import Columns
 
 
 class Acting(StrEnum):
@@ -33,34 +31,6 @@ class Acting(StrEnum):
 
     REVERSE = "reverse"
     DIRECT = "direct"
-
-
-@dataclass(frozen=True, slots=True)
-class Task:
-    """One recording to diagnose, in any process."""
-
-    path: Path
-    columns: Columns
-    hints: LoopHints
-    quantifier: Quantifier | None
-    """None: the default one."""
-    picture: Path | None
-    """Where to draw the fit, and the other pictures beside it; None: nowhere."""
-    shared: bool = False
-    """Whether its valve has other recordings, for which the window is needed again."""
-
-
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """What became of a task."""
-
-    task: Task
-    diagnosis: Diagnosis | None
-    """None where the recording could not be read."""
-    faults: tuple[str, ...] = ()
-    """What went wrong, a line each."""
-    window: LoopWindow | None = None
-    """Of a recording whose valve has others."""
 
 
 def diagnose(
@@ -102,7 +72,7 @@ def diagnose(
         typer.Option(
             metavar="DIR",
             help="Draw into DIR: NAME.png, measurement and model; NAME-contour.png, which f_S and f_D "
-            "explain the record; NAME-profile.png, S against delay and J, where the quantifier tells.",
+            "explain the record; NAME-profile.png, S against delay and J, where they are estimated.",
         ),
     ] = None,
     time: option.Time = "time",
@@ -113,7 +83,7 @@ def diagnose(
     mode: option.Mode = "mode",
     ts: option.Ts = None,
 ) -> None:
-    """Tell from recordings whether the valve sticks, and by how much.
+    """Report from recordings whether the valve sticks, and by how much.
 
     Recordings of one valve are judged together: those of one folder named by
     the same tag with a number or a date behind, as FIC101_1.csv, FIC101_2.csv.
@@ -151,13 +121,11 @@ def diagnose(
 def work_out(task: Task) -> Answer:
     """Read, diagnose and draw one recording; runs in a process of the pool."""
     from agent.analysis.diagnose import diagnose as judge
-    from agent.analysis.diagnose import without_impossible
     from connectors.base import ConfigError
     from connectors.recording import read_recording
 
     try:
-        recording = read_recording(task.path, task.columns)
-        window = without_impossible(option.loop_window(recording, task.hints))
+        window = option.window_of(read_recording(task.path, task.columns), task.hints)
     except ConfigError as error:
         return Answer(task, None, tuple(error.faults))
     diagnosis = judge(window, quantifier=task.quantifier)

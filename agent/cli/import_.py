@@ -100,7 +100,7 @@ def _summaries(export: Export, options: ReadOptions) -> tuple[list[LoopSummary],
     problems = list(export.problems)
     for loop in export.loops:
         try:
-            window = option.loop_window(loop, LoopHints())
+            window = option.window_of(loop, LoopHints())
         except RecordingError as error:
             problems.append(f"{loop.name}: {error.faults[0]}")
             continue

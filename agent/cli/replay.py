@@ -19,7 +19,7 @@ from agent.cli.common import recordings as option
 from agent.cli.common.errors import BAD_INPUT, complain
 
 if TYPE_CHECKING:
-    from agent.analysis.results import Diagnosis
+    from agent.analysis.diagnosis import Diagnosis
     from agent.cli.common.stage import Stage
     from agent.runtime.loop.workers import Executor
     from connectors.recording import Columns, RecordedLoop
@@ -117,7 +117,7 @@ async def _play(recording: RecordedLoop, bus: Bus, speed: float | None, executor
     from simulators.source import RecordingSource
 
     started = wall.monotonic()
-    whole = option.loop_window(recording, LoopHints())
+    whole = option.window_of(recording, LoopHints())
     known = whole.valid.nonzero()[0]
     if len(known) == 0 or len(whole) - known[0] < LEAST_WINDOW:
         return Played(None, seen=False, seconds=wall.monotonic() - started)
@@ -155,6 +155,7 @@ async def _with_progress(stage: Stage, loop: str, recording: RecordedLoop) -> No
 
 def _say(recording: RecordedLoop, bus: Bus, played: Played, *, as_json: bool) -> None:
     from agent.report.diagnosis_json import stiction_json
+    from agent.report.reasons import reasons
 
     diagnosis = played.diagnosis
     verdict = diagnosis.verdict if diagnosis else "not_testable"
@@ -172,8 +173,8 @@ def _say(recording: RecordedLoop, bus: Bus, played: Played, *, as_json: bool) ->
         text = json.dumps(answer, allow_nan=False)
     else:
         alarm = "alarm seen" if played.seen else "no alarm"
-        reasons = diagnosis.reasons if diagnosis else ("no stretch in which OP and PV are both known",)
+        words = reasons(diagnosis) if diagnosis else ("no stretch in which OP and PV are both known",)
         text = "\n  - ".join(
-            [f"{recording.name}: {verdict.replace('_', ' ')}, {alarm} on {bus.value}", *reasons]
+            [f"{recording.name}: {verdict.replace('_', ' ')}, {alarm} on {bus.value}", *words]
         )
     print(text, flush=True)  # noqa: T201 - this is the command's output

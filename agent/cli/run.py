@@ -14,7 +14,7 @@ import typer
 from agent.cli.common.logs import LogFormat, LogLevel, set_up
 
 if TYPE_CHECKING:
-    from agent.analysis.results import Diagnosis
+    from agent.analysis.diagnosis import Diagnosis
     from agent.runtime.agent import Agent
     from agent.runtime.loop.workers import Executor
     from agent.settings import HttpSettings, Settings
@@ -91,10 +91,12 @@ def _serve_http(agent: Agent, settings: HttpSettings, executor: Executor) -> Non
 
 
 def _log(diagnosis: Diagnosis) -> None:
+    from agent.report.reasons import reasons
+
     LOG.info(
         "%s: %s. %s",
         diagnosis.loop,
         diagnosis.verdict,
-        "; ".join(diagnosis.reasons),
+        "; ".join(reasons(diagnosis)),
         extra={"event": "diagnosis", "loop": diagnosis.loop},
     )

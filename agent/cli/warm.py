@@ -16,14 +16,14 @@ def warm() -> None:
     from agent.analysis.diagnose import diagnose
     from agent.analysis.quantify import QUANTIFIERS
     from agent.analysis.record.recording import LoopHints, LoopWindow
-    from agent.runtime.loop.trigger import trigger
+    from agent.analysis.seen import look
 
     print("slipjump: compiling the numerical kernels, once ...", flush=True)  # noqa: T201 - the command's output
     started = time.perf_counter()
     t = np.arange(600.0)
     op = 50 + 5 * np.sin(2 * np.pi * t / 40)
     pv = 20 + 2 * np.sin(2 * np.pi * (t - 6) / 40)
-    trigger(LoopWindow("warm", 0.0, 1.0, op, pv))  # in fewer samples some detectors see too little
+    look(LoopWindow("warm", 0.0, 1.0, op, pv))  # in fewer samples some detectors see too little
     _warm_workbench(LoopWindow("warm", 0.0, 1.0, op, pv))  # behind thirty lags, too
     op, pv = op[:120], pv[:120]
     for quantifier in QUANTIFIERS:

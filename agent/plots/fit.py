@@ -12,8 +12,9 @@ from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, ti
 from agent.plots.time_units import time_of
 
 if TYPE_CHECKING:
+    from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.record.recording import FloatArray, LoopWindow
-    from agent.analysis.results import Diagnosis, Quantification
+    from agent.analysis.results import Quantification
 
 
 def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 
-from agent.analysis.results import Diagnosis, Estimate, ProcessEstimate, ProcessIntervals, StictionEstimate
+from agent.analysis.diagnosis import Diagnosis
+from agent.analysis.results import Estimate, ProcessEstimate, ProcessIntervals, StictionEstimate
+from agent.report.advice import advice
+from agent.report.reasons import reasons
 
 
 def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
@@ -18,8 +21,8 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
         "cause": diagnosis.cause,
         "causes": [{"cause": each.cause, "share": _number(each.share)} for each in diagnosis.causes],
         "class": diagnosis.stiction_class,
-        "reasons": list(diagnosis.reasons),
-        "advice": list(diagnosis.advice),
+        "reasons": list(reasons(diagnosis)),
+        "advice": list(advice(diagnosis)),
         "oscillation": {
             "detected": None if oscillation is None else oscillation.detected,
             "period_s": None if oscillation is None else _number(oscillation.period),

@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from agent.report.advice import advice
+from agent.report.reasons import reasons
+
 if TYPE_CHECKING:
-    from agent.analysis.results import Diagnosis, Estimate, MethodResult, ProcessEstimate, StictionEstimate
+    from agent.analysis.diagnosis import Diagnosis
+    from agent.analysis.results import Estimate, MethodResult, ProcessEstimate, StictionEstimate
 
 
 def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
@@ -21,8 +25,8 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
         numbers = [] if found.stiction is None else _stiction(found.stiction)
         numbers += [] if found.process is None else _process(found.process)
         yield from (f"  {line}" for line in numbers)
-    yield from (f"  - {reason}" for reason in diagnosis.reasons)
-    yield from (f"  > {step}" for step in diagnosis.advice)
+    yield from (f"  - {reason}" for reason in reasons(diagnosis))
+    yield from (f"  > {step}" for step in advice(diagnosis))
     yield from (f"  {line}" for line in method_lines(diagnosis.methods))
 
 
@@ -34,7 +38,7 @@ def method_lines(methods: Mapping[str, MethodResult]) -> Iterator[str]:
             yield f"{verdict.replace('_', ' ')} say: {', '.join(said)}"
     silent = sum(each.verdict == "not_applicable" for each in methods.values())
     if silent:
-        yield f"not applicable: {silent} (--json tells why)"
+        yield f"not applicable: {silent} (--json states why)"
 
 
 def _indexed(name: str, index: float | None) -> str:
@@ -56,7 +60,7 @@ def _estimate(name: str, estimate: Estimate, *, identifiable: bool | None = None
     known = estimate.low is not None and estimate.high is not None
     span = f"{estimate.low:.4g} to {estimate.high:.4g}" if known else ""
     if identifiable is False:
-        allowed = f"the record allows {span}" if known else "the record does not tell it"
+        allowed = f"the record allows {span}" if known else "the record does not determine it"
         return f"{name} = {estimate.value:.4g} OP units, but not identifiable: {allowed}"
     return f"{name} = {estimate.value:.4g} OP units, 90 % interval {span}" if known else None
 

@@ -12,12 +12,13 @@ from typing import Any
 
 from agent.alarms import Announcement
 from agent.analysis.diagnose import diagnose
-from agent.analysis.results import Diagnosis
+from agent.analysis.diagnosis import Diagnosis
+from agent.analysis.routine import Diagnose
 from agent.runtime.crew import Crew
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.link.withdrawal import leaving, withdraw
-from agent.runtime.loop.pipeline import Diagnose, Judged, LoopPipeline, Observer
+from agent.runtime.loop.pipeline import Judged, LoopPipeline, Observer
 from agent.runtime.loop.workers import Executor
 from agent.runtime.operate.operators import Operators
 from agent.runtime.operate.orders import Orders

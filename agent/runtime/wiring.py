@@ -8,9 +8,10 @@ import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 from agent.alarms import Alarm
+from agent.analysis.routine import Diagnose
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
-from agent.runtime.loop.pipeline import Diagnose, LoopPipeline, Observer
+from agent.runtime.loop.pipeline import LoopPipeline, Observer
 from agent.runtime.loop.source_clock import SourceClock
 from agent.runtime.loop.workers import Executor
 from agent.runtime.operate.orders import Orders

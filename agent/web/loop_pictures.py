@@ -14,8 +14,9 @@ from agent.web.rows import numbers
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.record.recording import LoopWindow
-    from agent.analysis.results import Diagnosis, MethodResult, Profile
+    from agent.analysis.results import MethodResult, Profile
 
 MAP_STEP = 0.02
 """Step of the map, share of the span of OP: the coarser end of what the paper takes."""

@@ -11,7 +11,8 @@ from agent.alarms import State
 
 if TYPE_CHECKING:
     from agent.alarms import Alarm
-    from agent.analysis.results import Diagnosis, Estimate
+    from agent.analysis.diagnosis import Diagnosis
+    from agent.analysis.results import Estimate
     from agent.runtime.operate.status import LoopStatus
 
 Group = Literal[

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from agent.report.advice import advice
 from agent.web.ranking import GROUPS, Item, estimate_of, probability_of
 
 if TYPE_CHECKING:
@@ -56,8 +57,8 @@ def next_step(item: Item) -> str:
         return "No data: look at the connection"
     if item.alarm.state.silenced or item.status.diagnosis is None or item.group == "healthy":
         return ""
-    advice = item.status.diagnosis.advice
-    return advice[0] if advice else ""
+    steps = advice(item.status.diagnosis)
+    return steps[0] if steps else ""
 
 
 def sparkline_of(pipeline: LoopPipeline) -> dict[str, list[int | None]] | None:

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 from agent.workbench.coincidence import LEVEL as COINCIDENT
 from agent.workbench.coincidence import coincidence_p
 from agent.workbench.fit import contributions
-from agent.workbench.likeliest import VERY_STRONG, is_strong, less_likely
+from agent.workbench.likeliest import is_strong, less_likely
 from agent.workbench.other_event import is_another_gain, is_only_another_level
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.line_spectrum import CERTAIN_PART, line_spectrum
 from agent.workbench.residual.state_dependence import fails, state_dependence, still_fails
+from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray

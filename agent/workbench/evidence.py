@@ -12,7 +12,7 @@ from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import TINY, by_chance, innovations, likelihood_ratio, tells_more
 from agent.workbench.library import acts_on_op, happens_once
-from agent.workbench.likeliest import VERY_STRONG, very_strong
+from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 from agent.workbench.valve_scan import VALVES
 
 if TYPE_CHECKING:

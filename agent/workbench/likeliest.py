@@ -6,18 +6,15 @@ the load. Innovations know nothing of that, so that they tell causes apart where
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from agent.workbench.residual.holm import LEVEL
+from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from agent.workbench.evidence import Evidence
-
-VERY_STRONG = 10.0
-"""Evidence for one of two models, twice a logarithm (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773)."""
 
 
 def less_likely(criteria: Mapping[str, float]) -> list[str]:
@@ -72,8 +69,3 @@ def is_strong(alike: Collection[Evidence], candidates: int) -> bool:
     What knows nothing of OP need not be: its error in free run tells.
     """
     return any(not each.answers or very_strong(each.criterion, candidates) for each in alike)
-
-
-def very_strong(criterion: float, candidates: int) -> bool:
-    """Return whether ``Evidence.criterion`` of one of some candidates is, each as likely before."""
-    return criterion - 2 * math.log(candidates) > VERY_STRONG

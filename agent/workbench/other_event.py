@@ -15,7 +15,7 @@ import numpy as np
 
 from agent.physics.effects.load_step import stepped
 from agent.workbench.instant_order import instants_of
-from agent.workbench.likeliest import VERY_STRONG
+from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

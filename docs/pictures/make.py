@@ -20,9 +20,9 @@ from agent.analysis.oscillation.signals import detrended
 from agent.analysis.oscillation.spectrum import spectrum
 from agent.analysis.quantify import quantifier
 from agent.analysis.quantify.valves.error_map import error_map
-from agent.analysis.record.recording import FloatArray, LoopHints, LoopWindow
+from agent.analysis.record.recording import FloatArray, LoopWindow
+from agent.analysis.record.window_of_recording import loop_window
 from agent.analysis.stiction import DETECTORS, StictionDetector
-from agent.cli.common.recordings import loop_window
 from agent.physics.effects import EFFECTS
 from agent.physics.processes import PROCESSES
 from agent.physics.valves import LAWS, StictionLaw
@@ -58,7 +58,7 @@ OF_NONLINEARITY = ("bicoherence", "choudhury_ellipse", "choudhury_cmeans", "thor
 
 def chem10() -> Figure:
     """Draw the loop of the README: International Stiction Data Base, CHEM10, contributed by B. Huang."""
-    window = loop_window(read_recording(RECORDINGS / "isdb" / "CHEM10.csv"), LoopHints())
+    window = loop_window(read_recording(RECORDINGS / "isdb" / "CHEM10.csv"))
     return fit_figure(window, diagnose(window))
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from agent.analysis.quantify import quantifier
 from agent.analysis.record.recording import LoopHints
-from agent.cli.common.recordings import loop_window
+from agent.analysis.record.window_of_recording import loop_window
 from connectors.recording import read_recording
 
 STEP = 0.02

@@ -207,7 +207,7 @@ class Rig:
             clock=lambda: time.time(),  # noqa: PLW0108 - it may be patched
         )
 
-    def _diagnose(self, window):
+    def _diagnose(self, window, _seen=None):
         verdict = "stiction" if int(window.time[-1] / SWITCH) % 2 else "no_stiction"
         if window.loop == "FIC101":
             self.windows.append(window)

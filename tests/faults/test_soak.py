@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.results import Diagnosis
 from agent.analysis.stiction.he_curve_fit import HeCurveFit
 from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
@@ -171,7 +171,7 @@ class Transport:
             yield Sample(f"{loop}.op", at, op)
 
 
-def diagnose(window):
+def diagnose(window, _seen=None):
     """Judge by gates, oscillation and the shape of OP: cheap, and no record of what was put in."""
     seen = detect_oscillation(window)
     if closed_kinds(gates(window, seen)) == ALL_KINDS:
@@ -181,7 +181,7 @@ def diagnose(window):
     else:
         verdict = HeCurveFit().detect(window, seen).verdict
         verdict = "stiction" if verdict == "stiction" else "undecided"
-    return Diagnosis(window.loop, verdict, 1.0, "undecided", (), None, (), seen, None)
+    return Diagnosis(window.loop, verdict, 1.0, "undecided", (), None, seen, None)
 
 
 def resident():

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.record.recording import LoopHints, LoopWindow
-from agent.analysis.results import Diagnosis, Profile, Quantification
+from agent.analysis.results import Profile, Quantification
 from agent.analysis.stiction.shapes.nearest_neighbours import prediction_error
 from agent.analysis.stiction.shapes.time_warping import warped_distances
 from agent.cli import main
@@ -78,7 +79,7 @@ def test_constant_op_is_not_testable_and_done(slipjump, still):
     assert (code, err) == (0, "")
     verdict, reason, advice = out.splitlines()
     assert (verdict, reason) == ("STILL: not testable", "  - OP does not move: it is constant at 42")
-    assert advice.startswith("  > take another record")
+    assert advice.startswith("  > record the loop again")
 
 
 def test_json_is_one_object_a_line(slipjump, still, moving):
@@ -124,7 +125,7 @@ def test_recordings_that_are_named_for_one_valve_are_judged_together(slipjump, t
     shared, alone = answers["--json"], answers["--each"]
     assert shared[0]["reasons"] == alone[0]["reasons"]
     assert shared[1]["reasons"] == alone[1]["reasons"]
-    words = "it shows the same event as FIC101_1: the two count once"
+    words = "this recording shows the same event as FIC101_1: the two count as one"
     assert shared[2]["reasons"] == [*alone[2]["reasons"], words]
     assert [each["verdict"] for each in shared] == [each["verdict"] for each in alone]
 
@@ -133,7 +134,7 @@ def test_one_valve_whatever_the_names(slipjump, still, moving):
     code, out, err = slipjump("diagnose", still, moving, moving, "--one-valve")
     assert (code, err) == (0, "")
     assert out.count("\nMOVING: ") == 2
-    assert out.count("the same event as MOVING: the two count once") == 1
+    assert out.count("the same event as MOVING: the two count as one") == 1
 
 
 @pytest.mark.parametrize(
@@ -209,7 +210,7 @@ def test_a_profile_is_drawn_where_the_quantifier_has_one(tmp_path):
     found = Quantification("none", None, None, None, None, None, "undecided", profile=profile)
     wave = np.sin(np.arange(200.0) / 8)
     window = LoopWindow("A", 0.0, 1.0, wave, wave, hints=LoopHints(delay=1, order=1))
-    diagnosis = Diagnosis("A", "undecided", 0.0, "undecided", (), None, (), None, found)
+    diagnosis = Diagnosis("A", "undecided", 0.0, "undecided", (), None, None, found)
     assert draw(window, diagnosis, tmp_path / "A.2.png") == ()
     assert names(tmp_path) == ["A.2-contour.png", "A.2-profile.png", "A.2.png"]
 
@@ -218,7 +219,7 @@ def test_pictures_of_an_earlier_run_are_not_left_beside_those_of_this_one(tmp_pa
     for stem in ("A", "A-contour", "A-profile", "A-detectors", "B-profile"):
         (tmp_path / f"{stem}.png").write_bytes(b"\x89PNG of an earlier run")
     window = LoopWindow("A", 0.0, 1.0, np.zeros(200), np.zeros(200))
-    nothing = Diagnosis("A", "not_testable", 0.0, "undecided", (), None, (), None, None)
+    nothing = Diagnosis("A", "not_testable", 0.0, "undecided", (), None, None, None)
     assert draw(window, nothing, tmp_path / "A.png") == ()
     assert names(tmp_path) == ["A.png", "B-profile.png"]
     assert b"of an earlier run" not in (tmp_path / "A.png").read_bytes()

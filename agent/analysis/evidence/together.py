@@ -13,7 +13,8 @@ from agent.analysis.results import MethodResult
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from agent.analysis.results import Diagnosis, MethodVerdict, Quantification
+    from agent.analysis.diagnosis import Diagnosis
+    from agent.analysis.results import MethodVerdict, Quantification
 
 SEARCH = 4.0
 """Nats that each further record must bring before it speaks for a sticking valve: its search is one more

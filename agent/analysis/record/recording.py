@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+LARGEST = 1e15
+"""No plant has such numbers: historians mark lost values by 1e30 and the like."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +30,7 @@ class LoopHints:
 
 @dataclass(frozen=True, slots=True)
 class LoopWindow:
-    """OP and PV of a loop on a uniform time grid; a missing sample is NaN, never a guess.
+    """OP and PV of a loop on a uniform time grid; a missing or impossible sample is NaN, never a guess.
 
     All arrays have shape (n,) and are read-only.
     """
@@ -62,7 +64,7 @@ class LoopWindow:
                 raise ValueError(f"{name} has {len(values)} samples, op has {n}")
             frozen = np.array(values)  # a copy: freezing the caller's array would surprise him
             if frozen.dtype.kind == "f":
-                frozen[np.isinf(frozen)] = np.nan  # no instrument reads infinity
+                frozen[np.abs(frozen) >= LARGEST] = np.nan  # also infinity: no instrument reads it
             frozen.setflags(write=False)
             object.__setattr__(self, name, frozen)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from agent.cli.diagnose import Answer
+    from agent.cli.common.answer import Answer
 
 TAG_AND_DATE = re.compile(r"(?P<valve>(?:.*[^A-Za-z0-9])?[A-Z]{2,4}\d{3,}[A-Z]?)[_-]\d[\dTZ:.+_-]*")
 """Stem of a recording that names its valve: a tag as ISA-5.1 has it (FIC20102, PIC101B), maybe with the

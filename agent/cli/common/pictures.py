@@ -11,8 +11,8 @@ import typer
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.record.recording import LoopWindow
-    from agent.analysis.results import Diagnosis
 
 DPI = 110
 SUFFIXES = ("-contour", "-profile", "-detectors")

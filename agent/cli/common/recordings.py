@@ -61,38 +61,16 @@ def positive(ts: float | None) -> float | None:
     return ts
 
 
-def loop_window(loop: RecordedLoop, hints: LoopHints) -> LoopWindow:
+def window_of(recording: RecordedLoop, hints: LoopHints) -> LoopWindow:
     """Return the whole recording on a uniform grid.
 
     Raises:
-        RecordingError: the times cannot be put on a grid.
+        RecordingError: The times cannot be put on a grid; the text names the file.
     """
-    from agent.analysis.record.grid import uniform_grid
-    from agent.analysis.record.mode import automatic_share
-    from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.record.window_of_recording import loop_window
     from connectors.recording import RecordingError
 
-    columns = {"op": loop.op, "pv": loop.pv}
-    if loop.sp is not None:
-        columns["sp"] = loop.sp
-    if loop.mv is not None:
-        columns["mv"] = loop.mv
-    if loop.mode is not None:
-        columns["automatic"] = automatic_share(loop.mode)
     try:
-        grid = uniform_grid(loop.time, columns)
+        return loop_window(recording, hints)
     except ValueError as error:
-        raise RecordingError(f"{loop.path}: {error}") from error
-    automatic = grid.columns.get("automatic")
-    return LoopWindow(
-        loop=loop.name,
-        start=grid.start,
-        ts=grid.ts,
-        op=grid.columns["op"],
-        pv=grid.columns["pv"],
-        sp=grid.columns.get("sp"),
-        mv=grid.columns.get("mv"),
-        automatic=None if automatic is None else automatic != 0,  # a mode that was not recorded is no manual
-        hints=hints,
-        duplicates=loop.duplicates + grid.duplicates,
-    )
+        raise RecordingError(f"{recording.path}: {error}") from error

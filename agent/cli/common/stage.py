@@ -20,7 +20,7 @@ from simulators.servers.mqtt import MqttServer
 from simulators.servers.opcua import OpcUaServer
 
 if TYPE_CHECKING:
-    from agent.analysis.results import Diagnosis
+    from agent.analysis.diagnosis import Diagnosis
     from agent.runtime.loop.workers import Executor
     from simulators.source import Source
 

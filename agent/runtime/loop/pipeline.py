@@ -1,22 +1,21 @@
-"""One loop's way from sample to alarm: window, trigger, diagnosis, alarm, publication."""
+"""One loop's way from sample to alarm: window, diagnosis in a worker, alarm, publication."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NoReturn, Protocol
 
 from agent.alarms import Alarm, Announcement, Command, Delay
 from agent.analysis.diagnose import diagnose
-from agent.analysis.quiet import quiet
+from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.record.recording import LoopWindow
-from agent.analysis.results import Diagnosis
+from agent.analysis.routine import Diagnose, routine_diagnosis
 from agent.analysis.stiction.online import OnlineShapes
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.loop.source_clock import SourceClock
-from agent.runtime.loop.trigger import trigger
 from agent.runtime.loop.window import RollingWindow
 from agent.runtime.loop.workers import Executor
 from agent.runtime.store.change import Change
@@ -25,7 +24,6 @@ from agent.settings import AlarmSettings, LoopSettings
 from connectors.base import Publication, Sample
 
 LOG = logging.getLogger(__name__)
-Diagnose = Callable[[LoopWindow], Diagnosis]
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,11 +178,10 @@ class LoopPipeline:
             observer.judged(Judged(diagnosis, end, self.judged_at - due_since, fitted))
 
     async def _diagnosis_of(self, window: LoopWindow) -> tuple[Diagnosis, bool]:
-        if self.settings.quantify != "always":
-            seen = await self._executor.run(trigger, window)
-            if not seen.fires:
-                return quiet(window, seen.oscillation, seen.methods), False
-        return await self._executor.run(self._diagnose, window), True
+        if self.settings.quantify == "always":
+            return await self._executor.run(self._diagnose, window), True
+        found = await self._executor.run(routine_diagnosis, window, self._diagnose)
+        return found.diagnosis, found.fitted
 
     def _follow(self, alarm: Alarm, announcements: Sequence[Announcement]) -> None:
         """Take the alarm that follows, noted together with its announcements: no crash comes between."""

@@ -120,7 +120,8 @@ class PoolExecutor:
 
 
 def _import_analysis() -> None:
-    import agent.analysis.diagnose  # noqa: F401, PLC0415  # here, so that only workers pay for it at start
+    import agent.analysis.diagnose  # noqa: PLC0415
+    import agent.analysis.routine  # noqa: F401, PLC0415  # here, so that only workers pay for it at start
 
 
 def _prepare() -> None:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from agent.alarms import State
-from agent.analysis.results import Diagnosis, Oscillation
+from agent.analysis.diagnosis import Diagnosis
+from agent.analysis.results import Oscillation
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.loop.pipeline import LoopPipeline

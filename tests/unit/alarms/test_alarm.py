@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agent.alarms import Alarm, Command, Delay, DeviceHealth, Event, State
-from agent.analysis.results import Diagnosis, Quantification, StictionEstimate
+from agent.analysis.diagnosis import Diagnosis
+from agent.analysis.results import Quantification, StictionEstimate
 from agent.units import FrictionBands
 
 
@@ -18,7 +19,6 @@ def diagnosis(verdict):
         cause="undecided",
         causes=(),
         stiction_class=None,
-        reasons=(),
         oscillation=None,
         quantification=Quantification("any", found, None, None, None, None, "undecided"),
     )

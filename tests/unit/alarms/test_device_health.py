@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from agent.alarms.device_health import FAILED_SIGNAL, DeviceHealth, device_health
+from agent.analysis.gates import GateFault
 from agent.analysis.results import Oscillation
 from tests.conftest import ROOT
 from tests.unit.alarms.test_alarm import diagnosis
@@ -25,7 +26,8 @@ H = DeviceHealth
     ],
 )
 def test_status(gates, oscillation, sticks, expected):
-    judged = replace(diagnosis("not_testable"), gates=gates, oscillation=oscillation)
+    faults = tuple(GateFault(name, "") for name in gates)
+    judged = replace(diagnosis("not_testable"), faults=faults, oscillation=oscillation)
     assert device_health(judged, sticks=sticks) is expected
 
 

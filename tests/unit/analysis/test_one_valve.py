@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 
 from agent.analysis.diagnose import SURE, diagnose
 from agent.analysis.evidence.together import SEARCH, joined, majority, weigh_together
-from agent.analysis.one_valve import judged_together, odds
+from agent.analysis.one_valve import judged_together
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import MethodResult, Quantification, StictionEstimate
+from agent.report.advice import advice
+from agent.report.reasons import odds, reasons
 from agent.units import FrictionBands
 
 N = 300
@@ -73,11 +75,11 @@ def test_little_is_enough_where_all_say_it():
     assert first.confidence >= SURE
     assert first.confidence == told[3].confidence
     assert (first.cause, first.stiction_class) == ("stiction", "dead_band_stick_slip")
-    assert first.reasons[0].startswith("alone this recording is undecided (odds 1 to ")
-    assert "with the 3 other recordings of this valve" in first.reasons[0]
-    assert any("the valve shows" in reason for reason in first.reasons)
-    assert not any("nor to clear it" in reason for reason in first.reasons)
-    assert any("packing" in step for step in first.advice)
+    assert reasons(first)[0].startswith("this recording alone is undecided (odds 1 to ")
+    assert "with the 3 other recordings of this valve" in reasons(first)[0]
+    assert any("the valve shows" in reason for reason in reasons(first))
+    assert not any("too large to exclude" in reason for reason in reasons(first))
+    assert any("packing" in step for step in advice(first))
 
 
 def test_what_has_no_amount_is_not_blamed():
@@ -110,7 +112,7 @@ def test_not_testable_stays_and_does_not_count():
     windows = [day(0, still=True), day(1), day(2, still=True)]
     told = together([LITTLE] * 3, windows)
     assert verdicts(told) == ["not_testable", "undecided", "not_testable"]
-    assert [each.reasons for each in told] == [each.reasons for each in alone([LITTLE] * 3, windows)[1]]
+    assert [reasons(each) for each in told] == [reasons(each) for each in alone([LITTLE] * 3, windows)[1]]
 
 
 def test_a_failed_search_does_not_count():
@@ -126,12 +128,12 @@ def test_another_quantifier_has_no_evidence_to_share():
 def test_firm_verdicts_stay_and_are_told_of_the_contrary():
     told = together([LITTLE] * 6 + [SOUND])
     assert verdicts(told) == ["stiction"] * 6 + ["no_stiction"]
-    assert "keeps its own verdict" in told[-1].reasons[0]
+    assert "verdict of this recording stays" in reasons(told[-1])[0]
     assert told[-1].confidence == alone([LITTLE] * 6 + [SOUND])[1][-1].confidence
     told = together([STICKS, *[SOUND] * 60])
     assert told[0].verdict == "stiction"
     assert set(verdicts(told[1:])) == {"no_stiction"}
-    assert "keeps its own verdict" in told[0].reasons[0]
+    assert "verdict of this recording stays" in reasons(told[0])[0]
 
 
 def test_undecided_is_cleared_only_where_free_run_clears_it():
@@ -147,16 +149,21 @@ def test_one_event_counts_once():
     again = replace(window, loop="FIC101_9", start=77.0)
     told = together([LITTLE] * 4, [window, again, day(1), day(2)])
     three = together([LITTLE] * 3, [window, day(1), day(2)])
-    assert told[0].reasons[0] == three[0].reasons[0]
-    assert [sum("the two count once" in reason for reason in each.reasons) for each in told] == [0, 1, 0, 0]
-    assert "same event as FIC101_0" in told[1].reasons[-1]
+    assert reasons(told[0])[0] == reasons(three[0])[0]
+    assert [sum("count as one" in reason for reason in reasons(each)) for each in told] == [
+        0,
+        1,
+        0,
+        0,
+    ]
+    assert "same event as FIC101_0" in reasons(told[1])[-1]
 
 
 def test_one_event_alone_is_no_second_witness():
     window = day(0)
     told = together([LITTLE] * 2, [window, replace(window, loop="FIC101_9")])
     assert verdicts(told) == ["undecided"] * 2
-    assert "count once" in told[1].reasons[-1]
+    assert "count as one" in reasons(told[1])[-1]
 
 
 def test_order_does_not_matter():
@@ -166,8 +173,8 @@ def test_order_does_not_matter():
     expected = {each.loop: each for each in judged_together(windows, said)}
     for order in list(permutations(range(5)))[::7]:
         told = judged_together([windows[k] for k in order], [said[k] for k in order])
-        assert {each.loop: (each.verdict, each.reasons) for each in told} == {
-            name: (each.verdict, each.reasons) for name, each in expected.items()
+        assert {each.loop: (each.verdict, reasons(each)) for each in told} == {
+            name: (each.verdict, reasons(each)) for name, each in expected.items()
         }
 
 

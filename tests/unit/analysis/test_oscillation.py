@@ -119,7 +119,7 @@ def test_gaps_are_left_out_not_filled():
     assert seen.period == pytest.approx(50, rel=0.03)
 
 
-@pytest.mark.parametrize(("scale", "offset"), [(1e-9, 0), (1e9, 0), (1, 1e4), (-3, -50), (1e250, 0)])
+@pytest.mark.parametrize(("scale", "offset"), [(1e-9, 0), (1e9, 0), (1, 1e4), (-3, -50), (1e14, 0)])
 def test_units_and_offset_do_not_matter(scale, offset):
     wave = sine(50) + 0.1 * noise(6)
     one, other = detect_oscillation(window(wave)), detect_oscillation(window(scale * wave + offset))

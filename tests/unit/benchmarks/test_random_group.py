@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agent.analysis.results import Diagnosis
+from agent.analysis.diagnosis import Diagnosis
 from benchmarks.cases.random_group import GROUP_KINDS, random_group
 from benchmarks.cases.random_loop import STICKING
 from benchmarks.one_valve import DiagnosedGroup, by_kind, by_valve
 
-SAID = Diagnosis("FIC101", "undecided", 0.0, "undecided", (), None, (), None, None)
+SAID = Diagnosis("FIC101", "undecided", 0.0, "undecided", (), None, None, None)
 
 
 def test_a_group_repeats_and_its_recordings_differ():

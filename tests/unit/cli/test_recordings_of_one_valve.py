@@ -9,8 +9,9 @@ import pytest
 from agent.analysis.diagnose import diagnose
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Quantification, StictionEstimate
+from agent.cli.common.answer import Answer, Task
 from agent.cli.common.one_valve import together, valve_of, valves
-from agent.cli.diagnose import Answer, Task
+from agent.report.reasons import reasons
 from agent.units import FrictionBands
 from connectors.recording import Columns
 
@@ -118,7 +119,7 @@ def test_a_file_that_could_not_be_read_is_left_out():
     found = list(together(iter([answer("FIC101_0", 0), bad]), [0, 0]))
     assert found[1] == bad
     assert found[0].diagnosis.verdict == "undecided"
-    assert not any("other recording" in reason for reason in found[0].diagnosis.reasons)
+    assert not any("other recording" in reason for reason in reasons(found[0].diagnosis))
 
 
 def test_the_picture_says_the_verdict_of_all(monkeypatch, tmp_path):

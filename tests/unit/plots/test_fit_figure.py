@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.record.recording import LoopWindow
-from agent.analysis.results import CauseShare, Diagnosis, Oscillation, Quantification, StictionEstimate
+from agent.analysis.results import CauseShare, Oscillation, Quantification, StictionEstimate
 from agent.plots.fit import fit_figure
 from agent.units import FrictionBands
 
@@ -32,7 +33,6 @@ DIAGNOSIS = Diagnosis(
     cause="stiction",
     causes=(CauseShare("stiction", 0.9),),
     stiction_class="dead_band_stick_slip",
-    reasons=(),
     oscillation=Oscillation(detected=True, period=120.0, regularity=9.0),
     quantification=FOUND,
 )

@@ -13,7 +13,8 @@ import async_solipsism
 import pytest
 
 from agent.alarms import State
-from agent.analysis.results import Diagnosis, Oscillation
+from agent.analysis.diagnosis import Diagnosis
+from agent.analysis.results import Oscillation
 from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, Settings
@@ -50,7 +51,7 @@ def stream(loops, seconds, step=1.0):
 
 
 def judged(verdict="stiction"):
-    def diagnose(window):
+    def diagnose(window, _seen=None):
         return Diagnosis(
             loop=window.loop,
             verdict=verdict,
@@ -58,7 +59,6 @@ def judged(verdict="stiction"):
             cause="undecided",
             causes=(),
             stiction_class=None,
-            reasons=(),
             oscillation=Oscillation(detected=True, period=50.0, regularity=9.0),
             quantification=None,
         )
@@ -125,7 +125,7 @@ def test_data_age_is_that_of_the_newest_sample():
 def test_the_alarm_comes_and_goes_with_its_delays():
     bus, verdicts = FakeBus(stream(["FIC101"], 3600)), ["stiction"] * 4 + ["no_stiction"] * 4
 
-    def diagnose(window):
+    def diagnose(window, _seen=None):
         return judged(verdicts.pop(0) if verdicts else "undecided")(window)
 
     alarm = AlarmSettings(on_delay=3, off_delay=2)
@@ -150,7 +150,7 @@ def test_a_loop_at_rest_is_not_handed_to_the_workers():
 
     seen = []
 
-    def diagnose(window):
+    def diagnose(window, _seen=None):
         pytest.fail(f"a full diagnosis of {window.loop} at rest")
 
     status = virtual(worked(agent_of(FakeBus(source), diagnose=diagnose, seen=seen), 1000.0))
@@ -245,7 +245,7 @@ def test_a_fault_of_the_program_costs_one_attempt_and_is_counted(caplog):
 def test_a_diagnosis_that_fails_does_not_end_its_loop(caplog):
     seen, calls = [], []
 
-    def diagnose(window):
+    def diagnose(window, _seen=None):
         calls.append(window)
         if len(calls) == 1:
             raise MemoryError
@@ -264,7 +264,7 @@ class SlowExecutor:
     """Takes its time, as a pool does."""
 
     async def run(self, function, *args):
-        await asyncio.sleep(125.0)  # twice a window: trigger, then diagnosis
+        await asyncio.sleep(250.0)
         return function(*args)
 
 
@@ -272,7 +272,7 @@ def test_a_loop_has_one_diagnosis_at_a_time_and_the_newest_window_is_next():
     seen = []
     ends = []
 
-    def diagnose(window):
+    def diagnose(window, _seen=None):
         ends.append(window.time[-1] - START)
         return judged()(window)
 

@@ -5,7 +5,8 @@ import math
 import pytest
 
 from agent.workbench.evidence import Evidence
-from agent.workbench.likeliest import VERY_STRONG, is_strong, less_likely, outdone, plain
+from agent.workbench.likeliest import is_strong, less_likely, outdone, plain
+from agent.workbench.residual.very_strong import VERY_STRONG
 
 COUNT = 16
 PRIOR = 2 * math.log(COUNT)

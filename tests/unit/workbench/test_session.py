@@ -7,6 +7,7 @@ from loops import S, made, moves, slack
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.effects import EFFECTS
 from agent.physics.effects.hysteresis import S_BY_LAW
+from agent.report.comparison_json import comparison_json
 from agent.report.comparison_text import comparison_lines, verdict_words
 from agent.workbench.candidates import ran_out
 from agent.workbench.comparison import not_testable
@@ -45,7 +46,7 @@ def test_the_slack_is_told(bench):
 
 
 def test_the_json_has_every_key_and_no_nan(bench):
-    found = json.loads(json.dumps(bench.result("made.csv"), allow_nan=False))
+    found = json.loads(json.dumps(comparison_json(bench.comparison(), "made.csv"), allow_nan=False))
     assert found["recording"] == "made.csv"
     assert [step["effects"] for step in found["steps"]] == [[], ["deadband"]]
     assert set(found["steps"][1]["parameters"]) == {
@@ -148,7 +149,7 @@ def test_a_record_that_tells_nothing_has_a_reason_and_all_keys():
     still = LoopWindow("still", 0.0, 1.0, np.full(500, 50.0), np.random.default_rng(0).standard_normal(500))
     bench = Workbench(still)
     assert bench.auto() == ()
-    found = bench.result()
+    found = comparison_json(bench.comparison(), bench.window.loop)
     assert found["verdict"]["kind"] == "not_testable"
     assert found["steps"] == found["candidates"] == found["where_it_fails"] == []
     assert found["noise_floor"] == {"low": None, "high": None}

@@ -10,12 +10,12 @@ from agent.workbench.step import Verdict
 
 if TYPE_CHECKING:
     from agent.workbench.decision import Decision
-    from agent.workbench.session import Workbench
+    from agent.workbench.session.bench import Bench
 
 MOST_EFFECTS = 4
 
 
-def add_all_confirmed(bench: Workbench) -> None:
+def add_all_confirmed(bench: Bench) -> None:
     """Add effects until no more is confirmed; after each, test the earlier ones again."""
     while len(bench.step.effects) < MOST_EFFECTS:
         decision = bench.candidates()
@@ -28,7 +28,7 @@ def add_all_confirmed(bench: Workbench) -> None:
         _drop_idle(bench)
 
 
-def _add_both(bench: Workbench, decision: Decision) -> bool:
+def _add_both(bench: Bench, decision: Decision) -> bool:
     """Add the best effect and a rival that it cannot be told from, if the record holds both.
 
     Returns whether there is such a rival.
@@ -45,7 +45,7 @@ def _add_both(bench: Workbench, decision: Decision) -> bool:
     return False
 
 
-def _drop_idle(bench: Workbench) -> None:
+def _drop_idle(bench: Bench) -> None:
     """Take out earlier effects that reduce the held-out error no more, nor make the record far likelier."""
     for name in bench.step.effects[:-1]:
         bench.trials.tell(f"without {name}", 0, 1)

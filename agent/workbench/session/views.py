@@ -1,4 +1,4 @@
-"""What there is to see of one step: where its model fails, lines in its residual, and all of it together."""
+"""What one step shows: where its model fails, lines in its residual, and its noise floor."""
 
 from __future__ import annotations
 
@@ -6,19 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.candidates import verdict_of
-from agent.workbench.comparison import Comparison, not_testable
 from agent.workbench.folds import block_losses
 from agent.workbench.residual.axes import physical_axes
 from agent.workbench.residual.line_spectrum import LineSpectrum, line_spectrum
 from agent.workbench.residual.noise_floor import NoiseFloor, noise_floor
-from agent.workbench.residual.power import smallest_reduction
 from agent.workbench.residual.where import Failure, beside, where_it_fails
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.record import Record
-    from agent.workbench.session import Workbench
     from agent.workbench.step import Step
     from agent.workbench.trials import Trials
 
@@ -61,31 +57,6 @@ def floor(step: Step, trials: Trials, rng: np.random.Generator) -> NoiseFloor:
     record = trials.record
     seen, hidden = block_losses(record, trials.folds, step.estimate.pv), step.held_out.losses
     return noise_floor(_left(step, record), seen if np.nansum(seen) > np.nansum(hidden) else hidden, rng)
-
-
-def compared(bench: Workbench) -> Comparison:
-    """Return the staircase of a session, and what is said of its newest model."""
-    if bench.reason is not None:
-        return not_testable(bench.window.loop, bench.reason)
-    tried = bench.trials.all_on(bench.step, bench.library)
-    fails, spectrum = bench.where_it_fails(), bench.lines()
-    candidates, losses = tried.decision.candidates, bench.step.held_out.losses
-    rng = np.random.default_rng(0)
-    smallest = None
-    if candidates:
-        best = tried.models[candidates[0].effect].held_out.losses
-        smallest = smallest_reduction(losses, best, len(candidates), rng)
-    return Comparison(
-        loop=bench.window.loop,
-        steps=bench.staircase(),
-        where_it_fails=fails,
-        lines=() if spectrum is None else spectrum.from_outside,
-        candidates=candidates,
-        verdict=verdict_of(bench.step, tried, fails, spectrum, bench.record.facts),
-        noise_floor=floor(bench.step, bench.trials, rng),
-        smallest_percent=smallest,
-        reason=None,
-    )
 
 
 def _left(step: Step, record: Record) -> FloatArray:

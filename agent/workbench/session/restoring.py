@@ -11,10 +11,10 @@ from agent.workbench.fit import fit
 from agent.workbench.saved_model import read_saved
 
 if TYPE_CHECKING:
-    from agent.workbench.session import Workbench
+    from agent.workbench.session.bench import Bench
 
 
-def add_saved(bench: Workbench, mapping: object) -> None:
+def add_saved(bench: Bench, mapping: object) -> None:
     """Add the effects of a saved model.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The workbench: compare, see where it fails, learn what is missing, add it, watch the error fall."""
+"""A recording and the models that were tried on it: compare, see where it fails, add, drop, undo."""
 
 from __future__ import annotations
 
@@ -6,22 +6,18 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from agent.physics.effects import effects as known_effects
-from agent.report.comparison_json import comparison_json
-from agent.workbench import views
-from agent.workbench.automatic import add_all_confirmed
 from agent.workbench.candidates import naming, verdict_of
 from agent.workbench.fit import contributions, residual_of
 from agent.workbench.hooks import Map, Progress, silent
 from agent.workbench.library import applies, base_named, effect_named, library, missing
-from agent.workbench.opening import opened, other_record
-from agent.workbench.restoring import add_saved
 from agent.workbench.saved_model import saved
+from agent.workbench.session import views
+from agent.workbench.session.opening import opened, other_record
 from agent.workbench.step import Step, Verdict, step_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
-    from agent.workbench.comparison import Comparison
     from agent.workbench.decision import Decision
     from agent.workbench.folds import Folds
     from agent.workbench.record import Record
@@ -31,7 +27,7 @@ if TYPE_CHECKING:
     from agent.workbench.trials import Trials
 
 
-class Workbench:
+class Bench:
     """A recording, the models that were tried on it, and the way back."""
 
     def __init__(
@@ -56,7 +52,7 @@ class Workbench:
             effects: Built in and installed; None: ``agent.physics.effects.effects``.
             extra: Effects beside those.
             run: Tries effects, perhaps in parallel.
-            tell: Is told what is tried.
+            tell: Called with what is tried next.
 
         Raises:
             ValueError: No such base, effect or family, or nothing can be scored on ``validate``.
@@ -66,7 +62,7 @@ class Workbench:
         self.installed = (*(known_effects() if effects is None else effects), *extra)
         self.library = library(self.installed, self.base, without)
         self.reason: str | None = None
-        """In plain words why nothing can be said about the recording; None where something can."""
+        """In plain words why the recording is not testable; None where it is."""
         self._steps: list[Step] = []
         self._trials: Trials | None = None
         self._validation = None if validate is None else other_record(validate, self.base)
@@ -79,7 +75,7 @@ class Workbench:
 
     @property
     def trials(self) -> Trials:
-        """What was asked of the recording.
+        """What was tried on the recording.
 
         Raises:
             ValueError: The recording is not testable; the text says why.
@@ -115,7 +111,7 @@ class Workbench:
         return {"model": self.step.fit.pv, "base": self._steps[0].fit.pv, **added}
 
     def residual(self) -> FloatArray:
-        """Return PV less the newest model, PV units, (n,), NaN where PV counts for nothing."""
+        """Return PV less the newest model, PV units, (n,), NaN where PV has no weight."""
         return residual_of(self.step.fit, self.record)
 
     def where_it_fails(self) -> tuple[Failure, ...]:
@@ -192,15 +188,9 @@ class Workbench:
             ValueError: There is only the base.
         """
         if len(self.staircase()) < 2:
-            raise ValueError("there is nothing to take back")
+            raise ValueError("there is no step to undo")
         self._steps.pop()
         return self.step
-
-    def auto(self) -> tuple[Step, ...]:
-        """Add what is confirmed until nothing more is; after each, test the earlier effects again."""
-        if self._steps:
-            add_all_confirmed(self)
-        return self.staircase()
 
     def take(
         self,
@@ -222,20 +212,3 @@ class Workbench:
             ValueError: The recording is not testable.
         """
         return saved(self.window.loop, self.step.fit, self.record.facts)
-
-    def load(self, mapping: object) -> tuple[Step, ...]:
-        """Add the effects of a saved model one after the other, fitted from its values; return all steps.
-
-        Raises:
-            ValueError: It is no saved model, of another loop or on another base, or has unknown effects.
-        """
-        add_saved(self, mapping)
-        return self.staircase()
-
-    def comparison(self) -> Comparison:
-        """Return all that is known: the staircase, and what is said of the newest model."""
-        return views.compared(self)
-
-    def result(self, recording: str | None = None) -> dict[str, object]:
-        """Return the comparison as plain values: what ``slipjump compare --json`` prints."""
-        return comparison_json(self.comparison(), recording or self.window.loop)

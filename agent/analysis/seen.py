@@ -1,0 +1,69 @@
+"""What a first look at a window shows, and whether that is worth a fit."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
+from agent.analysis.oscillation import detect_oscillation
+from agent.analysis.record.reversals import significant_reversals
+from agent.analysis.stiction import detect_stiction
+
+if TYPE_CHECKING:
+    from agent.analysis.gates import GateFault
+    from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.results import MethodResult, Oscillation
+
+ENOUGH_REVERSALS = 8
+"""Reversals of OP after which a valve that sticks shows it, also without a steady oscillation."""
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """Everything that is computed of a window before a fit, each once."""
+
+    oscillation: Oscillation
+    faults: tuple[GateFault, ...]
+    """Of the gates."""
+    reversals: int
+    """Reversals of OP that stand out of its noise."""
+    methods: dict[str, MethodResult]
+    """Result of each stiction detector, by its name; empty where the window is not testable."""
+    seconds: float = field(default=0.0, compare=False)
+    """Wall time of the look, s."""
+
+    @property
+    def testable(self) -> bool:
+        """Whether at least one kind of method may be applied."""
+        return closed_kinds(self.faults) != ALL_KINDS
+
+    @property
+    def methods_without_pictures(self) -> dict[str, MethodResult]:
+        """``methods`` without what only pictures need, which is large between processes."""
+        return {name: replace(each, seen=None) for name, each in self.methods.items()}
+
+
+def look(window: LoopWindow) -> Seen:
+    """Detect oscillation, apply the gates, count reversals and run the stiction detectors.
+
+    Takes some 50 ms for 1500 samples, so it is for a worker process, not for an event loop.
+    """
+    started = time.perf_counter()
+    oscillation = detect_oscillation(window)
+    faults = gates(window, oscillation)
+    testable = closed_kinds(faults) != ALL_KINDS
+    methods = detect_stiction(window, oscillation, faults) if testable else {}
+    reversals = significant_reversals(window.op)
+    return Seen(oscillation, faults, reversals, methods, time.perf_counter() - started)
+
+
+def worth_a_fit(seen: Seen) -> bool:
+    """Return whether a full diagnosis is due.
+
+    It is where the loop oscillates, where OP reverses often enough, where a detector reports stiction, and
+    where the window is not testable: the diagnosis then states why.
+    """
+    accused = any(each.verdict == "stiction" for each in seen.methods.values())
+    return not seen.testable or seen.oscillation.detected or seen.reversals >= ENOUGH_REVERSALS or accused

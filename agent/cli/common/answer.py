@@ -1,0 +1,42 @@
+"""One recording of ``slipjump diagnose``: what is to be done with it, and the result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from agent.analysis.diagnosis import Diagnosis
+    from agent.analysis.quantify import Quantifier
+    from agent.analysis.record.recording import LoopHints, LoopWindow
+    from connectors.recording import Columns
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One recording to diagnose, in any process."""
+
+    path: Path
+    columns: Columns
+    hints: LoopHints
+    quantifier: Quantifier | None
+    """None: the default one."""
+    picture: Path | None
+    """Where to draw the fit, and the other pictures beside it; None: nowhere."""
+    shared: bool = False
+    """Whether its valve has other recordings, for which the window is needed again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The result of a task."""
+
+    task: Task
+    diagnosis: Diagnosis | None
+    """None where the recording could not be read."""
+    faults: tuple[str, ...] = ()
+    """What went wrong, a line each."""
+    window: LoopWindow | None = None
+    """Of a recording whose valve has others."""

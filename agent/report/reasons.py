@@ -1,0 +1,133 @@
+"""What a record shows, and the evidence for and against stiction, in plain words."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from agent.analysis.gates.fault import LIMIT_CYCLE, SHAPE
+
+if TYPE_CHECKING:
+    from agent.analysis.diagnosis import Diagnosis, OtherRecordings, RecordSummary
+    from agent.analysis.evidence.weighing import Weighed
+    from agent.analysis.results import MethodKind, Oscillation, Quantification, StictionClass
+
+COARSE = 15.0
+"""Samples a period below which the shape of a stroke can hardly be seen; the paper requires 50."""
+QUIET = "the loop shows no regular oscillation, and OP does not reverse often"
+STAYS = "the verdict of this recording stays, because a valve may be repaired or wear between two recordings"
+SKIPPED: dict[frozenset[MethodKind], str] = {
+    LIMIT_CYCLE: "methods that need a steady oscillation were skipped",
+    SHAPE: "methods that analyse the shape of OP and PV were skipped",
+}
+CLASS_WORDS: dict[StictionClass, str] = {
+    "weak": "weak stiction",
+    "dead_band": "mostly a dead band",
+    "stick_slip": "stick and slip",
+    "dead_band_stick_slip": "a dead band with stick and slip",
+}
+
+
+def reasons(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return what the record shows and what speaks for and against the verdict, one statement each."""
+    words = list(_own(diagnosis))
+    if diagnosis.others is not None:
+        words.insert(0, _others_words(diagnosis.others))
+    if diagnosis.same_event_as is not None:
+        words.append(
+            f"this recording shows the same event as {diagnosis.same_event_as}: the two count as one"
+        )
+    return tuple(words)
+
+
+def _own(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return the reasons from this recording alone."""
+    found, oscillation, record = diagnosis.quantification, diagnosis.oscillation, diagnosis.record
+    if diagnosis.verdict == "not_testable":
+        return tuple(fault.reason for fault in diagnosis.faults)
+    if found is None or oscillation is None or record is None:
+        return (QUIET,) if diagnosis.verdict == "no_stiction" else ()
+    return (
+        *_data_words(record),
+        *_oscillation_words(record, oscillation),
+        *_fit_words(record, found, diagnosis),
+        *_evidence_words(found, diagnosis.weighed),
+        *(f"{fault.reason}: {SKIPPED[fault.closes]}" for fault in diagnosis.faults),
+    )
+
+
+def _data_words(record: RecordSummary) -> list[str]:
+    words = []
+    if record.gaps:
+        words.append(f"{record.gaps} of {record.samples} samples are gaps and were skipped")
+    if record.duplicates:
+        words.append(f"{record.duplicates} samples repeat a timestamp and were discarded")
+    return words
+
+
+def _oscillation_words(record: RecordSummary, oscillation: Oscillation) -> list[str]:
+    if not oscillation.detected or oscillation.period is None:
+        return ["the loop shows no regular oscillation"]
+    words = [f"the loop oscillates with a period of {oscillation.period:.4g} s"]
+    samples = oscillation.period / record.ts
+    if samples < COARSE:
+        words.append(f"the record is coarse: {samples:.0f} samples a period")
+    return words
+
+
+def _fit_words(record: RecordSummary, found: Quantification, diagnosis: Diagnosis) -> list[str]:
+    if found.failure is not None:
+        return [f"{found.quantifier} gave no result: {found.failure}"]
+    linear = f"the model without stiction fits PV to {_percent(found.linear_percent)}"
+    if found.stiction is None:
+        return [f"{linear}, and a model with stiction fits no better"]
+    s, j = found.stiction.s.value, found.stiction.j.value
+    span = f"{100 * s / record.op_span:.3g} % of the span of OP"
+    valve = f"the model with stiction S = {s:.4g} ({span}) and J = {j:.4g}"
+    words = [f"{linear}, {valve} to {_percent(found.free_run_percent)}"]
+    if diagnosis.stiction_class is not None:
+        words.append(f"the valve shows {CLASS_WORDS[diagnosis.stiction_class]}")
+    elif diagnosis.verdict == "no_stiction":
+        words.append("the improvement is too small to report stiction")
+    else:
+        words.append("the improvement is too small to report stiction, and too large to exclude it")
+    return words
+
+
+def _evidence_words(found: Quantification, weighed: Weighed | None) -> list[str]:
+    """State which methods are evidence for and against stiction, and by what factor each changes the odds."""
+    if weighed is None or found.failure is not None or found.quick_evidence is None:
+        return []
+    sides = (
+        ("evidence for stiction", [each for each in weighed.witnesses if each.log_odds > 0]),
+        ("evidence against stiction", [each for each in weighed.witnesses if each.log_odds < 0]),
+    )
+    return [
+        f"{side}: " + ", ".join(f"{each.name} (odds x {factor(each.log_odds)})" for each in ones)
+        for side, ones in sides
+        if ones
+    ]
+
+
+def _others_words(others: OtherRecordings) -> str:
+    count = "the other recording" if others.count == 1 else f"the {others.count} other recordings"
+    joint = f"with {count} of this valve the odds of stiction are {odds(others.together)}"
+    if others.alone is not None:
+        return f"this recording alone is undecided (odds {odds(others.alone)}); {joint}"
+    return f"{joint}; {STAYS}" if others.contrary else joint
+
+
+def odds(probability: float) -> str:
+    """Return a probability as odds, ``4.2 to 1`` or ``1 to 4.2``."""
+    more = probability / (1 - probability)
+    return f"{more:.2g} to 1" if more >= 1 else f"1 to {1 / more:.2g}"
+
+
+def factor(log_odds: float) -> str:
+    """Return the factor by which log odds change the odds, in either direction."""
+    times = math.exp(abs(log_odds))
+    return f"{times:,.0f}" if times >= 10 else f"{times:.1f}"
+
+
+def _percent(value: float | None) -> str:
+    return "an unknown part" if value is None else f"{value:.3g} %"

@@ -1,0 +1,130 @@
+"""One look at a window, and when a fit is due."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agent.analysis import seen as seen_module
+from agent.analysis.diagnose import diagnose
+from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.reversals import significant_reversals
+from agent.analysis.results import MethodResult, Quantification
+from agent.analysis.routine import routine_diagnosis
+from agent.analysis.seen import look, worth_a_fit
+from agent.report.advice import advice
+from agent.report.reasons import reasons
+
+T = np.arange(1000)
+NOISE = np.random.default_rng(7).normal(size=T.size)
+
+
+RESTING = 50 + T / 1000 + 0.002 * NOISE
+
+
+def window(op, pv=None):
+    pv = 50 + 0.1 * NOISE[::-1] if pv is None else pv
+    return LoopWindow("FIC101", 0.0, 1.0, op=op, pv=pv, sp=np.full(T.size, 50.0))
+
+
+def test_an_oscillation_is_worth_a_fit():
+    wave = np.sin(2 * np.pi * T / 60)
+    seen = look(window(50 + 5 * wave + 0.2 * NOISE, 50 + 3 * np.roll(wave, 15) + 0.2 * NOISE[::-1]))
+    assert worth_a_fit(seen)
+    assert seen.oscillation.detected
+    assert seen.oscillation.period == pytest.approx(60, rel=0.05)
+
+
+def test_reversals_without_a_rhythm_are_worth_a_fit():
+    turns = np.cumsum(np.random.default_rng(3).integers(20, 150, size=30))
+    op = np.interp(T, turns, np.resize([40.0, 60.0], turns.size)) + 0.1 * NOISE
+    assert worth_a_fit(look(window(op)))
+
+
+def test_rest_is_not():
+    found = routine_diagnosis(window(RESTING), diagnose)
+    assert (found.fitted, found.diagnosis.verdict, found.diagnosis.cause) == (
+        False,
+        "no_stiction",
+        "no_oscillation",
+    )
+    methods = found.diagnosis.methods.values()
+    assert methods
+    assert all(each.verdict != "stiction" and each.seen is None for each in methods)
+    assert len(reasons(found.diagnosis)) == 1
+    assert advice(found.diagnosis) == ()
+
+
+def test_a_detector_that_reports_stiction_is_worth_a_fit():
+    seen = look(window(RESTING))
+    assert not worth_a_fit(seen)
+    accused = seen.methods | {"damarla": MethodResult("stiction", 0.4)}
+    assert worth_a_fit(replace(seen, methods=accused))
+
+
+def test_what_is_not_testable_is_diagnosed_so_that_the_diagnosis_states_why():
+    seen = look(window(np.full(T.size, 50.0)))
+    assert worth_a_fit(seen)
+    assert not seen.testable
+    assert seen.methods == {}
+    assert diagnose(window(np.full(T.size, 50.0)), seen).verdict == "not_testable"
+
+
+@dataclass
+class Counted:
+    """Calls of a function that each take a window first."""
+
+    function: Callable
+    calls: int = 0
+
+    def __call__(self, *args):
+        self.calls += 1
+        return self.function(*args)
+
+
+class NoFit:
+    """A quantifier that has no result, so that only the rest of a diagnosis is made."""
+
+    name = "none"
+
+    def quantify(self, _window):
+        return Quantification(self.name, None, None, None, None, None, "undecided", failure="not fitted here")
+
+
+def test_a_window_is_looked_at_once(monkeypatch):
+    """Also where a fit follows the look; and the diagnosis is the same as from the window alone."""
+    wave = np.sin(2 * np.pi * T / 60)
+    moved = window(50 + 5 * wave + 0.2 * NOISE, 50 + 3 * np.roll(wave, 15) + 0.2 * NOISE[::-1])
+    alone = diagnose(moved, quantifier=NoFit())
+    looks = ("detect_oscillation", "gates", "detect_stiction")
+    counted = {name: Counted(getattr(seen_module, name)) for name in looks}
+    for name, each in counted.items():
+        monkeypatch.setattr(seen_module, name, each)
+    found = routine_diagnosis(moved, lambda given, seen=None: diagnose(given, seen, quantifier=NoFit()))
+    assert found.fitted
+    assert {name: each.calls for name, each in counted.items()} == dict.fromkeys(counted, 1)
+    assert replace(found.diagnosis, seconds=0.0) == replace(alone, seconds=0.0)
+
+
+@pytest.mark.parametrize("swings", [0, 1, 3, 8, 20])
+def test_reversals_are_counted_through_noise_and_gaps(swings):
+    turns = np.linspace(0, T.size - 1, swings + 2)
+    op = np.interp(T, turns, np.resize([40.0, 60.0], turns.size)) + 0.3 * NOISE
+    op[::13] = np.nan
+    assert significant_reversals(op) == swings
+
+
+@pytest.mark.parametrize("op", [[], [1.0], [np.nan] * 50, [3.0] * 50])
+def test_there_are_no_reversals_where_there_is_no_movement(op):
+    assert significant_reversals(np.array(op, dtype=float)) == 0
+
+
+@given(st.lists(st.integers(-100, 100), min_size=3, max_size=80))
+def test_neither_unit_nor_direction_matters(op):
+    op = np.array(op, dtype=float)
+    count = significant_reversals(op)
+    assert significant_reversals(-op) == count
+    assert significant_reversals(op * 2.0) == count
