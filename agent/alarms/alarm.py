@@ -13,8 +13,8 @@ from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.results import StictionEstimate, Verdict
 
 Priority = Literal["low", "medium", "high", "critical"]
-SCHEMA = 1
-"""Version of the published fields; it rises when one of them goes or changes its meaning."""
+SCHEMA = 2
+"""Version of the published fields: 2 has the intervals of S and J."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,13 @@ class Announcement:
             "f_s": found.f_s.value if found else None,
             "f_d": found.f_d.value if found else None,
             "s": found.s.value if found else None,
+            "s_low": found.s.low if found else None,
+            "s_high": found.s.high if found else None,
             "j": found.j.value if found else None,
+            "j_low": found.j.low if found else None,
+            "j_high": found.j.high if found else None,
+            "s_identifiable": found.identifiable_s if found else None,
+            "j_identifiable": found.identifiable_j if found else None,
         }
 
 

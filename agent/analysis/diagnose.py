@@ -60,7 +60,7 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
             oscillation=None,
             quantification=None,
             faults=seen.faults,
-            record=RecordSummary.of(window),
+            record=RecordSummary.of(window, seen.oscillation),
         )
     found = with_likelihood(quantifier.quantify(window), window)
     weighed = weigh(found, seen.methods, stem_measured=window.mv is not None)
@@ -79,7 +79,7 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
         },
         faults=seen.faults,
         weighed=weighed,
-        record=RecordSummary.of(window),
+        record=RecordSummary.of(window, seen.oscillation),
     )
     return with_verdict(without_verdict, window, *verdict_of(found, weighed))
 

@@ -33,12 +33,19 @@ class RecordSummary:
     """Sampling time, s."""
     op_span: float
     """Max - min of OP, OP units."""
+    wild: int = 0
+    """Values that were taken for gaps because they lie far outside those around them."""
+
+    samples_per_period: float | None = None
+    """Of the oscillation that was detected; None where none was."""
 
     @classmethod
-    def of(cls, window: LoopWindow) -> RecordSummary:
-        """Summarize a window."""
+    def of(cls, window: LoopWindow, oscillation: Oscillation) -> RecordSummary:
+        """Summarize a window and the oscillation that was looked for in it."""
         gaps = int((~window.valid).sum())
-        return cls(len(window), gaps, window.duplicates, window.ts, window.op_span)
+        period = oscillation.period if oscillation.detected else None
+        samples = None if period is None else period / window.ts
+        return cls(len(window), gaps, window.duplicates, window.ts, window.op_span, window.wild, samples)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +90,24 @@ class Diagnosis:
     """Loop name of another recording that shows the same event and counts in place of this one."""
     seconds: float = 0.0
     """Wall time of the analysis, s."""
+
+    @property
+    def probability(self) -> float | None:
+        """Return the probability that the valve sticks, 0 to 1; None where nothing can be said.
+
+        Of all recordings of the valve where there are several, else of this one; without a fit that of a loop
+        in which nothing happened that a valve could cause.
+        """
+        if self.others is not None:
+            return self.others.together
+        if self.weighed is not None:
+            return self.weighed.probability
+        return 1 - self.confidence if self.verdict == "no_stiction" else None
+
+    @property
+    def samples_per_period(self) -> float | None:
+        """Return the samples that a period of the oscillation has; None where none was found."""
+        return None if self.record is None else self.record.samples_per_period
 
     @property
     def gates(self) -> tuple[str, ...]:

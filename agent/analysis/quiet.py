@@ -27,5 +27,5 @@ def quiet(window: LoopWindow, seen: Seen) -> Diagnosis:
         oscillation=seen.oscillation,
         quantification=None,
         methods=seen.methods_without_pictures,
-        record=RecordSummary.of(window),
+        record=RecordSummary.of(window, seen.oscillation),
     )

@@ -18,6 +18,8 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
         "loop": diagnosis.loop,
         "verdict": diagnosis.verdict,
         "confidence": _number(diagnosis.confidence),
+        "probability": _number(diagnosis.probability),
+        "samples_per_period": _number(diagnosis.samples_per_period),
         "cause": diagnosis.cause,
         "causes": [{"cause": each.cause, "share": _number(each.share)} for each in diagnosis.causes],
         "class": diagnosis.stiction_class,

@@ -60,6 +60,8 @@ def _data_words(record: RecordSummary) -> list[str]:
     words = []
     if record.gaps:
         words.append(f"{record.gaps} of {record.samples} samples are gaps and were skipped")
+    if record.wild:
+        words.append(f"{record.wild} values far outside those around them were taken for gaps")
     if record.duplicates:
         words.append(f"{record.duplicates} samples repeat a timestamp and were discarded")
     return words

@@ -24,7 +24,7 @@ from typing import Any
 
 import paho.mqtt.client as mqtt
 
-SCHEMA = 1
+SCHEMAS = (1, 2)
 REMEMBERED = 10_000
 
 
@@ -43,8 +43,8 @@ class Consumer:
             fields = json.loads(payload)
         except ValueError:
             return f"{topic}: no JSON"
-        if not isinstance(fields, dict) or fields.get("schema") != SCHEMA:
-            return f"{topic}: this reads schema {SCHEMA} only"
+        if not isinstance(fields, dict) or fields.get("schema") not in SCHEMAS:
+            return f"{topic}: this reads schemas {SCHEMAS} only"
         if "status" in fields:
             return f"{fields['client']} is {fields['status']}"
         wanted = topic.endswith("/event") or retained

@@ -103,7 +103,7 @@ MODEL = {
     ("text", "expected"),
     [
         ("kind: [slipjump\n  model: {", "expected ',' or ']'"),
-        ("- deadband", "no saved model: 'kind: slipjump model' is not there"),
+        ("- deadband", "no saved model: 'kind: slipjump model' is missing"),
         (MODEL | {"loop": "FIC8"}, "of the loop FIC8, not of FIC7"),
         (MODEL | {"effects": ["fairy"]}, "no effect 'fairy'; there are deadband"),
         (MODEL | {"effects": ["overflow"]}, "overflow does not apply to the base fopdt"),

@@ -112,7 +112,7 @@ async def test_what_is_told_fits_the_schema_and_has_no_other_fields(mosquitto, t
 @pytest.mark.parametrize(
     "change",
     [
-        {"schema": 2},
+        {"schema": 3},
         {"state": "asleep"},
         {"s": "4"},
         {"s": -1},
@@ -124,7 +124,7 @@ async def test_what_is_told_fits_the_schema_and_has_no_other_fields(mosquitto, t
 def test_the_schema_refuses_what_is_wrong(change):
     right = {
         **dict.fromkeys(SCHEMA["$defs"]["alarm"]["required"]),
-        "schema": 1,
+        "schema": 2,
         "message_id": "A/1.000000/event/normal",
         "sequence": 7,
         "historical": False,

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from agent.analysis.record.wild_samples import wild
+
 FloatArray = NDArray[np.float64]
 LARGEST = 1e15
 """No plant has such numbers: historians mark lost values by 1e30 and the like."""
@@ -53,6 +55,8 @@ class LoopWindow:
     hints: LoopHints = field(default_factory=LoopHints)
     duplicates: int = 0
     """Samples dropped because their timestamp was there already."""
+    wild: int = 0
+    """Values of OP, PV and MV that are gaps because they lie far outside those around them."""
 
     def __post_init__(self) -> None:
         n = len(self.op)
@@ -65,8 +69,17 @@ class LoopWindow:
             frozen = np.array(values)  # a copy: freezing the caller's array would surprise him
             if frozen.dtype.kind == "f":
                 frozen[np.abs(frozen) >= LARGEST] = np.nan  # also infinity: no instrument reads it
+                self._reject_wild(name, frozen)
             frozen.setflags(write=False)
             object.__setattr__(self, name, frozen)
+
+    def _reject_wild(self, name: str, values: FloatArray) -> None:
+        """Make gaps of isolated values that no plant has; the set point may be any."""
+        if name == "sp":
+            return
+        found = wild(values)
+        values[found] = np.nan
+        object.__setattr__(self, "wild", self.wild + int(np.count_nonzero(found)))
 
     def __len__(self) -> int:
         return len(self.op)

@@ -7,13 +7,10 @@ large for any plant are; one of them would else decide a fit by squares.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from agent.analysis.record.recording import FloatArray
+FloatArray = NDArray[np.float64]
 
 LONGEST_RUN = 2
 """Samples in a row: a scan, or one that two samples hold."""

@@ -76,7 +76,7 @@ def test_what_is_announced_fits_a_bus():
     _, announcements = Alarm("FIC101", delay=Delay(1, 1)).on_diagnosis(diagnosis("stiction"), 7.0)
     fields = announcements[1].fields()
     assert fields == {
-        "schema": 1,
+        "schema": 2,
         "message_id": "FIC101/7.000000/event/unacked_active",
         "loop": "FIC101",
         "id": "FIC101/7.000000",
@@ -92,7 +92,13 @@ def test_what_is_announced_fits_a_bus():
         "f_s": 3.0,
         "f_d": 1.0,
         "s": 4.0,
+        "s_low": None,
+        "s_high": None,
         "j": 2.0,
+        "j_low": None,
+        "j_high": None,
+        "s_identifiable": None,
+        "j_identifiable": None,
     }
     assert json.dumps(fields, allow_nan=False)
     assert announcements[0].id != announcements[1].id

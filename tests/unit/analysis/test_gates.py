@@ -102,7 +102,7 @@ def test_faults(case, expected):
             {"limit_cycle"},
         ),
         ({"oscillation": replace(STEADY, period=90.0)}, "few_periods", {"limit_cycle"}),
-        ({"ts": 6.0}, "coarse", {"limit_cycle"}),
+        ({"ts": 6.0}, "coarse", ALL_KINDS),
     ],
 )
 def test_a_fault_closes_only_what_it_concerns(case, expected, closes):

@@ -89,7 +89,7 @@ def test_drop_undo_save_and_load(bench):
     assert again.step.rmse_fit == pytest.approx(again.staircase()[0].rmse_fit, rel=0.01)
     assert again.undo().effects == ("deadband",)
     again.undo()
-    with pytest.raises(ValueError, match="nothing to take back"):
+    with pytest.raises(ValueError, match="no step to undo"):
         again.undo()
     with pytest.raises(ValueError, match="of the loop made, not of other"):
         Workbench(made(loop="other")).load(saved)
