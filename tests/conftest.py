@@ -43,6 +43,15 @@ def recordings() -> Path:
 
 
 @pytest.fixture(scope="session")
+def chromium() -> str:
+    """Path of Debian's browser."""
+    path = shutil.which("chromium") or shutil.which("chromium-browser")
+    if path is None:
+        missing("chromium")
+    return str(path)
+
+
+@pytest.fixture(scope="session")
 def mosquitto() -> str:
     """Path of the mosquitto broker."""
     path = shutil.which("mosquitto", path=os.environ.get("PATH", "") + ":/usr/sbin")

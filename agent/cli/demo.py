@@ -126,7 +126,7 @@ async def _play(seconds: float, console: Console, *, web: bool, stays: bool) -> 
         def accompany(agent: Agent) -> None:
             if web:
                 say = functools.partial(console.print, highlight=False, soft_wrap=True)
-                serve_page(agent, HttpSettings(port=free_port(PORT)), executor, say, "Demo plant")
+                serve_page(agent, HttpSettings(port=free_port(PORT)), say, "Demo plant")
 
         async with on_stage(
             sources,

@@ -16,7 +16,6 @@ from agent.cli.common.logs import LogFormat, LogLevel, set_up
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.runtime.agent import Agent
-    from agent.runtime.loop.workers import Executor
     from agent.settings import HttpSettings, Settings
 
 LOG = logging.getLogger(__name__)
@@ -65,7 +64,7 @@ async def _until_stopped(config: Path, settings: Settings) -> None:
         agent.accompany(Health("configuration"), Reloader(config, agent, manager, changed).run)
         agent.accompany(Health("watchdog"), functools.partial(watch, agent.hung, manager))
         if settings.agent.http is not None:
-            _serve_http(agent, settings.agent.http, executor)
+            _serve_http(agent, settings.agent.http)
 
         def ready() -> None:
             LOG.info("%s", agent.summary, extra={"event": "started"})
@@ -83,11 +82,11 @@ async def _until_stopped(config: Path, settings: Settings) -> None:
         work.result()  # it never ends by itself: raise what ended it
 
 
-def _serve_http(agent: Agent, settings: HttpSettings, executor: Executor) -> None:
+def _serve_http(agent: Agent, settings: HttpSettings) -> None:
     """Serve the page, health and metrics while the agent runs."""
     from agent.cli.common.page import serve_page
 
-    serve_page(agent, settings, executor, lambda line: print(line, flush=True))  # noqa: T201 - its output
+    serve_page(agent, settings, lambda line: print(line, flush=True))  # noqa: T201 - its output
 
 
 def _log(diagnosis: Diagnosis) -> None:

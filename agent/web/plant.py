@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any
 
-from agent.alarms import Announcement
+from agent.alarms import Alarm, Announcement
 from agent.report.diagnosis_json import diagnosis_json
 from agent.runtime.agent import Agent
 from agent.runtime.loop.pipeline import Judged
-from agent.runtime.loop.workers import Executor
 from agent.runtime.operate.status import AgentStatus
 from agent.runtime.store.database import StoreError
 from agent.runtime.store.history_file import Entry, HistoryFile, history_path
+from agent.runtime.supervisor import Health
+from agent.web.drawing import Drawing
 from agent.web.live import Live
 from agent.web.ranking import Item, area_of, group_of, urgency
 
@@ -24,10 +25,7 @@ REMEMBERED = 20_000
 """Entries of history that are kept in memory where no file keeps them, of all loops together."""
 READ = 3000
 """Entries of history that a page gets at most."""
-DRAWN = 64
-"""Results of calculations that are kept for pages."""
 ALARM_KEYS = ("state", "active", "by", "until", "s", "id")
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,24 +43,22 @@ class Look:
 class Plant:
     """What the screens share. It observes the agent from its making on."""
 
-    def __init__(self, agent: Agent, executor: Executor, clock: Callable[[], float] = time.time) -> None:
+    def __init__(self, agent: Agent, clock: Callable[[], float] = time.time) -> None:
         """Make it.
 
         Args:
             agent: Not running yet.
-            executor: Where calculations for pages run, one at a time.
             clock: Gives the time, s UTC.
         """
         self.agent = agent
         self.clock = clock
         self.live: Live[Look] = Live(self.look)
-        self._executor = executor
+        self.drawing = Drawing()
         self._since: dict[str, tuple[str, float]] = {}
         self._entries: deque[Entry] = deque(maxlen=REMEMBERED)
-        self._drawn: OrderedDict[tuple[object, ...], Any] = OrderedDict()
-        self._calculating = asyncio.Lock()
         agent.observe(self)
         agent.accompany(self.live.health, self.live.run)
+        agent.accompany(Health("drawing"), self.drawing.run)
 
     def judged(self, judged: Judged) -> None:
         """Take the verdict on a window."""
@@ -124,17 +120,7 @@ class Plant:
 
         return await asyncio.to_thread(read)
 
-    async def calculated(self, key: tuple[object, ...], function: Callable[..., T], *arguments: object) -> T:
-        """Return ``function(*arguments)`` from a worker, one calculation at a time; known ones are kept."""
-        async with self._calculating:
-            if key not in self._drawn:
-                self._drawn[key] = await self._executor.run(function, *arguments)
-                if len(self._drawn) > DRAWN:
-                    self._drawn.popitem(last=False)
-            found: T = self._drawn[key]
-            return found
-
-    def _since_of(self, loop: str, alarm: Any) -> float | None:  # noqa: ANN401
+    def _since_of(self, loop: str, alarm: Alarm) -> float | None:
         known = self._since.get(loop)
         if alarm.state.active and alarm.id is not None:
             return float(alarm.id.rpartition("/")[2])

@@ -9,14 +9,12 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from agent.runtime.agent import Agent
-    from agent.runtime.loop.workers import Executor
     from agent.settings import HttpSettings
 
 
 def serve_page(
     agent: Agent,
     settings: HttpSettings,
-    executor: Executor,
     say: Callable[[str], None],
     title: str = "slipjump",
 ) -> None:
@@ -25,7 +23,6 @@ def serve_page(
     Args:
         agent: Not running yet.
         settings: Where to listen.
-        executor: Where calculations for the page run.
         say: Is given the line with the address when clients can come, once.
         title: Name of the plant.
     """
@@ -46,7 +43,7 @@ def serve_page(
             said = True
             say(f"address: {address(settings)}")
 
-    page = plant_page(Plant(agent, executor), title)
+    page = plant_page(Plant(agent), title)
     agent.accompany(health, functools.partial(serve, settings, agent.overview, metrics, listens, page))
 
 

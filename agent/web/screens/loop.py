@@ -91,7 +91,11 @@ def screen(plant: Plant) -> Screen:
     async def contour_map(name: str) -> dict[str, Any]:
         """Error of each valve over f_D and f_S on the window of the newest diagnosis, on demand."""
         seen = loop_of(plant, name).fitted
-        found = None if seen is None else await plant.calculated(("map", name, seen.start), map_json, seen)
+        found = (
+            None
+            if seen is None
+            else await plant.drawing.calculated(("map", name, seen.start), map_json, seen)
+        )
         if found is None:
             raise HTTPException(404, "there is no map of this loop: its newest window got no model")
         return found
@@ -102,7 +106,11 @@ def screen(plant: Plant) -> Screen:
         diagnosis = loop_of(plant, name).diagnosis
         result = None if diagnosis is None else diagnosis.methods.get(method)
         key = ("method", name, method, id(diagnosis))
-        drawn = None if result is None else await plant.calculated(key, method_picture, name, method, result)
+        drawn = (
+            None
+            if result is None
+            else await plant.drawing.calculated(key, method_picture, name, method, result)
+        )
         if drawn is None:
             raise HTTPException(404, f"{method} left nothing to draw")
         return Response(drawn, media_type="image/svg+xml", headers={"Content-Security-Policy": REPORT_POLICY})
@@ -121,7 +129,7 @@ def screen(plant: Plant) -> Screen:
         if held.diagnosis is None:
             raise HTTPException(404, "there is no verdict on this loop yet")
         key = ("report", name, held.judged_at)
-        text = await plant.calculated(key, report, held.fitted, held.diagnosis, plant.clock())
+        text = await plant.drawing.calculated(key, report, held.fitted, held.diagnosis, plant.clock())
         return HTMLResponse(text, headers={"Content-Security-Policy": REPORT_POLICY})
 
     @router.post("/{name}/orders")

@@ -37,5 +37,5 @@ export function AlarmMark({ row }) {
   const [text, kind] = ALARMS[row.alarm] ?? ["", ""];
   if (!text) return html`<span class="quiet">none</span>`;
   const sign = { alarm: "●", acked: "◉", returned: "○", silent: "◌" }[kind];
-  return html`<span class=${`alarm-mark ${kind}`}><span aria-hidden="true">${sign}</span> ${text}${row.alarm === "unacked_active" ? html` <span class="priority">${row.priority}</span>` : ""}</span>`;
+  return html`<span class=${`alarm-mark ${kind}`}><span aria-hidden="true">${sign}</span> ${text}${row.alarm === "unacked_active" && row.priority ? html` <span class="priority">${row.priority}</span>` : ""}</span>`;
 }

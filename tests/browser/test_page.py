@@ -1,0 +1,139 @@
+"""The page as a person uses it, in Debian's chromium, on a simulated plant whose alarms go to MQTT."""
+
+import json
+import queue
+
+import paho.mqtt.client as mqtt
+import pytest
+
+from tests.browser.plant import HOSTILE
+from tests.conftest import ROOT
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
+AXE = (ROOT / "tests" / "browser" / "vendor" / "axe.min.js").read_text(encoding="utf-8")
+STICKS = "[data-testid=work-list] [data-loop=FIC101][data-verdict=stiction]"
+
+
+def alarm_states(port, loop):
+    """Published states of an alarm, as a client of the plant gets them."""
+    states, topic = queue.Queue(), f"slipjump/{loop}/alarm"
+    client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
+
+    def received(_client, _data, message):
+        if message.topic == topic:  # amqtt was seen to send messages of other topics
+            states.put(json.loads(message.payload))
+
+    client.on_message = received
+    client.connect("127.0.0.1", port)
+    client.subscribe(topic, qos=1)
+    client.loop_start()
+    return client, states
+
+
+def serious(page):
+    """What axe finds that keeps somebody out."""
+    page.evaluate(AXE)
+    found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")["violations"]
+    return [
+        (each["id"], [node["html"][:160] for node in each["nodes"]][:4])
+        for each in found
+        if each["impact"] in ("serious", "critical")
+    ]
+
+
+def test_the_sticking_loop_is_at_the_top_opened_acknowledged_and_seen_on_mqtt(plant, open_page):
+    page = open_page()
+    page.goto(plant.address)
+    page.wait_for_selector(f"{STICKS}.unacked_active", timeout=400_000)  # compiles and fits
+    assert page.locator("[data-testid=work-list] [data-loop]").first.get_attribute("data-loop") == "FIC101"
+    assert page.locator(f"[data-loop='{HOSTILE}']").inner_text().startswith(HOSTILE)
+    page.click(f"{STICKS} a")
+    page.wait_for_url("**/loops/FIC101")
+    page.wait_for_selector("[aria-label^='PV and PV of the model'] canvas")
+    client, states = alarm_states(plant.broker, "FIC101")
+    try:
+        page.fill("#decision-by", "jane")
+        page.fill("textarea", "packing is ordered <b>today</b>")
+        page.click("[data-testid=acknowledge]")
+        page.wait_for_selector("text=Alarm, acknowledged")
+        while (state := states.get(timeout=60))["state"] != "acked_active":
+            pass
+        assert state["by"] == "jane"
+    finally:
+        client.loop_stop()
+        client.disconnect()
+    assert page.locator("[data-testid=acknowledge]").is_disabled()
+    page.goto(f"{plant.address}alarms")
+    page.wait_for_selector("[data-loop=FIC101][data-alarm=acked_active]")
+    page.wait_for_selector("text=packing is ordered <b>today</b>")
+
+
+def test_by_keyboard_alone(plant, open_page):
+    page = open_page()
+    page.goto(plant.address)
+    page.wait_for_selector(STICKS)
+    for _ in range(60):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.textContent") == "FIC101":
+            break
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/loops/FIC101")
+    page.wait_for_selector("[data-testid=acknowledge]")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("width", [390, 1280])
+def test_every_screen_fits_and_keeps_nobody_out(plant, open_page, width, theme):
+    page = open_page(width, 844, theme)
+    for path, sign in (
+        ("", STICKS),
+        ("?view=map", ".plant-map .area"),
+        ("loops/FIC101", ".chart canvas"),
+        ("alarms", "[data-loop=FIC101]"),
+        ("system", "[data-connection=mqtt]"),
+        ("api/docs", ".operation"),
+    ):
+        page.goto(plant.address + path)
+        page.wait_for_selector(sign)
+        wider = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+        assert wider <= 0, (path, wider)
+        assert serious(page) == [], path
+
+
+def test_filter_search_and_hostile_name(plant, open_page):
+    page = open_page()
+    page.goto(plant.address)
+    page.wait_for_selector(STICKS)
+    page.click("button.filter.sticks")
+    page.wait_for_function("document.querySelectorAll('[data-loop]').length === 1")
+    page.click("button.filter.sticks")
+    page.fill("input[type=search]", "<SCRIPT>")
+    page.wait_for_function("document.querySelectorAll('[data-loop]').length === 1")
+    page.click("[data-testid=work-list] th a")
+    page.wait_for_selector("h1")
+    assert page.locator("h1").inner_text() == HOSTILE
+    assert page.title() == HOSTILE
+
+
+def test_the_theme_button_changes_the_theme_and_it_is_kept(plant, open_page):
+    page = open_page()
+    page.goto(plant.address)
+    ground = "getComputedStyle(document.documentElement).backgroundColor"
+    before = page.evaluate(ground)
+    page.click("button.theme")
+    page.click("button.theme")
+    assert page.evaluate(ground) != before
+    page.reload()
+    page.wait_for_selector("button.theme")
+    assert page.evaluate(ground) != before
+
+
+def test_a_lost_connection_is_shown_and_mends_itself(plant, open_page):
+    page = open_page(errors_expected=True)
+    page.goto(plant.address)
+    page.wait_for_selector("[data-testid=work-list] [data-loop]")
+    plant.stop()
+    page.wait_for_selector(".lost:not([hidden])")
+    plant.start()
+    page.wait_for_selector(".lost", state="hidden")
+    page.wait_for_selector(STICKS)
