@@ -19,15 +19,16 @@ __all__ = [
     "ReadOptions",
     "RecordedLoop",
     "RecordingError",
+    "loops_in",
     "read_export",
     "read_recording",
 ]
 
 
 def read_recording(
-    path: Path, columns: Columns = STANDARD, options: ReadOptions | None = None
+    path: Path, columns: Columns = STANDARD, options: ReadOptions | None = None, loop: str | None = None
 ) -> RecordedLoop:
-    """Read a file of one loop.
+    """Read one loop of a file.
 
     Empty cells, words of a historian and infinite values are gaps, NaN. SP, MV and mode may be absent,
     unless their column was named otherwise than by the standard.
@@ -36,14 +37,25 @@ def read_recording(
         path: The file.
         columns: Names of its columns.
         options: What else is known of the file; None: recognised.
+        loop: Which loop; None: the file has one.
 
     Raises:
         RecordingError: one line that names the file, the line and what was expected.
     """
-    export = read_export(path, replace(options or ReadOptions(), columns=columns))
-    if len(export.loops) > 1:
-        names = ", ".join(loop.name for loop in export.loops[:10])
-        raise RecordingError(
-            f"{path}: holds {len(export.loops)} loops ({names}), expected one: name it by --loop"
-        )
-    return export.loops[0]
+    known = options or ReadOptions()
+    ts = columns.ts if columns.ts is not None else known.columns.ts
+    export = read_export(path, replace(known, columns=replace(columns, ts=ts)))
+    found = [each for each in export.loops if loop in {None, each.name}]
+    if len(found) == 1:
+        return found[0]
+    names = ", ".join(each.name for each in export.loops[:10])
+    if not found:
+        raise RecordingError(f"{path}: has no loop {loop!r}, it holds: {names}")
+    raise RecordingError(
+        f"{path}: holds {len(export.loops)} loops ({names}), expected one: name it by --loop"
+    )
+
+
+def loops_in(path: Path, options: ReadOptions) -> tuple[str, ...]:
+    """Return the names of the loops of a file; raises RecordingError as ``read_recording`` does."""
+    return tuple(each.name for each in read_export(path, options).loops)

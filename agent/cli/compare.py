@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
 from agent.cli.common.compilation import announce_compilation
 from agent.cli.common.errors import BAD_INPUT, complain
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from agent.workbench.comparison import Comparison
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.session import Workbench
-    from connectors.recording import Columns
+    from connectors.recording import ReadOptions
 
 Names = list[str]
 
@@ -68,15 +69,23 @@ def compare(
     mv: option.Mv = "MV",
     mode: option.Mode = "mode",
     ts: option.Ts = None,
+    loop: option.Loop = None,
+    zone: reading.Zone = None,
+    time_format: reading.TimeFormat = None,
+    date_order: reading.Order = None,
+    decimal: reading.DecimalMark = None,
+    pattern: reading.Pattern = None,
+    mapping: reading.MappingFile = None,
 ) -> None:
     """Compare a recording with a model, and learn which physical effect the model lacks."""
     from connectors.recording import Columns
 
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
+    options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping)
     effects = _effects()
     _check_names(base, [*(add or ()), *(drop or ())], effects)
-    window = _window(recording, columns)
-    other = None if validate is None else _window(validate, columns)
+    window = _window(recording, options, loop)
+    other = None if validate is None else _window(validate, options, loop)
     with ExitStack() as stack:
         tell = stack.enter_context(_progress())
         run = stack.enter_context(_pool())
@@ -131,11 +140,11 @@ def _check_names(base: str, names: Iterable[str], effects: Sequence[Effect]) -> 
         raise typer.BadParameter(str(error)) from error
 
 
-def _window(path: Path, columns: Columns) -> LoopWindow:
+def _window(path: Path, options: ReadOptions, loop: str | None) -> LoopWindow:
     from agent.analysis.record.recording import LoopHints
     from connectors.recording import read_recording
 
-    return option.window_of(read_recording(path, columns), LoopHints())
+    return option.window_of(read_recording(path, options.columns, options, loop), LoopHints())
 
 
 def _steps(bench: Workbench, load: Path | None, add: Iterable[str], drop: Iterable[str]) -> None:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
 from agent.cli.common.answer import Answer, Task
 from agent.cli.common.compilation import announce_compilation
@@ -24,6 +25,7 @@ from agent.cli.common.pictures import draw, picture_files
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.quantify import Quantifier
+    from connectors.recording import ReadOptions
 
 
 class Acting(StrEnum):
@@ -82,6 +84,13 @@ def diagnose(
     mv: option.Mv = "MV",
     mode: option.Mode = "mode",
     ts: option.Ts = None,
+    loop: option.Loop = None,
+    zone: reading.Zone = None,
+    time_format: reading.TimeFormat = None,
+    date_order: reading.Order = None,
+    decimal: reading.DecimalMark = None,
+    pattern: reading.Pattern = None,
+    mapping: reading.MappingFile = None,
 ) -> None:
     """Report from recordings whether the valve sticks, and by how much.
 
@@ -99,12 +108,14 @@ def diagnose(
     if one_valve and (each or (method is not None and not _shares_evidence(method))):
         other = "--each says the contrary" if each else f"--quantifier {quantifier} has no evidence to share"
         raise typer.BadParameter(f"{other}: take one of them", param_hint="'--one-valve'")
-    recordings = option.in_folders(recordings)
-    valve = valves(recordings, each=each, one_valve=one_valve)
-    pictures = picture_files(recordings, plot)
+    options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping)
+    entries = [each for path in option.in_folders(recordings) for each in _loops(path, options, loop)]
+    names = [path if name is None else path.with_name(f"{name}.csv") for path, name in entries]
+    valve = valves(names, each=each, one_valve=one_valve)
+    pictures = picture_files(names, plot)
     tasks = [
-        Task(path, columns, hints, method, picture, shared=valve.count(of) > 1)
-        for path, picture, of in zip(recordings, pictures, valve, strict=True)
+        Task(path, columns, hints, method, picture, options, name, shared=valve.count(of) > 1)
+        for (path, name), picture, of in zip(entries, pictures, valve, strict=True)
     ]
     failed = False
     with _progress(len(tasks)) as advance:
@@ -118,6 +129,20 @@ def diagnose(
         raise typer.Exit(BAD_INPUT)
 
 
+def _loops(path: Path, options: ReadOptions, loop: str | None) -> list[tuple[Path, str | None]]:
+    """Return a file once for each of its loops; None stands for the only one, or for one that is not read."""
+    from connectors.base import ConfigError
+    from connectors.recording import loops_in
+
+    if loop is not None:
+        return [(path, loop)]
+    try:
+        names = loops_in(path, options)
+    except ConfigError:
+        return [(path, None)]  # its worker reports the fault in its place
+    return [(path, None)] if len(names) == 1 else [(path, name) for name in names]
+
+
 def work_out(task: Task) -> Answer:
     """Read, diagnose and draw one recording; runs in a process of the pool."""
     from agent.analysis.diagnose import diagnose as judge
@@ -125,7 +150,9 @@ def work_out(task: Task) -> Answer:
     from connectors.recording import read_recording
 
     try:
-        window = option.window_of(read_recording(task.path, task.columns), task.hints)
+        window = option.window_of(
+            read_recording(task.path, task.columns, task.options, task.loop), task.hints
+        )
     except ConfigError as error:
         return Answer(task, None, tuple(error.faults))
     diagnosis = judge(window, quantifier=task.quantifier)

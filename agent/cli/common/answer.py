@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.quantify import Quantifier
     from agent.analysis.record.recording import LoopHints, LoopWindow
-    from connectors.recording import Columns
+    from connectors.recording import Columns, ReadOptions
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +25,10 @@ class Task:
     """None: the default one."""
     picture: Path | None
     """Where to draw the fit, and the other pictures beside it; None: nowhere."""
+    options: ReadOptions | None = None
+    """What else the user states about the file; None: nothing."""
+    loop: str | None = None
+    """Which loop of the file; None: the only one."""
     shared: bool = False
     """Whether its valve has other recordings, for which the window is needed again."""
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 PANEL = "Columns of the recordings"
 
-SUFFIXES = {".csv", ".parquet"}
+SUFFIXES = {".csv", ".parquet", ".xlsx", ".gz"}
 """Of the files of a folder that are recordings."""
 
 Recordings = Annotated[
@@ -34,6 +34,10 @@ Ts = Annotated[
     typer.Option(
         "--ts", metavar="SECONDS", help="Sampling time where there is no time column.", rich_help_panel=PANEL
     ),
+]
+Loop = Annotated[
+    str | None,
+    typer.Option("--loop", metavar="NAME", help="Which loop of a file with several.", rich_help_panel=PANEL),
 ]
 
 

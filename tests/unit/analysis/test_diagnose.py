@@ -179,31 +179,6 @@ def test_gaps_and_duplicates_are_told():
     assert words[1] == "3 samples repeat a timestamp and were discarded"
 
 
-def sampled(samples_per_period):
-    wave = 2 * np.pi * T / samples_per_period
-    return LoopWindow("x", 0.0, 10.0, op=50 + np.sin(wave), pv=np.sin(wave + 1))
-
-
-def test_coarse_samples_are_reported_and_too_coarse_ones_allow_no_verdict():
-    assert any("14 samples a period" in reason for reason in reasons(judged(sampled(14), HEALTHY)))
-    for samples in (8, 10, 11):
-        for answer in (HEALTHY, STICKING):
-            found = judged(sampled(samples), answer)
-            assert found.verdict == "not_testable"
-            assert found.samples_per_period == pytest.approx(samples, rel=0.02)
-            assert any("at least 12 are needed" in reason for reason in reasons(found))
-
-
-def test_the_probability_is_given_also_where_the_verdict_is_undecided():
-    assert judged(WINDOW, STICKING).probability > 0.5
-    torn = replace(STICKING, decision="undecided", evidence=1.6, quick_evidence=1.0, log_likelihood_ratio=0.0)
-    undecided = judged(CALM, torn)
-    assert undecided.verdict == "undecided"
-    assert 0 < undecided.probability < 1
-    assert judged(replace(WINDOW, op=np.full(N, 1.0)), STICKING).probability is None
-    assert judged(WINDOW, STICKING).samples_per_period == pytest.approx(60, rel=0.05)
-
-
 @pytest.mark.parametrize(
     ("s", "j", "name"),
     [

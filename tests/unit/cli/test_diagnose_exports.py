@@ -1,0 +1,61 @@
+"""`diagnose` and `compare` take a file of several loops as a historian exports it."""
+
+import json
+
+import pytest
+
+from agent.cli import main
+from tests.exports.corpus import CASES
+from tests.exports.truth import LOOPS
+
+CORPUS = {case.name: case for case in CASES}
+
+
+@pytest.fixture
+def export(tmp_path):
+    def _write(name):
+        path = tmp_path / name
+        path.write_bytes(CORPUS[name].content)
+        return path
+
+    return _write
+
+
+def run(capsys, *words):
+    with pytest.raises(SystemExit) as left:
+        main([*map(str, words)])
+    printed = capsys.readouterr()
+    return left.value.code, [json.loads(line) for line in printed.out.splitlines()], printed.err
+
+
+@pytest.mark.parametrize("name", ["wide_dots.csv", "long_by_time.csv"])
+def test_each_loop_of_a_file_gets_an_answer(export, capsys, name):
+    code, answers, _ = run(capsys, "diagnose", export(name), "--quantifier", "lee2008", "--json")
+    assert code == 0
+    assert [answer["loop"] for answer in answers] == [loop.name for loop in LOOPS]
+    assert {answer["recording"] for answer in answers} == {name}
+
+
+def test_one_loop_is_picked_by_its_name(export, capsys):
+    path = export("wide_slashes.csv")
+    code, answers, _ = run(capsys, "diagnose", path, "--loop", "PIC202", "--quantifier", "lee2008", "--json")
+    assert (code, [answer["loop"] for answer in answers]) == (0, ["PIC202"])
+    code, answers, fault = run(capsys, "diagnose", path, "--loop", "PIC999", "--json")
+    assert (code, answers) == (2, [])
+    assert "no loop 'PIC999', it holds: FIC101, PIC202, TIC303" in fault
+
+
+def test_what_is_open_is_refused_with_the_option_that_settles_it_and_the_others_are_done(export, capsys):
+    good, unclear = export("plain_iso.csv"), export("day_or_month.csv")
+    words = ("diagnose", unclear, good, "--quantifier", "lee2008", "--json")
+    code, answers, fault = run(capsys, *words)
+    assert (code, [answer["loop"] for answer in answers]) == (2, ["plain_iso"])
+    assert "--date-order" in fault
+    code, answers, _ = run(capsys, *words, "--date-order", "dmy")
+    assert (code, len(answers)) == (0, 2)
+
+
+def test_compare_says_that_a_file_holds_several_loops(export, capsys):
+    code, _, fault = run(capsys, "compare", export("wide_dots.csv"), "--json")
+    assert code == 2
+    assert "name it by --loop" in fault
