@@ -1,4 +1,4 @@
-"""Calculations that pages ask for: in a process of their own, one at a time, behind the diagnoses."""
+"""Calculations that pages request: in a process of their own, one at a time, behind the diagnoses."""
 
 from __future__ import annotations
 

@@ -24,6 +24,8 @@ KEYS = [
     "loop",
     "verdict",
     "confidence",
+    "probability",
+    "samples_per_period",
     "cause",
     "causes",
     "class",
