@@ -71,8 +71,7 @@ def group_of(diagnosis: Diagnosis | None) -> Group:
 
 def probability_of(diagnosis: Diagnosis | None) -> float | None:
     """Return the probability that the valve sticks, 0 to 1; None where it is not known."""
-    known = getattr(diagnosis, "probability", None)
-    return None if known is None else float(known)
+    return None if diagnosis is None else diagnosis.probability
 
 
 def urgency(status: LoopStatus, alarm: Alarm, group: Group) -> tuple[float, ...]:

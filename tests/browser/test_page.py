@@ -5,6 +5,7 @@ import queue
 
 import paho.mqtt.client as mqtt
 import pytest
+from playwright.sync_api import expect
 
 from tests.browser.plant import HOSTILE
 from tests.conftest import ROOT
@@ -105,10 +106,10 @@ def test_filter_search_and_hostile_name(plant, open_page):
     page.goto(plant.address)
     page.wait_for_selector(STICKS)
     page.click("button.filter.sticks")
-    page.wait_for_function("document.querySelectorAll('[data-loop]').length === 1")
+    expect(page.locator("[data-testid=work-list] [data-loop]")).to_have_count(1, timeout=60_000)
     page.click("button.filter.sticks")
     page.fill("input[type=search]", "<SCRIPT>")
-    page.wait_for_function("document.querySelectorAll('[data-loop]').length === 1")
+    expect(page.locator("[data-testid=work-list] [data-loop]")).to_have_count(1, timeout=60_000)
     page.click("[data-testid=work-list] th a")
     page.wait_for_selector("h1")
     assert page.locator("h1").inner_text() == HOSTILE

@@ -150,7 +150,7 @@ function Methods({ base, methods }) {
   if (!rows.length) return null;
   const count = (verdict) => rows.filter(([, each]) => each.verdict === verdict).length;
   return html`<details><summary>${rows.length} methods: ${count("stiction")} for stiction, ${count("no_stiction")} against, ${count("undecided")} undecided, ${count("not_applicable")} not applicable</summary>
-    <div class="scroll"><table class="methods"><caption class="unseen">Methods</caption>
+    <div class="scroll" tabindex="0" role="group" aria-label="Table"><table class="methods"><caption class="unseen">Methods</caption>
       <thead><tr><th scope="col">Method</th><th scope="col">Says</th><th scope="col" class="number">Index</th><th scope="col" class="why">Why</th><th scope="col"><span class="unseen">Picture</span></th></tr></thead>
       <tbody>${rows.map(([name, each]) => html`<tr><th scope="row">${words(name)}</th><td class="says"><${Shape} group=${SAYS[each.verdict][0]} size=${13} /> ${SAYS[each.verdict][1]}</td>
         <td class="number">${number(each.index)}</td><td class="quiet why">${each.reason}</td><td>${each.verdict !== "not_applicable" && html`<button type="button" onClick=${() => look(name)}>Picture<span class="unseen"> of ${words(name)}</span></button>`}</td></tr>`)}</tbody></table></div>
@@ -201,7 +201,7 @@ function History({ entries }) {
     ${data[1].filter((each) => each !== null).length > 1 && html`<${Chart} data=${data} height=${150} x=${{ time: true }} y=${{ label: "S (OP units)" }} text=${`S over ${judged.length} windows: ${said(data[1])}`}
       lines=${[{ label: "S", colour: "measured", width: 1.8, points: 5 }, { label: "90 % interval, low", colour: "bar", dash: [3, 3] }, { label: "high", colour: "bar", dash: [3, 3] }]} />`}
     <p class="quiet">${judged.length} ${judged.length === 1 ? "window" : "windows"} judged${judged.length ? `, from ${moment(judged[0].time)} to ${moment(judged.at(-1).time)}` : ""}.</p>
-    ${decided.length > 0 && html`<div class="scroll"><table><caption class="unseen">Alarms and decisions</caption>
+    ${decided.length > 0 && html`<div class="scroll" tabindex="0" role="group" aria-label="Table"><table><caption class="unseen">Alarms and decisions</caption>
       <thead><tr><th scope="col">Time</th><th scope="col">What</th><th scope="col">Who</th><th scope="col">Comment</th></tr></thead>
       <tbody>${decided.map((each) => html`<tr><td class="nowrap">${moment(each.time)}</td><td>${words(each.action ?? each.state)}</td><td>${each.by ?? "diagnosis"}</td><td>${each.comment ?? ""}</td></tr>`)}</tbody></table></div>`}`;
 }

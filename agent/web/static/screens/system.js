@@ -14,7 +14,7 @@ export default function System() {
   return html`<div class="headline"><h1>System</h1><p class="lead">${agent.summary}.</p></div>
     <dl class="facts card">${facts.map(([key, value]) => html`<div><dt>${key}</dt><dd>${value}</dd></div>`)}</dl>
     ${agent.hung.length > 0 && html`<p class="problem" role="alert">Hangs: ${agent.hung.join("; ")}</p>`}
-    <section class="card" style=${{ margin: "1rem 0" }}><h2>Connections</h2><div class="scroll"><table><caption class="unseen">Connections</caption>
+    <section class="card" style=${{ margin: "1rem 0" }}><h2>Connections</h2><div class="scroll" tabindex="0" role="group" aria-label="Table"><table><caption class="unseen">Connections</caption>
       <thead><tr><th scope="col">Connection</th><th scope="col">State</th><th scope="col" class="number">Loops</th><th scope="col" class="number">Samples/s</th><th scope="col" class="number">Data age</th>
         <th scope="col" class="number">Losses</th><th scope="col" class="number">Unreadable</th><th scope="col" class="number">Outbox</th><th scope="col">Refused by the peer</th></tr></thead>
       <tbody>${connections.map((each) => html`<tr data-connection=${each.connection}><th scope="row">${each.connection}<span class="under">${each.bus}</span></th>

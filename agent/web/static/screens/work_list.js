@@ -78,7 +78,7 @@ function Search({ text, search }) {
 
 function List({ parts }) {
   const order = parts?.order ?? [];
-  return html`<div class="card list-card">
+  return html`<div class="card list-card" tabindex="0" role="group" aria-label="Work list">
     <table class="work-list" data-testid="work-list" aria-busy=${!parts}>
       <caption class="unseen">Loops, what needs somebody first</caption>
       <thead><tr>
