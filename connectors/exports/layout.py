@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from connectors.exports.calendar_times import moment_of
-from connectors.exports.tag_roles import (
+from connectors.exports.cells.calendar_times import moment_of
+from connectors.exports.cells.tag_roles import (
     ROLE,
     TAG_WORDS,
     TIME_WORDS,
@@ -20,8 +20,8 @@ from connectors.exports.tag_roles import (
 )
 
 if TYPE_CHECKING:
-    from connectors.exports.sheet import Column, Sheet
-    from connectors.exports.tagging import Tagger
+    from connectors.exports.cells.tagging import Tagger
+    from connectors.exports.tables.sheet import Column, Sheet
 
 Format = Literal["plain", "wide", "interleaved", "long"]
 LOOKED_AT = 50

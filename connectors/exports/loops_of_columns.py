@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from connectors.exports.cells.number_style import NumberStyle, UnclearNumberError, style_of
+from connectors.exports.cells.quality_words import usable
+from connectors.exports.cells.times import Times, times_of
 from connectors.exports.fault import RecordingError, shown
 from connectors.exports.layout import Layout, Placed, short_names, usable_roles
 from connectors.exports.merged import merged
-from connectors.exports.number_style import NumberStyle, UnclearNumberError, style_of
-from connectors.exports.quality_words import usable
 from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
 from connectors.exports.series import Series, rising, words_as_numbers
-from connectors.exports.times import Times, times_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from connectors.exports.sheet import FloatArray, Sheet
+    from connectors.exports.tables.sheet import FloatArray, Sheet
 
 LOOKED_AT = 2000
 """Cells of a column from which the style of numbers is learnt."""

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from connectors.exports.cells.quality_words import usable
+from connectors.exports.cells.times import times_of
 from connectors.exports.layout import Layout, Placed, short_names, usable_roles
 from connectors.exports.loops_of_columns import no_loops, number_style
 from connectors.exports.merged import merged
-from connectors.exports.quality_words import usable
 from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
 from connectors.exports.series import Series, rising, words_as_numbers
-from connectors.exports.times import times_of
 
 if TYPE_CHECKING:
-    from connectors.exports.number_style import NumberStyle
-    from connectors.exports.sheet import FloatArray, Sheet
-    from connectors.exports.tagging import Tagger
+    from connectors.exports.cells.number_style import NumberStyle
+    from connectors.exports.cells.tagging import Tagger
+    from connectors.exports.tables.sheet import FloatArray, Sheet
 
 
 def loops_of_rows(sheet: Sheet, layout: Layout, options: ReadOptions, tagger: Tagger) -> Export:

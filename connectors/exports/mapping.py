@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from connectors.exports.cells.times import TimeOptions
 from connectors.exports.fault import RecordingError
 from connectors.exports.recorded import ReadOptions
-from connectors.exports.times import TimeOptions
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,8 +12,8 @@ from connectors.exports.recorded import RecordedLoop
 from connectors.exports.series import Series, on_common_times
 
 if TYPE_CHECKING:
-    from connectors.exports.sheet import FloatArray, Sheet
-    from connectors.exports.times import Times
+    from connectors.exports.cells.times import Times
+    from connectors.exports.tables.sheet import FloatArray, Sheet
 
 SUMMER_TIME = (3540.0, 3660.0)
 """Step back of local time when summer time ends, s; half an hour of Lord Howe Island is not known."""

@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from connectors.exports.cells.tag_roles import TAG_WORDS, VALUE_WORDS, plain, tag_role
 from connectors.exports.fault import RecordingError
 from connectors.exports.layout import Layout, Placed, usable_roles
 from connectors.exports.recorded import STANDARD, ReadOptions
-from connectors.exports.tag_roles import TAG_WORDS, VALUE_WORDS, plain, tag_role
 
 if TYPE_CHECKING:
-    from connectors.exports.sheet import Sheet
-    from connectors.exports.tagging import Tagger
+    from connectors.exports.cells.tagging import Tagger
+    from connectors.exports.tables.sheet import Sheet
 
 ROLES = ("op", "pv", "sp", "mv", "mode")
 REQUIRED = ("op", "pv")
@@ -66,7 +66,7 @@ def _is_plain(there: dict[str, int]) -> bool:
 
 def _holds_tags(sheet: Sheet, options: ReadOptions) -> bool:
     """Whether the names or the rows of a table are tags of loops."""
-    from connectors.exports.tagging import tagger_of  # noqa: PLC0415 - only where the table is not plain
+    from connectors.exports.cells.tagging import tagger_of  # noqa: PLC0415 - only where the table is not plain
 
     tagger: Tagger = tagger_of(sheet.path, options)
     names = [plain(column.name) for column in sheet.columns]

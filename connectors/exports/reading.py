@@ -5,24 +5,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from connectors.exports.decoded import decoded
-from connectors.exports.delimited import rows_of
-from connectors.exports.header import sheet_of
-from connectors.exports.joined_times import with_joined_times
+from connectors.exports.cells.tagging import tagger_of
 from connectors.exports.layout import long_layout, time_columns, wide_layout
 from connectors.exports.loops_of_columns import loops_of_columns
 from connectors.exports.loops_of_rows import loops_of_rows
-from connectors.exports.parquet import is_parquet, sheet_of_parquet
 from connectors.exports.plain_table import plain_layout
 from connectors.exports.recorded import Export, ReadOptions
-from connectors.exports.tagging import tagger_of
-from connectors.exports.unpacked import is_workbook, unpacked
-from connectors.exports.workbook import rows_of_workbook
+from connectors.exports.tables.decoded import decoded
+from connectors.exports.tables.delimited import rows_of
+from connectors.exports.tables.header import sheet_of
+from connectors.exports.tables.joined_times import with_joined_times
+from connectors.exports.tables.parquet import is_parquet, sheet_of_parquet
+from connectors.exports.tables.unpacked import is_workbook, unpacked
+from connectors.exports.tables.workbook import rows_of_workbook
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from connectors.exports.sheet import Sheet
+    from connectors.exports.tables.sheet import Sheet
 
 STANDARD_OPTIONS = ReadOptions()
 

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from connectors.exports.times import TimeOptions
+from connectors.exports.cells.times import TimeOptions
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from connectors.exports.number_style import Mark
-    from connectors.exports.sheet import FloatArray
+    from connectors.exports.cells.number_style import Mark
+    from connectors.exports.tables.sheet import FloatArray
 
 
 @dataclass(frozen=True, slots=True)

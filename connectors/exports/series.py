@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from connectors.exports.sheet import FloatArray
+from connectors.exports.tables.sheet import FloatArray
 
 MOST_SHIFT = 0.05
 """Part of a sampling time by which two series may differ and still have common times."""

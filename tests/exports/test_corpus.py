@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from connectors.exports.cells.times import TimeOptions
 from connectors.exports.fault import RecordingError
 from connectors.exports.reading import read_export
 from connectors.exports.recorded import ReadOptions
-from connectors.exports.times import TimeOptions
 from tests.exports.corpus import CASES, HELD
 from tests.exports.truth import TIME
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 MANUAL_WORDS = frozenset(
     {
         "0",
+        "hand",
         "iman",
         "init",
         "initman",
@@ -21,6 +22,9 @@ MANUAL_WORDS = frozenset(
         "m",
         "man",
         "manual",
+        "manuale",
+        "manuel",
+        "manuell",
         "o/s",
         "off",
         "oos",

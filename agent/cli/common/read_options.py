@@ -77,8 +77,8 @@ def read_options(
     mapping: Path | None,
 ) -> ReadOptions:
     """Return what the user states about a file; raises RecordingError where the mapping cannot be read."""
+    from connectors.exports.cells.times import TimeOptions
     from connectors.exports.mapping import with_mapping
-    from connectors.exports.times import TimeOptions
     from connectors.recording import ReadOptions
 
     mark = None if decimal is None else ("," if decimal is Decimal.COMMA else ".")

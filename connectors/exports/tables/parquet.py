@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from connectors.exports.fault import MOST_CELLS, MOST_COLUMNS, MOST_ROWS, RecordingError
-from connectors.exports.sheet import Column, Sheet
+from connectors.exports.tables.sheet import Column, Sheet
 
 if TYPE_CHECKING:
     from pathlib import Path

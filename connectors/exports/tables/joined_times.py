@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from connectors.exports.sheet import Column, Sheet
-from connectors.exports.tag_roles import TIME_WORDS, plain
+from connectors.exports.cells.tag_roles import TIME_WORDS, plain
+from connectors.exports.tables.sheet import Column, Sheet
 
 CLOCK = re.compile(r"\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?(\s*[AaPp]\.?[Mm]\.?)?")
 LOOKED_AT = 20

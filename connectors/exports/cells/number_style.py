@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from connectors.exports.sheet import FloatArray
+from connectors.exports.tables.sheet import FloatArray
 from connectors.historian import is_gap
 
 SPACES = str.maketrans("", "", " \u00a0\u202f\u2009'\u2019_")

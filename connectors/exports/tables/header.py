@@ -7,11 +7,11 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from connectors.exports.calendar_times import moment_of
+from connectors.exports.cells.calendar_times import moment_of
+from connectors.exports.cells.number_style import is_number
+from connectors.exports.cells.tag_roles import ROLE, TIME_WORDS, plain, tag_role
 from connectors.exports.fault import RecordingError
-from connectors.exports.number_style import is_number
-from connectors.exports.sheet import Column, Sheet
-from connectors.exports.tag_roles import ROLE, TIME_WORDS, plain, tag_role
+from connectors.exports.tables.sheet import Column, Sheet
 from connectors.historian import is_gap
 
 if TYPE_CHECKING:

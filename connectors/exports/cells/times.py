@@ -11,14 +11,14 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 import numpy as np
 from numpy.typing import NDArray
 
-from connectors.exports.calendar_times import Moment, Order, moment_of, order_of
-from connectors.exports.clock_numbers import CLOCKS, UnclearTimeError, clock_of
+from connectors.exports.cells.calendar_times import Moment, Order, moment_of, order_of
+from connectors.exports.cells.clock_numbers import CLOCKS, UnclearTimeError, clock_of
+from connectors.exports.cells.number_style import NumberStyle
 from connectors.exports.fault import RecordingError, shown
-from connectors.exports.number_style import NumberStyle
 from connectors.historian import is_gap
 
 if TYPE_CHECKING:
-    from connectors.exports.sheet import Column, FloatArray, Sheet
+    from connectors.exports.tables.sheet import Column, FloatArray, Sheet
 
 MOST_LOST = 0.1
 """Share of rows without a readable time above which the column is none of times."""
@@ -124,7 +124,7 @@ def _counted(
 
 
 def _unit(column: Column) -> str:
-    from connectors.exports.tag_roles import plain, unit_of  # noqa: PLC0415 - a small helper of the header
+    from connectors.exports.cells.tag_roles import plain, unit_of  # noqa: PLC0415 - a small helper of the header
 
     ending = plain(column.name)
     return (

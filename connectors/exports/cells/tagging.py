@@ -6,8 +6,8 @@ import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from connectors.exports.cells.tag_roles import ROLE, TagRole, plain, tag_role
 from connectors.exports.fault import RecordingError
-from connectors.exports.tag_roles import ROLE, TagRole, plain, tag_role
 
 if TYPE_CHECKING:
     from pathlib import Path

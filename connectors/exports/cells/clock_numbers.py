@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from connectors.exports.sheet import FloatArray
+    from connectors.exports.tables.sheet import FloatArray
 
 DAY = 86400.0
 SHORTEST, LONGEST = 1e-4, DAY

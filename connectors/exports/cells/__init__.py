@@ -1,0 +1,1 @@
+"""What cells mean: times, numbers, qualities, tags and their roles."""

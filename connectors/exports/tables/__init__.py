@@ -1,0 +1,1 @@
+"""A file as a table: unpacked, decoded, cut into cells, its header found."""
