@@ -10,7 +10,8 @@ from playwright.sync_api import expect
 from tests.browser.plant import HOSTILE
 from tests.conftest import ROOT
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.bench, pytest.mark.timeout(600)]
+"""In `make bench`: the synchronous playwright keeps an event loop running, which tests of asyncio forbid."""
 AXE = (ROOT / "tests" / "browser" / "vendor" / "axe.min.js").read_text(encoding="utf-8")
 STICKS = "[data-testid=work-list] [data-loop=FIC101][data-verdict=stiction]"
 
