@@ -91,24 +91,29 @@ def without_stiction() -> Iterator[tuple[str, FloatArray, FloatArray]]:
 
 
 def odd_records() -> Iterator[tuple[str, FloatArray, FloatArray]]:
-    """Yield records, OP and PV, of which nobody says what the answer is."""
+    """Yield records, OP and PV, short, torn or of a strange size, of which nobody says what the answer is."""
     random = np.random.default_rng(6)
     op, pv = STUCK.op, STUCK.pv
     three = 50 + 10 * np.round((op - 50) / 10)
     scattered = np.isin(np.arange(N), random.choice(N, 80, replace=False))
     block = (np.arange(N) >= 200) & (np.arange(N) < 280)
-    yield "three values of OP", three, pv
     yield "three values of OP, PV its response", three, response(three) + 0.01 * random.standard_normal(N)
     yield "OP moves three times", np.where(np.isin(np.arange(N), [100, 250, 400]), 50.1, 50.0), pv
-    yield "two values of PV", HALF.op, np.where(HALF.pv > HALF.pv.mean(), 1.0, 0.0)
     yield "60 samples", op[:60], pv[:60]
     yield "80 scattered samples", np.where(scattered, op, np.nan), np.where(scattered, pv, np.nan)
     yield "80 samples in a row", np.where(block, op, np.nan), np.where(block, pv, np.nan)
-    yield "a spike of OP", np.where(np.arange(N) == 300, 1e12, op), pv
     yield "a spike of PV", op, np.where(np.arange(N) == 300, 1e12, pv)
     yield "far from zero", op + 1e9, pv - 1e9
     for scale in (1e-100, 1e-12, 1e12, 1e100):
         yield f"times {scale:g}", scale * op, scale * pv
+
+
+def records_of_no_valve() -> Iterator[tuple[str, FloatArray, FloatArray]]:
+    """Yield records, OP and PV, that no valve with a process explains: a search looks at them for long."""
+    op, pv = STUCK.op, STUCK.pv
+    yield "three values of OP", 50 + 10 * np.round((op - 50) / 10), pv
+    yield "two values of PV", HALF.op, np.where(HALF.pv > HALF.pv.mean(), 1.0, 0.0)
+    yield "a spike of OP", np.where(np.arange(N) == 300, 1e12, op), pv
 
 
 def numbers(found: Quantification) -> list[float]:

@@ -6,6 +6,7 @@ True; it is checked on a valve that has no kinetic friction either.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,7 @@ from agent.checks.quantifier_records import (
     loop,
     numbers,
     odd_records,
+    records_of_no_valve,
     sound,
     with_gaps,
     without_stiction,
@@ -28,6 +30,7 @@ from agent.checks.quantifier_records import (
 
 if TYPE_CHECKING:
     from agent.analysis.quantify import Quantifier
+    from agent.checks.quantifier_records import FloatArray
 
 ONE_PARAMETER = frozenset({"srinivasan2005", "stenman2003"})
 """Built in; behind a valve with kinetic friction they may see none (docs/methods)."""
@@ -131,7 +134,17 @@ def no_false_accusation(member: Quantifier) -> None:
 @demand("quantifier", "must give a sound answer, or a failure in words, on odd records and huge numbers")
 def any_odd_record(member: Quantifier) -> None:
     """Show coarse, short, torn, spiky and huge records."""
-    for name, op, pv in odd_records():
+    _each_is_sound(member, odd_records())
+
+
+@demand("quantifier", "must give a sound answer, or a failure in words, where no valve explains PV")
+def no_valve_explains_it(member: Quantifier) -> None:
+    """Show coarse PV, coarse OP and a spike of OP."""
+    _each_is_sound(member, records_of_no_valve())
+
+
+def _each_is_sound(member: Quantifier, records: Iterable[tuple[str, FloatArray, FloatArray]]) -> None:
+    for name, op, pv in records:
         window = LoopWindow("odd", 0.0, 1.0, op, pv)
         with where(name):
             sound(member.quantify(window), window)
@@ -161,6 +174,7 @@ CHECKS = (
     hints_that_do_not_fit,
     no_false_accusation,
     any_odd_record,
+    no_valve_explains_it,
     single_lost_samples,
     long_record,
 )

@@ -14,10 +14,8 @@ pytestmark = pytest.mark.timeout(300)  # a loaded machine takes its time
 NOT_TRIED = {each.family for each in EFFECTS} - {"valve_hysteresis", "valve_limits"}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("truth", "seed"), [("slow_drift", 6002), pytest.param("stiction", 6002, marks=pytest.mark.bench)]
-)
+@pytest.mark.bench
+@pytest.mark.parametrize(("truth", "seed"), [("slow_drift", 6002), ("stiction", 6002)])
 def test_a_valve_is_accused_where_it_sticks_and_not_where_op_answers_to_a_load(truth, seed):
     """Both loops look alike to the held-out error alone: docs/workbench/decision.md has the numbers."""
     plant = hidden_effect_plant(seed, truth)

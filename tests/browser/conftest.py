@@ -1,10 +1,13 @@
 """Debian's chromium, and a plant with its page in a process of its own."""
 
 import contextlib
+import inspect
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import pytest
 
@@ -21,20 +24,45 @@ CHROMIUM = [
 ]
 
 
+class BrowserThread:
+    """The synchronous playwright keeps an event loop running in its thread, where no test of asyncio may run.
+
+    So all that drives a browser, the functions of its tests too, runs in one thread of its own.
+    """
+
+    def __init__(self):
+        self._executor = ThreadPoolExecutor(1, thread_name_prefix="browser")
+
+    def run(self, function, *args, **options):
+        return self._executor.submit(function, *args, **options).result()
+
+
+THREAD = BrowserThread()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem):
+    """Run the test in the browser's thread."""
+    names = inspect.signature(pyfuncitem.obj).parameters
+    THREAD.run(pyfuncitem.obj, **{name: pyfuncitem.funcargs[name] for name in names})
+    return True
+
+
 @pytest.fixture(scope="session")
 def browser(chromium):
     """A browser; it goes nowhere by itself."""
     from playwright.sync_api import sync_playwright  # noqa: PLC0415 - only where there is a browser
 
-    with sync_playwright() as library:
-        started = library.chromium.launch(executable_path=chromium, args=CHROMIUM)
-        yield started
-        started.close()
+    library = THREAD.run(sync_playwright().start)
+    started = THREAD.run(partial(library.chromium.launch, executable_path=chromium, args=CHROMIUM))
+    yield started
+    THREAD.run(started.close)
+    THREAD.run(library.stop)
 
 
 @pytest.fixture
 def open_page(browser):
-    """Opens pages; at the end none has an error in its console or asked another host."""
+    """Opens pages; at the end none has an error in its console or requested another host."""
     contexts, faults = [], []
 
     def opened(width=1280, height=900, theme="light", *, errors_expected=False):
@@ -48,14 +76,14 @@ def open_page(browser):
 
         def requested(request):
             if not re.match(r"(http://127\.0\.0\.1:\d+/|data:|blob:)", request.url):
-                faults.append(f"asked {request.url}")
+                faults.append(f"requested {request.url}")
 
         page.on("request", requested)
         return page
 
     yield opened
     for context in contexts:
-        context.close()
+        THREAD.run(context.close)
     assert not faults
 
 

@@ -10,8 +10,14 @@ from playwright.sync_api import expect
 from tests.browser.plant import HOSTILE
 from tests.conftest import ROOT
 
-pytestmark = [pytest.mark.bench, pytest.mark.timeout(600)]
-"""In `make bench`: the synchronous playwright keeps an event loop running, which tests of asyncio forbid."""
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
+ALL_SIZES = [
+    (390, "dark"),
+    *(
+        pytest.param(*each, marks=pytest.mark.bench)
+        for each in ((390, "light"), (1280, "dark"), (1280, "light"))
+    ),
+]
 AXE = (ROOT / "tests" / "browser" / "vendor" / "axe.min.js").read_text(encoding="utf-8")
 STICKS = "[data-testid=work-list] [data-loop=FIC101][data-verdict=stiction]"
 
@@ -83,8 +89,7 @@ def test_by_keyboard_alone(plant, open_page):
     page.wait_for_selector("[data-testid=acknowledge]")
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize(("width", "theme"), ALL_SIZES)
 def test_every_screen_fits_and_keeps_nobody_out(plant, open_page, width, theme):
     page = open_page(width, 844, theme)
     for path, sign in (
@@ -130,6 +135,7 @@ def test_the_theme_button_changes_the_theme_and_it_is_kept(plant, open_page):
     assert page.evaluate(ground) != before
 
 
+@pytest.mark.bench
 def test_a_lost_connection_is_shown_and_mends_itself(plant, open_page):
     page = open_page(errors_expected=True)
     page.goto(plant.address)

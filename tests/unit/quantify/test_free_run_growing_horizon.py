@@ -46,6 +46,7 @@ def test_random_valves_are_possible_and_reach_over_the_whole_range():
     assert (given[:, DELAY] == 7.0).all()
 
 
+@pytest.mark.bench  # three searches of 5 s
 def test_populations_come_to_the_valve_from_nowhere():
     problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
     orders = (best_of_populations(problem, HINTS, np.random.default_rng(seed)) for seed in range(3))
