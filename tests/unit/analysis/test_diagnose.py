@@ -315,9 +315,10 @@ def test_no_window_breaks_it(op, pv, op_storms, pv_storms, method):
 @pytest.mark.parametrize(
     ("name", "verdict"),
     [
-        pytest.param("CHEM10", "stiction", marks=pytest.mark.bench),  # in make test by test_replay
+        pytest.param("CHEM10", "stiction", marks=pytest.mark.bench),  # sought for 10 s
         pytest.param("CHEM12", "stiction", marks=pytest.mark.bench),  # sought again: half a minute
         ("CHEM13", "no_stiction"),
+        ("PAP2", "stiction"),
     ],
 )
 def test_industrial_loops(recordings, name, verdict):
