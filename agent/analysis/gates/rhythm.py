@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import Oscillation
 
+COARSE = "coarse"
+"""Name of the fault of too few samples a period."""
 FEWEST_PERIODS = 5.0
 """Shapes are means over so many periods at least (``methods.md`` 3)."""
 FEWEST_SAMPLES = 12.0
@@ -38,7 +40,7 @@ def _coarse(window: LoopWindow, oscillation: Oscillation) -> list[GateFault]:
         return []
     advice = f"record a sample every {oscillation.period / ADVISED_SAMPLES:.2g} s, and no means"
     reason = f"a period has only {samples:.1f} samples, at least {FEWEST_SAMPLES:.0f} are needed; {advice}"
-    return [GateFault("coarse", reason, ALL_KINDS)]
+    return [GateFault(COARSE, reason, ALL_KINDS)]
 
 
 def _set_point(window: LoopWindow) -> list[tuple[str, str]]:
