@@ -26,7 +26,7 @@ class RecordSummary:
 
     samples: int
     gaps: int
-    """Samples without OP or PV."""
+    """Samples without OP or PV, of those in automatic."""
     duplicates: int
     """Samples that were discarded because an earlier one had the same timestamp."""
     ts: float
@@ -35,17 +35,31 @@ class RecordSummary:
     """Max - min of OP, OP units."""
     wild: int = 0
     """Values that were taken for gaps because they lie far outside those around them."""
-
     samples_per_period: float | None = None
     """Of the oscillation that was detected; None where none was."""
+    manual: int | None = None
+    """Samples that were cut out because the loop was not in automatic; None where the mode is not known."""
+    unknown_modes: tuple[str, ...] = ()
+    """Modes among these of which no table knows what they mean."""
 
     @classmethod
     def of(cls, window: LoopWindow, oscillation: Oscillation) -> RecordSummary:
         """Summarize a window and the oscillation that was looked for in it."""
-        gaps = int((~window.valid).sum())
+        automatic = window.automatic
+        gaps = int((~window.valid if automatic is None else ~window.valid & automatic).sum())
         period = oscillation.period if oscillation.detected else None
         samples = None if period is None else period / window.ts
-        return cls(len(window), gaps, window.duplicates, window.ts, window.op_span, window.wild, samples)
+        return cls(
+            len(window),
+            gaps,
+            window.duplicates,
+            window.ts,
+            window.op_span,
+            window.wild,
+            samples,
+            manual=None if automatic is None else int((~automatic).sum()),
+            unknown_modes=window.unknown_modes,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +122,17 @@ class Diagnosis:
     def samples_per_period(self) -> float | None:
         """Return the samples that a period of the oscillation has; None where none was found."""
         return None if self.record is None else self.record.samples_per_period
+
+    @property
+    def manual_percent(self) -> float | None:
+        """Return the share of the record that was cut out because it was not in automatic, %.
+
+        None where the mode is not known.
+        """
+        record = self.record
+        if record is None or record.manual is None or not record.samples:
+            return None
+        return 100 * record.manual / record.samples
 
     @property
     def gates(self) -> tuple[str, ...]:

@@ -75,13 +75,14 @@ def compare(
     date_order: reading.Order = None,
     decimal: reading.DecimalMark = None,
     pattern: reading.Pattern = None,
+    modes: reading.Modes = None,
     mapping: reading.MappingFile = None,
 ) -> None:
     """Compare a recording with a model, and learn which physical effect the model lacks."""
     from connectors.recording import Columns
 
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
-    options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping)
+    options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping, modes)
     effects = _effects()
     _check_names(base, [*(add or ()), *(drop or ())], effects)
     window = _window(recording, options, loop)

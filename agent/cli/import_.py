@@ -56,6 +56,7 @@ def import_(
     date_order: reading.Order = None,
     decimal: reading.DecimalMark = None,
     pattern: reading.Pattern = None,
+    modes: reading.Modes = None,
     mapping: reading.MappingFile = None,
 ) -> None:
     """Show what a file of a historian holds, and write how to read it to a mapping file.
@@ -69,7 +70,7 @@ def import_(
     from connectors.recording import Columns, read_export
 
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
-    options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping)
+    options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping, modes)
     export = read_export(file, options)
     summaries, problems = _summaries(export, options)
     if as_json:

@@ -20,6 +20,7 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
         "confidence": _number(diagnosis.confidence),
         "probability": _number(diagnosis.probability),
         "samples_per_period": _number(diagnosis.samples_per_period),
+        "manual_percent": _number(diagnosis.manual_percent),
         "cause": diagnosis.cause,
         "causes": [{"cause": each.cause, "share": _number(each.share)} for each in diagnosis.causes],
         "class": diagnosis.stiction_class,

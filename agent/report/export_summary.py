@@ -38,6 +38,10 @@ class LoopSummary:
     """Values that are no number, or whose quality forbids their use."""
     compression: float | None
     """Factor by which the historian compressed PV; None where it cannot be estimated."""
+    manual_percent: float | None = None
+    """Share of the samples that were not in automatic, %; None where the mode is not known."""
+    unknown_modes: tuple[str, ...] = ()
+    """Modes of which no table knows whether they are automatic."""
 
 
 def loop_summary(window: LoopWindow, columns: dict[str, str], bad: int, *, dated: bool) -> LoopSummary:
@@ -49,7 +53,8 @@ def loop_summary(window: LoopWindow, columns: dict[str, str], bad: int, *, dated
         bad: Values that were rejected.
         dated: Whether its times are dates.
     """
-    lost = ~window.valid
+    automatic = window.automatic
+    lost = ~window.valid if automatic is None else ~window.valid & automatic
     return LoopSummary(
         loop=window.loop,
         columns=columns,
@@ -60,6 +65,8 @@ def loop_summary(window: LoopWindow, columns: dict[str, str], bad: int, *, dated
         missing=int(np.count_nonzero(lost)),
         bad=bad,
         compression=_rounded(compression_factor(window.pv)),
+        manual_percent=None if automatic is None else float(round(100 * np.mean(~automatic), 1)),
+        unknown_modes=window.unknown_modes,
     )
 
 
@@ -79,13 +86,25 @@ def _rounded(factor: float | None) -> float | None:
 
 
 def problems_of(summaries: Sequence[LoopSummary]) -> list[str]:
-    """Return a line for each loop whose record a historian has spoilt."""
-    return [
+    """Return a line for each loop that a historian has spoilt, or that was not always in automatic."""
+    spoilt = [
         f"{each.loop}: PV was compressed by about {each.compression:.0f}: lines between few points "
         "hide stiction; export raw values"
         for each in summaries
         if each.compression is not None and each.compression >= DESTROYS
     ]
+    manual = [
+        f"{each.loop}: not in automatic for {each.manual_percent:g} % of the record, which is cut out"
+        for each in summaries
+        if each.manual_percent
+    ]
+    unknown = [
+        f"{each.loop}: mode {mode} is not known, so it is taken for manual; "
+        f"--modes {mode}=automatic if it is automatic"
+        for each in summaries
+        for mode in each.unknown_modes
+    ]
+    return spoilt + manual + unknown
 
 
 def summary_json(
@@ -107,6 +126,7 @@ def summary_json(
                 "missing": each.missing,
                 "bad": each.bad,
                 "compression": each.compression,
+                "manual_percent": each.manual_percent,
             }
             for each in summaries
         ],

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 COARSE = 15.0
 """Samples a period below which the shape of a stroke can hardly be seen; the paper requires 50."""
+MODES = 5
+"""Unknown modes that are named."""
 QUIET = "the loop shows no regular oscillation, and OP does not reverse often"
 STAYS = "the verdict of this recording stays, because a valve may be repaired or wear between two recordings"
 SKIPPED: dict[frozenset[MethodKind], str] = {
@@ -44,9 +46,11 @@ def _own(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return the reasons from this recording alone."""
     found, oscillation, record = diagnosis.quantification, diagnosis.oscillation, diagnosis.record
     if diagnosis.verdict == "not_testable":
-        return tuple(fault.reason for fault in diagnosis.faults)
+        manual = "manual" in diagnosis.gates
+        modes = _unknown_mode_words(record) if manual else _mode_words(record)
+        return (*(fault.reason for fault in diagnosis.faults), *modes)
     if found is None or oscillation is None or record is None:
-        return (QUIET,) if diagnosis.verdict == "no_stiction" else ()
+        return (*_mode_words(record), QUIET) if diagnosis.verdict == "no_stiction" else ()
     return (
         *_data_words(record),
         *_oscillation_words(record, oscillation),
@@ -57,7 +61,7 @@ def _own(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 
 def _data_words(record: RecordSummary) -> list[str]:
-    words = []
+    words = _mode_words(record)
     if record.gaps:
         words.append(f"{record.gaps} of {record.samples} samples are gaps and were skipped")
     if record.wild:
@@ -65,6 +69,21 @@ def _data_words(record: RecordSummary) -> list[str]:
     if record.duplicates:
         words.append(f"{record.duplicates} samples repeat a timestamp and were discarded")
     return words
+
+
+def _mode_words(record: RecordSummary | None) -> list[str]:
+    if record is None or not record.manual:
+        return []
+    share = f"{100 * record.manual / record.samples:.3g} % of the record"
+    words = f"the loop was not in automatic for {share}; this was cut out and not used"
+    return [words, *_unknown_mode_words(record)]
+
+
+def _unknown_mode_words(record: RecordSummary | None) -> list[str]:
+    if record is None or not record.unknown_modes:
+        return []
+    unknown = ", ".join(record.unknown_modes[:MODES])
+    return [f"not known as automatic or manual, so taken for manual: mode {unknown}; modes states what it is"]
 
 
 def _oscillation_words(record: RecordSummary, oscillation: Oscillation) -> list[str]:

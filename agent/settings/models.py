@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from agent.alarms import Priority
+from agent.analysis.record.mode import is_automatic, word_of
 from agent.analysis.record.recording import LoopHints
 from agent.settings.service import HistorySettings, HttpSettings
 from connectors.options import Options, Seconds, Target
@@ -106,8 +107,11 @@ class LoopSettings(Options):
     """Limits of the valve, in the unit of OP."""
     pv_range: Range | None = None
     """Range of the transmitter, in the unit of PV."""
-    automatic: tuple[str | float, ...] = ("AUTO", "CAS", "RCAS")
-    """Values of the mode tag that count as automatic; upper and lower case are equal."""
+    automatic: tuple[str | float, ...] | None = None
+    """Values of the mode tag that count as automatic, and no others; upper and lower case are equal. None:
+    those of the table in `docs/howto/recordings.md`."""
+    modes: Mapping[str | int | float, Literal["automatic", "manual"]] = {}
+    """Further values of the mode tag -> automatic or manual, such as `{PROG7: automatic, 3: manual}`."""
     hold: Seconds | None = None
     """Where a bus reports changes only: longest silence of the whole loop that still means no change, s.
     None: 10 ts."""
@@ -152,9 +156,14 @@ class LoopSettings(Options):
 
     def is_automatic(self, mode: float | str) -> bool:
         """Whether a value of the mode tag means that the loop is in automatic."""
-        if isinstance(mode, str):
-            return mode.strip().casefold() in {v.casefold() for v in self.automatic if isinstance(v, str)}
-        return mode in self.automatic
+        return self.mode_means(mode) is True
+
+    def mode_means(self, mode: float | str) -> bool | None:
+        """Return whether a value of the mode tag means automatic; None where nothing says so or not."""
+        others = {word_of(word): meaning == "automatic" for word, meaning in self.modes.items()}
+        if self.automatic is not None and word_of(mode) not in others:
+            return word_of(mode) in {word_of(word) for word in self.automatic}
+        return is_automatic(mode, others)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -99,12 +99,15 @@ class RatedLoop:
         return self.s_low <= self.true_s <= self.s_high
 
 
-def rated_loops(kind: Kind, seed: int, *, gated: bool = True) -> list[RatedLoop]:
-    """Simulate the loop of a kind and a seed, record it at all rates, and diagnose each record.
+def rated_loops(
+    kind: Kind, seed: int, rates: Sequence[int] = RATES, *, gated: bool = True
+) -> list[RatedLoop]:
+    """Simulate the loop of a kind and a seed, record it at some rates, and diagnose each record.
 
     Args:
         kind: One whose loops oscillate: ``stiction``, ``tuning`` or ``sinusoid``.
         seed: Of the draw.
+        rates: Samples a period, of ``RATES``.
         gated: Whether the limit on samples a period is in force; without it the limit is learnt.
     """
     drawn = finely_scanned(kind, seed)
@@ -112,7 +115,7 @@ def rated_loops(kind: Kind, seed: int, *, gated: bool = True) -> list[RatedLoop]
         return []
     scenario, record = drawn
     found = []
-    for rate, how, op, pv in recordings(record):
+    for rate, how, op, pv in recordings(record, rates):
         window = LoopWindow(f"{kind}-{seed}", 0.0, scenario.ts * SCANS / rate, op, pv)
         found.append(_judged(window, scenario, kind, seed, how, rate, gated=gated))
     return found
@@ -142,9 +145,11 @@ def _as_tight(scenario: Scenario) -> Scenario:
     return scenario
 
 
-def recordings(record: SimulatedRecord) -> Iterator[tuple[int, How, FloatArray, FloatArray]]:
+def recordings(
+    record: SimulatedRecord, rates: Sequence[int] = RATES
+) -> Iterator[tuple[int, How, FloatArray, FloatArray]]:
     """Yield rate, how it was recorded, OP and PV, each (n,)."""
-    for rate in RATES:
+    for rate in rates:
         every = round(SCANS / rate)
         samples = min(len(record.op) // every, LONGEST)
         cut = slice(0, samples * every)

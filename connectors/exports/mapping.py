@@ -34,6 +34,7 @@ class _Mapping(BaseModel):
     pattern: str | None = None
     ts: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
     loops: Mapping[str, Mapping[Role, str]] = {}
+    modes: Mapping[str | int | float, Literal["automatic", "manual"]] = {}
 
 
 def mapping_text(export: Export, options: ReadOptions) -> str:
@@ -46,9 +47,15 @@ def mapping_text(export: Export, options: ReadOptions) -> str:
         "decimal": options.decimal or export.decimal,
         "ts": options.columns.ts,
         "loops": {loop.name: dict(loop.tags) for loop in export.loops},
+        "modes": {word: "automatic" if means else "manual" for word, means in options.modes.items()} or None,
     }
     stated = {key: value for key, value in known.items() if value is not None}
     return yaml.safe_dump(stated, sort_keys=False, allow_unicode=True)
+
+
+def _word(mode: str | float) -> str:
+    """Return a word of the mode as the analysis looks it up."""
+    return f"{mode:g}" if isinstance(mode, float) else str(mode).strip().casefold()
 
 
 def with_mapping(options: ReadOptions, path: Path) -> ReadOptions:
@@ -80,6 +87,8 @@ def with_mapping(options: ReadOptions, path: Path) -> ReadOptions:
         ),
         decimal=options.decimal or found.decimal,
         pattern=options.pattern or found.pattern,
+        modes={_word(each): means == "automatic" for each, means in found.modes.items()}
+        | dict(options.modes),
         loops=options.loops
         or {loop: {str(role): tag for role, tag in roles.items()} for loop, roles in found.loops.items()},
     )

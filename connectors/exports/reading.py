@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from connectors.exports.cells.tagging import tagger_of
@@ -34,6 +35,14 @@ def read_export(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> Export:
         RecordingError: One line that names the file, the line and what was expected, and where two readings
             are possible the option that settles it.
     """
+    export = _export(path, options)
+    if not options.modes:
+        return export
+    loops = tuple(replace(loop, modes=options.modes) for loop in export.loops)
+    return replace(export, loops=loops)
+
+
+def _export(path: Path, options: ReadOptions) -> Export:
     sheet = with_joined_times(sheet_of_file(path))
     times = time_columns(sheet)
     plain = plain_layout(sheet, times, options)

@@ -44,6 +44,8 @@ class ReadOptions:
     """How a tag is made of its loop and role, such as ``{loop}.{role}``."""
     loops: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     """Loop -> role -> column or tag; empty: recognised."""
+    modes: Mapping[str, bool] = field(default_factory=dict)
+    """Words of the controller's mode beside those that are known -> whether they mean automatic."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +72,8 @@ class RecordedLoop:
     """Role (OP, PV, SP, MV, mode) -> column or tag that it was read from."""
     bad: int = 0
     """Values that are no number, or whose quality forbids their use; each is a gap."""
+    modes: Mapping[str, bool] = field(default_factory=dict)
+    """As ``ReadOptions.modes``."""
 
 
 @dataclass(frozen=True, slots=True)

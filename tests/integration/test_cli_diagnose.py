@@ -26,6 +26,7 @@ KEYS = [
     "confidence",
     "probability",
     "samples_per_period",
+    "manual_percent",
     "cause",
     "causes",
     "class",

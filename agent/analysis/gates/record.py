@@ -14,11 +14,15 @@ if TYPE_CHECKING:
 MIN_SAMPLES = 100
 """Valid samples below this number cannot carry a valve and a process model."""
 MIN_VALID_SHARE = 0.5
-MIN_AUTOMATIC_SHARE = 0.8
+MIN_AUTOMATIC_SHARE = 0.5
+"""As for gaps: a stretch that was not in automatic is one."""
 
 
 def too_short(window: LoopWindow) -> tuple[GateFault, ...]:
-    """Return the fault of a record that is too short for any other test."""
+    """Return the fault of a record that is too short for any other test, or mostly not in automatic."""
+    manual = _manual(window)
+    if manual is not None:
+        return (manual,)
     count = int(np.count_nonzero(window.valid))
     if count >= MIN_SAMPLES:
         return ()
@@ -27,15 +31,18 @@ def too_short(window: LoopWindow) -> tuple[GateFault, ...]:
 
 
 def record_faults(window: LoopWindow) -> list[GateFault]:
-    """Return the faults of quality and mode."""
-    faults = []
-    valid = window.valid
-    there = float(np.mean(valid))
-    if there < MIN_VALID_SHARE:
-        faults.append(GateFault("gaps", f"only {there:.0%} of the samples are valid, the rest are gaps"))
-    if window.automatic is not None:
-        automatic = float(np.mean(window.automatic[valid]))
-        if automatic < MIN_AUTOMATIC_SHARE:
-            reason = f"the loop was in automatic for only {automatic:.0%} of the record"
-            faults.append(GateFault("manual", reason))
-    return faults
+    """Return the fault of quality."""
+    there = float(np.mean(window.valid if window.automatic is None else window.valid[window.automatic]))
+    if there >= MIN_VALID_SHARE:
+        return []
+    return [GateFault("gaps", f"only {there:.0%} of the samples are valid, the rest are gaps")]
+
+
+def _manual(window: LoopWindow) -> GateFault | None:
+    if window.automatic is None or not len(window):
+        return None
+    automatic = float(np.mean(window.automatic))
+    if automatic >= MIN_AUTOMATIC_SHARE:
+        return None
+    share = "never in automatic" if automatic == 0 else f"in automatic for only {automatic:.0%} of the record"
+    return GateFault("manual", f"the loop was {share}; OP is judged only where the controller moves it")

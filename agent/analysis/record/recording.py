@@ -51,16 +51,19 @@ class LoopWindow:
     mv: FloatArray | None = None
     """Measured valve position or flow, its own unit."""
     automatic: NDArray[np.bool_] | None = None
-    """True where the loop was in an automatic mode; None where the mode is unknown."""
+    """True where the loop was in an automatic mode; None where the mode is unknown. Elsewhere OP, PV and MV
+    are NaN: the controller did not move OP."""
     hints: LoopHints = field(default_factory=LoopHints)
     duplicates: int = 0
     """Samples dropped because their timestamp was there already."""
     wild: int = 0
     """Values of OP, PV and MV that are gaps because they lie far outside those around them."""
+    unknown_modes: tuple[str, ...] = ()
+    """Modes in the record of which no table knows whether they are automatic; they count as not."""
 
     def __post_init__(self) -> None:
         n = len(self.op)
-        for name in ("op", "pv", "sp", "mv", "automatic"):
+        for name in ("automatic", "op", "pv", "sp", "mv"):
             values = getattr(self, name)
             if values is None:
                 continue
@@ -70,6 +73,8 @@ class LoopWindow:
             if frozen.dtype.kind == "f":
                 frozen[np.abs(frozen) >= LARGEST] = np.nan  # also infinity: no instrument reads it
                 self._reject_wild(name, frozen)
+                if self.automatic is not None and name != "sp":
+                    frozen[~np.asarray(self.automatic)] = np.nan
             frozen.setflags(write=False)
             object.__setattr__(self, name, frozen)
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from agent.analysis.record.grid import uniform_grid
-from agent.analysis.record.mode import automatic_share
+from agent.analysis.record.mode import automatic_share, unknown_modes
 from agent.analysis.record.recording import FloatArray, LoopHints, LoopWindow
 
 NO_HINTS = LoopHints()
@@ -51,6 +51,11 @@ class Recorded(Protocol):
         ...
 
     @property
+    def modes(self) -> Mapping[str, bool]:
+        """Words of the mode that the user adds to the table -> whether they mean automatic."""
+        ...
+
+    @property
     def duplicates(self) -> int:
         """Rows that were discarded because an earlier row had the same timestamp."""
         ...
@@ -72,7 +77,7 @@ def loop_window(loop: Recorded, hints: LoopHints = NO_HINTS) -> LoopWindow:
     if loop.mv is not None:
         columns["mv"] = loop.mv
     if loop.mode is not None:
-        columns["automatic"] = automatic_share(loop.mode)
+        columns["automatic"] = automatic_share(loop.mode, loop.modes)
     grid = uniform_grid(loop.time, columns)
     automatic = grid.columns.get("automatic")
     return LoopWindow(
@@ -84,6 +89,7 @@ def loop_window(loop: Recorded, hints: LoopHints = NO_HINTS) -> LoopWindow:
         sp=grid.columns.get("sp"),
         mv=grid.columns.get("mv"),
         automatic=None if automatic is None else automatic != 0,  # a mode that was not recorded is no manual
+        unknown_modes=() if loop.mode is None else unknown_modes(set(loop.mode), loop.modes),
         hints=hints,
         duplicates=loop.duplicates + grid.duplicates,
     )

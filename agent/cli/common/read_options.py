@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 PANEL = "How files are read (recognised unless given)"
 
 
+MEANINGS = {"automatic": True, "manual": False}
+
+
 class DateOrder(StrEnum):
     """Order of day and month in dates such as 03/04/2026."""
 
@@ -58,6 +61,13 @@ Pattern = Annotated[
         rich_help_panel=PANEL,
     ),
 ]  # fmt: skip
+Modes = Annotated[
+    str | None,
+    typer.Option(
+        "--modes", metavar="WORD=MEANING,...", rich_help_panel=PANEL,
+        help="Further words of the mode, as PROG7=automatic,LOCK=manual.",
+    ),
+]  # fmt: skip
 MappingFile = Annotated[
     Path | None,
     typer.Option(
@@ -75,13 +85,33 @@ def read_options(
     decimal: Decimal | None,
     pattern: str | None,
     mapping: Path | None,
+    modes: str | None = None,
 ) -> ReadOptions:
-    """Return what the user states about a file; raises RecordingError where the mapping cannot be read."""
+    """Return what the user states about a file.
+
+    Raises:
+        RecordingError: The mapping cannot be read.
+        BadParameter: ``modes`` is no list of WORD=automatic or WORD=manual.
+    """
     from connectors.exports.cells.times import TimeOptions
     from connectors.exports.mapping import with_mapping
     from connectors.recording import ReadOptions
 
     mark = None if decimal is None else ("," if decimal is Decimal.COMMA else ".")
     day = None if order is None else ("dmy" if order is DateOrder.DMY else "mdy")
-    options = ReadOptions(columns, TimeOptions(zone, time_format, day), mark, pattern)  # type: ignore[arg-type]
+    times = TimeOptions(zone, time_format, day)  # type: ignore[arg-type]
+    options = ReadOptions(columns, times, mark, pattern, modes=_modes(modes))  # type: ignore[arg-type]
     return options if mapping is None else with_mapping(options, mapping)
+
+
+def _modes(text: str | None) -> dict[str, bool]:
+    from agent.analysis.record.mode import word_of
+
+    found = {}
+    for part in (text or "").split(",") if text else ():
+        word, _, meaning = part.rpartition("=")
+        if not word_of(word) or meaning.strip() not in MEANINGS:
+            expected = "expected WORD=automatic or WORD=manual, with commas between"
+            raise typer.BadParameter(f"{part!r}: {expected}", param_hint="'--modes'")
+        found[word_of(word)] = MEANINGS[meaning.strip()]
+    return found

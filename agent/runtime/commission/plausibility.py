@@ -81,11 +81,16 @@ def remarks(reading: Reading, role: str, loop: LoopSettings, watched: float) -> 
         )
         found.append(f"its source time is {duration(reading.age)} old: {why}")
     if role == "mode" and not loop.is_automatic(sample.value):
-        words = ", ".join(str(value) for value in loop.automatic)
-        found.append(f"is none of {words}: not automatic, such windows are not diagnosed")
+        found.append(_not_automatic(sample.value, loop))
     if role == "pv" and not reading.changed and watched >= STILL * loop.ts:
         found.append(f"constant: did not change in {duration(watched)}")
     return tuple(found)
+
+
+def _not_automatic(mode: float | str, loop: LoopSettings) -> str:
+    if loop.mode_means(mode) is False:
+        return "not automatic: such stretches are not used"
+    return f"not known as automatic or manual, such stretches are not used; add it to modes of {loop.name}"
 
 
 def duration(seconds: float) -> str:

@@ -39,6 +39,8 @@ AT_PACE, FEWEST_AT_PACE = 1.0, 5
 """It was set back as well if samples from the past tick on as the wall does, so long (s) and so many."""
 LAST_TIME = 1e11
 """Source times beyond are no times, s UTC: the year 5138."""
+MOST_MODES = 10
+"""Modes that no table knows of which a loop remembers the words."""
 TOLD_TOGETHER = 1.5
 """Samples without any report that make a gap where all roles are told together."""
 
@@ -69,6 +71,7 @@ class RollingWindow:
         self.arrival: float | None = None
         """Monotonic time at which the newest sample arrived, s."""
         self._duplicates_told = 0
+        self._unknown_modes: set[str] = set()
         self._rings: dict[str, SlotRing]
         self._origin: float | None
         """Time of slot 0: that of the first PV, so that the grid has its phase."""
@@ -173,7 +176,10 @@ class RollingWindow:
         if sample.quality is Quality.BAD:
             return math.nan
         if sample.tag.endswith(".mode"):
-            return float(self._settings.is_automatic(sample.value))
+            means = self._settings.mode_means(sample.value)
+            if means is None and len(self._unknown_modes) < MOST_MODES:
+                self._unknown_modes.add(str(sample.value))
+            return float(means or False)
         return float(sample.value) if not isinstance(sample.value, str) else math.nan
 
     def _due(self) -> LoopWindow | None:
@@ -215,6 +221,9 @@ class RollingWindow:
             sp=_known(columns, "sp"),
             mv=_known(columns, "mv"),
             automatic=None if mode is None else mode == 1,
+            unknown_modes=tuple(sorted(self._unknown_modes))
+            if mode is not None and (mode == 0).any()
+            else (),
             hints=settings.hints,
             duplicates=duplicates,
         )

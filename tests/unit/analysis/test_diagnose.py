@@ -215,6 +215,7 @@ KEYS = {
     "confidence": None,
     "probability": None,
     "samples_per_period": None,
+    "manual_percent": None,
     "cause": None,
     "causes": None,
     "class": None,

@@ -7,7 +7,6 @@ import pytest
 
 from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.record.mode import automatic_share
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Oscillation
 from connectors.recording import read_recording
@@ -60,7 +59,8 @@ def test_good_record():
         ({"pv": np.full(N, np.nan)}, "few_samples"),
         ({"pv": np.where(T < 330, np.inf, WAVE)}, "few_samples"),
         ({"pv": with_gaps(WAVE, 250)}, "gaps"),
-        ({"automatic": T % 2 == 0}, "manual"),
+        ({"automatic": T % 3 == 0}, "manual"),
+        ({"automatic": T < 0}, "manual"),
         ({"op": np.full(N, 55.5)}, "op_constant"),
         ({"op": np.zeros(N)}, "op_constant"),
         ({"op": 1e6 + 1e-7 * WAVE}, "op_constant"),
@@ -167,18 +167,14 @@ def test_reasons_are_sentences_with_numbers():
 
 
 def test_several_faults_are_all_reported():
-    assert faults(op=np.full(N, 1.0), pv=np.full(N, 1.0), automatic=T < 0) == [
-        "manual",
-        "op_constant",
-        "pv_constant",
-    ]
+    assert faults(op=np.full(N, 1.0), pv=np.full(N, 1.0)) == ["op_constant", "pv_constant"]
 
 
-def test_modes():
-    np.testing.assert_array_equal(
-        automatic_share(["AUTO", "cas", "RCAS", " Man ", "MANUAL", "0", "1", ""]),
-        [1, 1, 1, 0, 0, 0, 1, np.nan],
-    )
+def test_a_record_never_in_automatic_says_so():
+    (fault,) = found(automatic=T < 0)
+    assert fault.reason == "the loop was never in automatic; OP is judged only where the controller moves it"
+    (fault,) = found(automatic=T < N / 4)
+    assert "in automatic for only 25% of the record" in fault.reason
 
 
 @pytest.mark.parametrize("name", ["CHEM1", "CHEM10", "CHEM11", "CHEM12", "CHEM13", "PAP2", "PAP4"])

@@ -41,7 +41,7 @@ def test_travel_and_reversals_of_a_triangle():
 
 def test_shares_of_time():
     automatic = T >= N // 4
-    op = np.where(T < N // 10, 100.0, 50 + np.sin(T))
+    op = np.where(T >= N - 3 * N // 40, 100.0, 50 + np.sin(T))
     found = performance(window(op=op, automatic=automatic, hints=LoopHints(op_range=(0.0, 100.0))), None)
     assert found["time_in_manual"] == pytest.approx(25)
     assert found["service_factor"] == pytest.approx(75)

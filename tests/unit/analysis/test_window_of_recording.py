@@ -31,7 +31,8 @@ def test_rows_go_onto_a_grid_with_all_that_is_known():
     assert (window.loop, window.start, window.ts, len(window)) == ("FIC101", 5.0, 2.0, 12)
     assert (window.duplicates, window.hints, window.mv) == (1, hints, None)
     assert window.automatic.tolist() == [True] * 10 + [False, True]
-    assert window.pv.tolist() == [20.0 + k for k in range(12)]
+    assert window.pv[[*range(10), 11]].tolist() == [20.0 + k for k in (*range(10), 11)]
+    assert np.isnan(window.pv[10])
 
 
 def test_times_that_run_backward_are_refused_with_their_place():

@@ -63,7 +63,8 @@ def test_what_must_be_put_right(role, sample, told):
         ("op", {"value": 5.0, "age": 7200.0}, 0.0, "its source time is 2 h old: nothing new since"),
         ("pv", {"value": 5.0, "quality": Quality.UNCERTAIN}, 0.0, "uncertain quality"),
         ("mode", {"value": "AUTO"}, 0.0, None),
-        ("mode", {"value": "MAN"}, 0.0, "is none of AUTO, CAS, RCAS"),
+        ("mode", {"value": "MAN"}, 0.0, "not automatic: such stretches are not used"),
+        ("mode", {"value": "PROG7"}, 0.0, "not known as automatic or manual"),
     ],
 )
 def test_what_should_be_known(role, sample, watched, told):

@@ -195,6 +195,21 @@ def test_the_mode_that_counts_as_automatic(raw, mode, automatic):
     assert settings_of(raw).loops[0].is_automatic(mode) is automatic
 
 
+@pytest.mark.parametrize(("mode", "automatic"), [("aut", True), ("Hand", False), (1.0, True), (0, False)])
+def test_modes_of_the_table_where_none_are_listed(raw, mode, automatic):
+    assert settings_of(raw).loops[0].is_automatic(mode) is automatic
+
+
+def test_modes_that_the_file_adds(raw):
+    raw["loops"][0]["modes"] = {"PROG7": "automatic", 2: "manual"}
+    loop = settings_of(raw).loops[0]
+    assert [loop.is_automatic(mode) for mode in ("prog7", 2.0, "PROG8", "AUTO")] == [True, False, False, True]
+    assert loop.mode_means("PROG8") is None
+    raw["loops"][0]["modes"] = {"PROG7": "sometimes"}
+    with pytest.raises(ConfigError, match="PROG7"):
+        settings_of(raw)
+
+
 def test_the_schema_in_the_folder_is_that_of_the_models():
     """To make it anew: .venv/bin/python -m agent.settings.schema > config/schema.json."""
     assert json.loads(SCHEMA.read_text()) == json_schema()
