@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from agent.analysis.cause import cause_without_stiction, causes_with_stiction
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
 from agent.analysis.evidence.weighing import weigh
+from agent.analysis.gates.rhythm import samples_per_period
 from agent.analysis.innovations import log_likelihood_ratio
 from agent.analysis.quantify import quantifier as quantifier_named
 from agent.analysis.results import CauseShare, MethodResult
@@ -63,7 +64,9 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
             record=RecordSummary.of(window, seen.oscillation),
         )
     found = with_likelihood(quantifier.quantify(window), window)
-    weighed = weigh(found, seen.methods, stem_measured=window.mv is not None)
+    samples = samples_per_period(window, seen.oscillation)
+    stem_measured = window.mv is not None
+    weighed = weigh(found, seen.methods, stem_measured=stem_measured, samples_per_period=samples)
     without_verdict = Diagnosis(
         loop=window.loop,
         verdict="undecided",

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from agent.analysis.gates.rhythm import samples_per_period
+
 if TYPE_CHECKING:
     from agent.analysis.evidence.weighing import Weighed
     from agent.analysis.gates.fault import GateFault
@@ -36,7 +38,7 @@ class RecordSummary:
     wild: int = 0
     """Values that were taken for gaps because they lie far outside those around them."""
     samples_per_period: float | None = None
-    """Of the oscillation that was detected; None where none was."""
+    """Of the oscillation; None where nothing oscillates."""
     manual: int | None = None
     """Samples that were cut out because the loop was not in automatic; None where the mode is not known."""
     unknown_modes: tuple[str, ...] = ()
@@ -47,8 +49,7 @@ class RecordSummary:
         """Summarize a window and the oscillation that was looked for in it."""
         automatic = window.automatic
         gaps = int((~window.valid if automatic is None else ~window.valid & automatic).sum())
-        period = oscillation.period if oscillation.detected else None
-        samples = None if period is None else period / window.ts
+        samples = samples_per_period(window, oscillation)
         return cls(
             len(window),
             gaps,

@@ -32,7 +32,7 @@ PERIODS = 30
 SETTLING = 10
 """Periods that a loop runs before its record begins."""
 RATES = (4, 5, 6, 8, 10, 12, 16, 20, 30, 48, 120)
-"""Samples a period; each divides ``SCANS`` but 16 and 100, which no loop's historian knows to the digit."""
+"""Samples a period."""
 LONGEST = 3000
 """Samples that a record has at most."""
 HOWS: tuple[How, ...] = ("samples", "means")

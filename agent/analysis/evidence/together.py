@@ -31,7 +31,9 @@ def weigh_together(diagnoses: Sequence[Diagnosis], *, stem_measured: bool) -> We
     """
     found = [each.quantification for each in diagnoses if each.quantification is not None]
     said = majority([each.methods for each in diagnoses])
-    return weigh(joined(found), said, stem_measured=stem_measured)
+    rates = [each.samples_per_period for each in diagnoses if each.samples_per_period is not None]
+    finest = max(rates, default=None)
+    return weigh(joined(found), said, stem_measured=stem_measured, samples_per_period=finest)
 
 
 def joined(found: Sequence[Quantification]) -> Quantification:

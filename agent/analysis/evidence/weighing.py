@@ -35,6 +35,11 @@ LITTLE_LIKELIHOOD, ENOUGH_LIKELIHOOD = 10.0, 100.0
 some by chance; and beyond which more does not count."""
 MOST = math.log(99)
 """Log odds beyond which the calibration has too few simulated loops to speak: 99 %."""
+COARSE, FINE = 12.0, 30.0
+"""Samples a period of the coarsest records that are judged, and from which records count as fine."""
+MOST_OF_COARSE = math.log(19)
+"""As ``MOST``, for the coarsest records: 95 %. The weights were learnt on finer ones, and some sixty loops at
+such rates (``benchmarks.sampling_rate``), none judged wrongly, allow to exclude one wrong verdict in twenty."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,13 +61,20 @@ class Weighed:
     """The strongest first; without those that add nothing."""
 
 
-def weigh(found: Quantification, methods: Mapping[str, MethodResult], *, stem_measured: bool) -> Weighed:
+def weigh(
+    found: Quantification,
+    methods: Mapping[str, MethodResult],
+    *,
+    stem_measured: bool,
+    samples_per_period: float | None = None,
+) -> Weighed:
     """Weigh the fit of ``free_run``, the innovations and the detectors.
 
     Args:
         found: Answer of ``free_run``, with evidence, quick evidence, turns and log likelihood ratio.
         methods: Answers of the detectors by name; one that no weight is known of adds nothing.
         stem_measured: Whether the window has MV, which tells more than PV can.
+        samples_per_period: Of the record; None where nothing oscillates.
     """
     weights = DETECTORS | WITH_STEM if stem_measured else DETECTORS
     said = [
@@ -71,9 +83,18 @@ def weigh(found: Quantification, methods: Mapping[str, MethodResult], *, stem_me
     evidence, quick, over_turns, likelihood = features(found)
     said.append(Witness(found.quantifier, FREE_RUN * evidence + FREE_RUN_QUICK * quick))
     said.append(Witness("innovations", INNOVATIONS_OVER_TURNS * over_turns + INNOVATIONS * likelihood))
-    log_odds = min(max(BIAS + sum(each.log_odds for each in said), -MOST), MOST)
+    most = most_log_odds(samples_per_period)
+    log_odds = min(max(BIAS + sum(each.log_odds for each in said), -most), most)
     told = sorted((each for each in said if each.log_odds), key=lambda each: -abs(each.log_odds))
     return Weighed(1 / (1 + math.exp(-log_odds)), tuple(told))
+
+
+def most_log_odds(samples_per_period: float | None) -> float:
+    """Return the log odds beyond which nothing is believed of a record with so many samples a period."""
+    if samples_per_period is None:
+        return MOST
+    share = (samples_per_period - COARSE) / (FINE - COARSE)
+    return MOST_OF_COARSE + min(max(share, 0.0), 1.0) * (MOST - MOST_OF_COARSE)
 
 
 def features(found: Quantification) -> tuple[float, float, float, float]:

@@ -33,6 +33,9 @@ NARROW_S = 0.10
 """Width of the interval of S, over the OP span, up to which the record determines S."""
 NARROW_J = 0.25
 """Likewise of J."""
+COARSE, FINE = 30.0, 60.0
+"""Samples a period up to which the movement of OP within a sample is added to the intervals, and from which
+none of it is (simulated loops, ``benchmarks.sampling_rate``): at 48 and 120 they hold without."""
 PROFILE_POINTS = 40
 
 
@@ -47,12 +50,13 @@ def stiction_estimate(found: Found, problem: Problem) -> StictionEstimate:
     s, j = np.array([s_and_j(f) for f in alike(found)]).T
     j_alone = np.array([s_and_j(f)[1] for f in alike(found, ALIKE_IN_J)])
     span = problem.op_span
-    s_estimate = interval(s, MARGIN_S * span)
-    j_estimate = interval(j_alone, MARGIN_J * span)
-    margin = (MARGIN_S + MARGIN_J) / 2 * span
+    hidden = hidden_movement(problem)
+    s_estimate = interval(s, MARGIN_S * span, above=hidden)
+    j_estimate = interval(j_alone, MARGIN_J * span + hidden)
+    margin = (MARGIN_S + MARGIN_J) / 2 * span + hidden / 2
     return StictionEstimate(
-        f_s=interval((s + j) / 2, margin),
-        f_d=interval((s - j) / 2, margin),
+        f_s=interval((s + j) / 2, margin, above=hidden / 2),
+        f_d=interval((s - j) / 2, margin, above=hidden / 2),
         s=s_estimate,
         j=j_estimate,
         identifiable_s=width(s_estimate) <= NARROW_S * span,
@@ -66,10 +70,26 @@ def s_and_j(fitted: Fitted) -> tuple[float, float]:
     return s, s * float(fitted.candidate[J_RATIO])
 
 
-def interval(values: np.ndarray[tuple[int], np.dtype[np.float64]], margin: float) -> Estimate:
-    """Return the first value with the range of all, widened by the margin, not below zero."""
+def hidden_movement(problem: Problem) -> float:
+    """Return by how much OP moves within one sample, where nothing is recorded, OP units.
+
+    OP travels its span twice a period. Its turns lie between two samples, each cut off by up to half a
+    movement, and a slip is known to half a sample: so S is up to one movement larger than it looks, and not
+    smaller; J is up to one larger or smaller. In fine records the limits of alike models have it already.
+    """
+    fine = (problem.period - COARSE) / (FINE - COARSE)
+    return min(max(1.0 - fine, 0.0), 1.0) * 2.0 * problem.op_span / problem.period
+
+
+def interval(
+    values: np.ndarray[tuple[int], np.dtype[np.float64]], margin: float, above: float = 0.0
+) -> Estimate:
+    """Return the first value with the range of all, widened by the margin, not below zero.
+
+    ``above`` is added to the upper end.
+    """
     low = max(0.0, float(values.min()) - margin)
-    return Estimate(float(values[0]), low, float(values.max()) + margin)
+    return Estimate(float(values[0]), low, float(values.max()) + margin + above)
 
 
 def width(estimate: Estimate) -> float:
