@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from agent.cli.common.columns import aligned
-from agent.cli.common.errors import BAD_INPUT
+from agent.cli.common.errors import BAD_INPUT, complain
 
 if TYPE_CHECKING:
     from agent.runtime.commission.probe import Finding
@@ -40,6 +40,7 @@ def check(
     from agent.settings import load_settings
 
     settings = load_settings(config)
+    _warn(config, settings, as_json=as_json)
     if not connect:
         for line in _plan_json(settings) if as_json else _plan(settings):
             typer.echo(line)
@@ -49,6 +50,21 @@ def check(
         typer.echo(line)
     if any(finding.problems for finding in findings):
         sys.exit(BAD_INPUT)
+
+
+def _warn(config: Path, settings: Settings, *, as_json: bool) -> None:
+    """Name the loops that read PV and OP from one place; not an error, for a person may want it."""
+    from agent.settings.places import Places
+    from agent.settings.same_tags import same_tags
+
+    places = Places.of(config.read_text(encoding="utf-8"))
+    for loop, words in same_tags(settings).items():
+        if as_json:
+            typer.echo(json.dumps({"what": "warning", "loop": loop, "warning": words}))
+            continue
+        line = places.line("loops", loop, "tags")
+        where = str(config) if line is None else f"{config}, line {line}"
+        complain(f"{where}: loop {loop}: warning: {words}")
 
 
 def _probed(settings: Settings, within: float, watch: float) -> tuple[Finding, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeVar
 
 from pydantic import TypeAdapter, ValidationError
@@ -16,8 +17,29 @@ def checked(model: type[T], raw: object, path: str, faults: list[str]) -> T | No
     except ValidationError as error:
         for fault in error.errors(include_url=False):
             place = ".".join([*filter(None, [path]), *(str(part) for part in fault["loc"])])
-            faults.append(": ".join([*filter(None, [place]), _message(fault["type"], fault["msg"])]))
+            message = _message(fault["type"], fault["msg"])
+            if fault["type"] == "string_pattern_mismatch":
+                message = _spelling(model, fault["loc"], fault["input"])
+            faults.append(": ".join([*filter(None, [place]), message]))
         return None
+
+
+def _spelling(model: object, keys: Sequence[int | str], value: object) -> str:
+    """Return what is wrong with a text in the words of its setting, never by a regular expression."""
+    field = None
+    for key in keys:
+        fields = getattr(model, "model_fields", {})
+        if key not in fields:
+            field = None
+            break
+        field = fields[key]
+        model = field.annotation
+    words = [f"{str(value)!r} cannot be used here"]
+    if field is not None and field.description:
+        words.append(f"expected: {' '.join(field.description.split()).rstrip('.')}")
+    if field is not None and field.examples:
+        words.append(f"for example {field.examples[0]}")
+    return ", ".join(words)
 
 
 def _message(kind: str, message: str) -> str:

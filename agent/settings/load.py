@@ -12,6 +12,7 @@ import yaml
 from agent.settings.checked import checked
 from agent.settings.loop_list import LoopEntry, LoopList, listed_loops
 from agent.settings.models import AgentSettings, ConnectionSettings, LoopSettings, Settings
+from agent.settings.places import Places
 from connectors.base import ConfigError, Connector
 from connectors.kinds import KINDS, ConnectorKind, LoopTags
 from connectors.options import Options, Target
@@ -21,12 +22,13 @@ _KINDS: dict[str, Kind] = {kind.kind: kind for kind in KINDS}
 
 
 def load_settings(path: Path) -> Settings:
-    """Read a YAML file; raises ConfigError with a line for each fault: file, path in it, what is wrong.
+    """Read a YAML file; raises ConfigError with a line for each fault: file, line, loop, what is wrong.
 
     ``agent.state`` is always set in the result; ``settings_of`` knows no file and leaves it unchanged.
     """
     try:
-        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        raw = yaml.safe_load(text)
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError([f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}"]) from error
     except yaml.MarkedYAMLError as error:
@@ -41,9 +43,13 @@ def load_settings(path: Path) -> Settings:
     try:
         settings = settings_of(raw, path.parent)
     except ConfigError as error:
-        raise ConfigError([f"{path}: {fault}" for fault in error.faults]) from error
+        raise ConfigError(_in_file(path, Places.of(text).located(error.faults))) from error
     state = path.parent / (settings.agent.state or path.with_suffix(".sqlite").name)
     return replace(settings, agent=settings.agent.model_copy(update={"state": state}))
+
+
+def _in_file(path: Path, faults: list[str]) -> list[str]:
+    return [f"{path}, {fault}" if fault.startswith("line ") else f"{path}: {fault}" for fault in faults]
 
 
 def settings_of(raw: object, folder: Path = Path()) -> Settings:

@@ -38,8 +38,8 @@ MOST = math.log(99)
 COARSE, FINE = 12.0, 30.0
 """Samples a period of the coarsest records that are judged, and from which records count as fine."""
 MOST_OF_COARSE = math.log(19)
-"""As ``MOST``, for the coarsest records: 95 %. The weights were learnt on finer ones, and some sixty loops at
-such rates (``benchmarks.sampling_rate``), none judged wrongly, allow to exclude one wrong verdict in twenty."""
+"""As ``MOST``, for the coarsest records: 95 %. The weights were learnt on finer ones, and some sixty records
+at such rates (``benchmarks.sampling_rate``), none judged wrongly, exclude one wrong verdict in twenty."""
 
 
 @dataclass(frozen=True, slots=True)

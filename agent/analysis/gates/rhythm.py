@@ -21,7 +21,7 @@ FEWEST_SAMPLES = 12.0
 """Samples a period below which no method can judge the valve: the third harmonic, which distinguishes a
 triangle or a square from a sine, then has fewer than four samples, and a slip is as short as a sample.
 Learnt on simulated loops (``benchmarks.sampling_rate``): sticking valves are cleared at six and fewer, and at
-ten the interval of S does not hold where the record is of means. Means are not recognised, so that their limit
+ten the interval of S does not hold where the record is of means. Means are not recognised, so their limit
 is that of all."""
 ADVISED_SAMPLES = 50.0
 """Samples a period that Lee, Ren and Huang (2008) ask for."""

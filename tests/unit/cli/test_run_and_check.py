@@ -113,9 +113,9 @@ def test_all_faults_of_a_file_are_told_one_a_line(plant, command):
     assert done.returncode == 2
     lines = done.stderr.splitlines()
     assert len(lines) == 2
-    assert all(f"{plant}: " in line for line in lines)
-    assert "connections.unit1.port: " in lines[0]
-    assert "loops.0.ts: " in lines[1]
+    assert all(f"{plant}, line " in line for line in lines)
+    assert "connection unit1: port: " in lines[0]
+    assert f"loop {content['loops'][0]['name']}: ts: " in lines[1]
 
 
 def test_check_connect_says_that_the_peer_is_not_there(plant):
