@@ -38,13 +38,16 @@ def rhythm_faults(window: LoopWindow, oscillation: Oscillation) -> list[GateFaul
 def samples_per_period(window: LoopWindow, oscillation: Oscillation) -> float | None:
     """Return the samples that a period has; None where nothing oscillates.
 
-    Of the oscillation that was detected, else of one too fast for the detectors.
+    Of an oscillation that is too fast for the detectors where there is one, else of that which was detected:
+    the detectors may find a small slow one beside it.
     """
-    if oscillation.detected and oscillation.period is not None:
-        return oscillation.period / window.ts
     lines = [line for line in (fast_line(window.op), fast_line(window.pv)) if line is not None]
     fast = [line for line in lines if line < FEWEST_SAMPLES]
-    return min(fast, default=None)
+    if fast:
+        return min(fast)
+    if not oscillation.detected or oscillation.period is None:
+        return None
+    return oscillation.period / window.ts
 
 
 def _coarse(window: LoopWindow, oscillation: Oscillation) -> list[GateFault]:
