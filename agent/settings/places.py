@@ -22,7 +22,7 @@ class Places:
     """The tree of a YAML file with its lines."""
 
     root: yaml.Node | None
-    """None: it cannot be told, and nothing has a line."""
+    """None: the text is no YAML, and nothing has a line."""
 
     @classmethod
     def of(cls, text: str) -> Places:
