@@ -15,6 +15,7 @@ from agent.cli.browse import browse
 from agent.cli.certificates import certificates
 from agent.cli.check import check
 from agent.cli.common.errors import BAD_INPUT, complain
+from agent.cli.common.examples import epilog
 from agent.cli.compare import compare
 from agent.cli.demo import demo
 from agent.cli.diagnose import diagnose
@@ -99,10 +100,11 @@ def _options(
 
 
 for command in COMMANDS:
-    app.command(command.__name__.rstrip("_"))(command)
+    called = command.__name__.rstrip("_")
+    app.command(called, epilog=epilog(called))(command)
 for command in HIDDEN:
     app.command(hidden=True)(command)
-app.add_typer(alarms)
+app.add_typer(alarms, epilog=epilog("alarms"))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

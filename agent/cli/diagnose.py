@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -18,6 +19,7 @@ from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
 from agent.cli.common.answer import Answer, Task
 from agent.cli.common.compilation import announce_compilation
+from agent.cli.common.delay import delay_of
 from agent.cli.common.errors import BAD_INPUT, complain
 from agent.cli.common.one_valve import together, valves
 from agent.cli.common.pictures import draw, picture_files
@@ -42,8 +44,12 @@ def diagnose(
         str | None, typer.Option(metavar="NAME", help="How stiction is measured: free_run, lee2008, ...")
     ] = None,
     delay: Annotated[
-        int | None,
-        typer.Option(min=1, metavar="D", help="Dead time in samples, if known: PV depends first on MV(t-D)."),
+        str | None,
+        typer.Option(
+            metavar="D",
+            help="Dead time, if known: whole samples (4), or a time with its unit (17s, 2min, 500ms). "
+            "PV depends first on MV(t-D).",
+        ),
     ] = None,
     order: Annotated[
         int | None, typer.Option(min=1, max=2, help="Order of the process model, 1 or 2, if known.")
@@ -104,7 +110,8 @@ def diagnose(
     from connectors.recording import Columns
 
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
-    hints = LoopHints(integrating, acting.value if acting else None, delay, order)
+    hints = LoopHints(integrating, acting.value if acting else None, order=order)
+    known = None if delay is None else delay_of(delay)
     method = None if quantifier is None else _method(quantifier)
     if one_valve and (each or (method is not None and not _shares_evidence(method))):
         other = "--each says the contrary" if each else f"--quantifier {quantifier} has no evidence to share"
@@ -115,7 +122,7 @@ def diagnose(
     valve = valves(names, each=each, one_valve=one_valve)
     pictures = picture_files(names, plot)
     tasks = [
-        Task(path, columns, hints, method, picture, options, name, shared=valve.count(of) > 1)
+        Task(path, columns, hints, method, picture, options, name, known, shared=valve.count(of) > 1)
         for (path, name), picture, of in zip(entries, pictures, valve, strict=True)
     ]
     failed = False
@@ -156,6 +163,8 @@ def work_out(task: Task) -> Answer:
         )
     except ConfigError as error:
         return Answer(task, None, tuple(error.faults))
+    if task.delay is not None:
+        window = window.with_hints(replace(task.hints, delay=task.delay.at(window.ts)))
     diagnosis = judge(window, quantifier=task.quantifier)
     faults = () if task.picture is None else draw(window, diagnosis, task.picture)
     return Answer(task, diagnosis, faults, window if task.shared else None)

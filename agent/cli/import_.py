@@ -18,15 +18,6 @@ if TYPE_CHECKING:
     from agent.report.export_summary import LoopSummary
     from connectors.recording import Export, ReadOptions
 
-EPILOG = """Examples:
-
-slipjump import export.csv --preview  (what was understood)
-
-slipjump import export.csv -o export.yaml  (the same as a file; correct it, and give it to --mapping)
-
-slipjump diagnose export.csv --mapping export.yaml
-"""
-
 
 def import_(
     file: Annotated[
