@@ -12,6 +12,7 @@ from agent.analysis.evidence.weighing import weigh
 from agent.analysis.gates.rhythm import samples_per_period
 from agent.analysis.innovations import log_likelihood_ratio
 from agent.analysis.quantify import quantifier as quantifier_named
+from agent.analysis.quantify.free_run import LEAST_S
 from agent.analysis.results import CauseShare, MethodResult
 from agent.analysis.seen import look
 from agent.analysis.stiction_class import stiction_class
@@ -99,16 +100,32 @@ def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, con
     found, oscillation = diagnosis.quantification, diagnosis.oscillation
     if found is None or oscillation is None:
         return diagnosis
+    if verdict == "stiction":
+        found = as_decided(found, window.op_span)
     causes = _causes(verdict, window, oscillation, found)
     sticking = found.stiction if verdict == "stiction" else None
     return replace(
         diagnosis,
         verdict=verdict,
         confidence=confidence,
+        quantification=found,
         cause=causes[0].cause,
         causes=causes,
         stiction_class=None if sticking is None else stiction_class(sticking.bands, window.op_span),
     )
+
+
+def as_decided(found: Quantification, op_span: float) -> Quantification:
+    """Return the fit of a valve that other witnesses say sticks: the model that does, and S if it shows any.
+
+    An S that no record can show, below ``LEAST_S`` of the span, is not how much the valve sticks.
+    """
+    if found.sticking is not None:
+        model = found.sticking
+        found = replace(found, process=model.process, model_pv=model.pv, model_mv=model.mv, sticking=None)
+    if found.stiction is not None and found.stiction.s.value < LEAST_S * op_span:
+        found = replace(found, stiction=None)
+    return found
 
 
 def with_likelihood(found: Quantification, window: LoopWindow) -> Quantification:

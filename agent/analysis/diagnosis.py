@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from agent.analysis.gates.rhythm import samples_per_period
+from agent.analysis.record.least_step import least_step
 
 if TYPE_CHECKING:
     from agent.analysis.evidence.weighing import Weighed
@@ -39,6 +40,8 @@ class RecordSummary:
     """Values that were taken for gaps because they lie far outside those around them."""
     samples_per_period: float | None = None
     """Of the oscillation; None where nothing oscillates."""
+    least_step: float = 0.0
+    """Smallest step of OP that a bump test can make, OP units; 0: not known."""
     manual: int | None = None
     """Samples that were cut out because the loop was not in automatic; None where the mode is not known."""
     unknown_modes: tuple[str, ...] = ()
@@ -58,6 +61,7 @@ class RecordSummary:
             window.op_span,
             window.wild,
             samples,
+            least_step=least_step(window),
             manual=None if automatic is None else int((~automatic).sum()),
             unknown_modes=window.unknown_modes,
         )

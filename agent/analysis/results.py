@@ -124,6 +124,17 @@ class CauseShare:
 
 
 @dataclass(frozen=True, slots=True)
+class SimulatedModel:
+    """A model in free run, for readers: its process, its PV and its valve, (n,) each."""
+
+    process: ProcessEstimate
+    pv: FloatArray
+    """PV units."""
+    mv: FloatArray
+    """OP units."""
+
+
+@dataclass(frozen=True, slots=True)
 class Quantification:
     """Answer of one quantifier on one window."""
 
@@ -153,7 +164,9 @@ class Quantification:
     turns: int | None = None
     """Changes of direction of the valve that was found; None where a quantifier does not count them."""
     log_likelihood_ratio: float | None = None
-    """Log of how much more likely the record is with a sticking valve, nats; None where nobody asked."""
+    """Log of how much more likely the record is with a sticking valve, nats; None: not computed."""
+    sticking: SimulatedModel | None = None
+    """The model that sticks where the chosen one does not, for a verdict that others decide."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,7 +29,8 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
     causes = {each.cause for each in diagnosis.causes}
     words = []
     if verdict in ("stiction", "undecided"):
-        words.append(bump_test(None if found is None else found.stiction))
+        step = 0.0 if diagnosis.record is None else diagnosis.record.least_step
+        words.append(bump_test(None if found is None else found.stiction, step))
     if diagnosis.stiction_class is not None:
         words.append(REPAIRS[diagnosis.stiction_class])
     if "tight_tuning" in causes:
@@ -43,11 +44,23 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
     return tuple(words)
 
 
-def bump_test(stiction: StictionEstimate | None) -> str:
-    """Return the steps of a bump test: a valve responds to a reversal only beyond S (ISA-75.25)."""
+def bump_test(stiction: StictionEstimate | None, least_step: float = 0.0) -> str:
+    """Return the steps of a bump test: a valve responds to a reversal only beyond S (ISA-75.25).
+
+    Args:
+        stiction: How much the valve sticks; None: not known.
+        least_step: Smallest step that can be made, OP units. A test with a smaller one is not proposed.
+    """
     start = "bump test (ISA-75.25), in manual mode: step OP in one direction until PV responds, then back by"
     if stiction is None or stiction.s.value <= 0:
         return f"{start} {TRIALS}"
     low = stiction.s.low or stiction.s.value
     high = stiction.s.value if stiction.s.high is None else stiction.s.high
+    if 1.5 * high < least_step:
+        return (
+            f"no bump test: S is at most {high:.3g} OP units, steps below {least_step:.3g} are not resolved; "
+            "compare the position of the stem with OP at the valve"
+        )
+    if low / 2 < least_step:
+        return f"{start} {1.5 * high:.3g}: a valve that sticks does not respond before"
     return f"{start} {low / 2:.3g} (a sticking valve does not respond), then by {1.5 * high:.3g} in total"

@@ -13,6 +13,11 @@ if TYPE_CHECKING:
     from agent.analysis.results import Estimate, MethodResult, ProcessEstimate, StictionEstimate
 
 
+ANSWER = 0.5
+"""Width of an interval, over the value, up to which it is an answer: neither repair nor bump test depends on
+a quarter more or less."""
+
+
 def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield verdict, cause, numbers with their 90 % intervals where there are any, and the reasons."""
     verdict = diagnosis.verdict.replace("_", " ")
@@ -47,22 +52,31 @@ def _indexed(name: str, index: float | None) -> str:
 
 def _stiction(stiction: StictionEstimate) -> list[str]:
     lines = [
-        _estimate("S", stiction.s, identifiable=stiction.identifiable_s),
-        _estimate("J", stiction.j, identifiable=stiction.identifiable_j),
-        _estimate("f_S", stiction.f_s),
-        _estimate("f_D", stiction.f_d),
+        estimate_line("S", stiction.s, identifiable=stiction.identifiable_s),
+        estimate_line("J", stiction.j, identifiable=stiction.identifiable_j),
+        estimate_line("f_S", stiction.f_s),
+        estimate_line("f_D", stiction.f_d),
     ]
     return [line for line in lines if line is not None]
 
 
-def _estimate(name: str, estimate: Estimate, *, identifiable: bool | None = None) -> str | None:
+def estimate_line(name: str, estimate: Estimate, *, identifiable: bool | None = None) -> str | None:
     """Return a line for a number in OP units; None where nothing is known of how sure it is."""
     known = estimate.low is not None and estimate.high is not None
     span = f"{estimate.low:.4g} to {estimate.high:.4g}" if known else ""
+    if identifiable is False and known and answers(estimate):
+        return f"{name} = {estimate.value:.4g} OP units, uncertain: {span}"
     if identifiable is False:
         allowed = f"the record allows {span}" if known else "the record does not determine it"
         return f"{name} = {estimate.value:.4g} OP units, but not identifiable: {allowed}"
     return f"{name} = {estimate.value:.4g} OP units, 90 % interval {span}" if known else None
+
+
+def answers(estimate: Estimate) -> bool:
+    """Whether an interval is narrow enough to be an answer, though it does not identify the value."""
+    if estimate.low is None or estimate.high is None:
+        return False
+    return estimate.high - estimate.low <= ANSWER * abs(estimate.value)
 
 
 def _process(process: ProcessEstimate) -> list[str]:

@@ -100,6 +100,8 @@ def _fit_words(record: RecordSummary, found: Quantification, diagnosis: Diagnosi
     if found.failure is not None:
         return [f"{found.quantifier} gave no result: {found.failure}"]
     linear = f"the model without stiction fits PV to {_percent(found.linear_percent)}"
+    if found.stiction is None and diagnosis.verdict == "stiction":
+        return [f"{linear}; how much the valve sticks is not seen in PV"]
     if found.stiction is None:
         return [f"{linear}, and a model with stiction fits no better"]
     s, j = found.stiction.s.value, found.stiction.j.value

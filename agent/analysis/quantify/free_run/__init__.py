@@ -41,7 +41,13 @@ from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
 from agent.analysis.quantify.free_run.search import Found, best_linear, best_stiction
 from agent.analysis.quantify.free_run.second_search import converged_search
 from agent.analysis.quantify.valves.turns import turns
-from agent.analysis.results import MethodVerdict, ProcessEstimate, ProcessIntervals, Quantification
+from agent.analysis.results import (
+    MethodVerdict,
+    ProcessEstimate,
+    ProcessIntervals,
+    Quantification,
+    SimulatedModel,
+)
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
@@ -102,6 +108,12 @@ class FreeRun:
         chosen = linear if decision == "no_stiction" else best
         of_process = process_intervals_of(found, problem, window.ts) if found and chosen is best else None
         model_pv, model_mv = simulate(chosen, problem, window)
+        other = None
+        if found and chosen is not best:
+            of_best = process_intervals_of(found, problem, window.ts)
+            other = SimulatedModel(
+                process(best, problem, window.ts, of_best), *simulate(best, problem, window)
+            )
         return Quantification(
             quantifier=self.name,
             stiction=stiction_estimate(found, problem) if found else None,
@@ -115,6 +127,7 @@ class FreeRun:
             profile=profile(found, problem, window.ts) if found else None,
             quick_evidence=quick_evidence(window, problem, best) if found else 1.0,
             turns=turns(valve_position(best.candidate, problem)) if found else 0,
+            sticking=other,
         )
 
 
