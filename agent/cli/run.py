@@ -64,7 +64,7 @@ async def _until_stopped(config: Path, settings: Settings) -> None:
         agent.accompany(Health("configuration"), Reloader(config, agent, manager, changed).run)
         agent.accompany(Health("watchdog"), functools.partial(watch, agent.hung, manager))
         if settings.agent.http is not None:
-            _serve_http(agent, settings.agent.http)
+            _serve_http(agent, settings.agent.http, config)
 
         def ready() -> None:
             LOG.info("%s", agent.summary, extra={"event": "started"})
@@ -82,11 +82,12 @@ async def _until_stopped(config: Path, settings: Settings) -> None:
         work.result()  # it never ends by itself: raise what ended it
 
 
-def _serve_http(agent: Agent, settings: HttpSettings) -> None:
+def _serve_http(agent: Agent, settings: HttpSettings, config: Path) -> None:
     """Serve the page, health and metrics while the agent runs."""
     from agent.cli.common.page import serve_page
 
-    serve_page(agent, settings, lambda line: print(line, flush=True))  # noqa: T201 - its output
+    say = functools.partial(print, flush=True)
+    serve_page(agent, settings, say, config=config if settings.configure else None)
 
 
 def _log(diagnosis: Diagnosis) -> None:

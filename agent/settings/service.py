@@ -12,13 +12,15 @@ from connectors.secret import Secret
 
 
 class HttpSettings(Options):
-    """A small HTTP server for monitoring: /health, /live and /metrics."""
+    """HTTP server of the page and of /health, /live and /metrics."""
 
     host: Annotated[str, Field(min_length=1)] = "127.0.0.1"
     """Address on which it listens. A `token` is required if other machines can reach it."""
     port: Port = 9187
     token: Secret | None = None
     """Token that a client must send: `Authorization: Bearer TOKEN`; /live needs none."""
+    configure: bool = False
+    """Whether the page may change this file: loops and connections, whose options name files and secrets."""
 
     @model_validator(mode="after")
     def _token_beyond_loopback(self) -> HttpSettings:

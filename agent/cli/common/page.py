@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import socket
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ def serve_page(
     settings: HttpSettings,
     say: Callable[[str], None],
     title: str = "slipjump",
+    config: Path | None = None,
 ) -> None:
     """Serve the page, health and metrics while the agent works.
 
@@ -25,6 +27,7 @@ def serve_page(
         settings: Where to listen.
         say: Is given the line with the address when clients can come, once.
         title: Name of the plant.
+        config: File that the page may change; None: none.
     """
     from agent.runtime.operate.http import serve
     from agent.runtime.operate.metrics import Metrics
@@ -43,7 +46,13 @@ def serve_page(
             said = True
             say(f"address: {address(settings)}")
 
-    page = plant_page(Plant(agent), title)
+    more = []
+    if config is not None:
+        from agent.web.configuration import Configuration
+        from agent.web.screens import configure
+
+        more.append(configure.screen(Configuration(config, agent)))
+    page = plant_page(Plant(agent), title, more)
     agent.accompany(health, functools.partial(serve, settings, agent.overview, metrics, listens, page))
 
 

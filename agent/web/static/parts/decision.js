@@ -1,19 +1,7 @@
 // What a person decides about an alarm: acknowledge, shelve for a time, take out of service and back.
 import { send } from "./api.js";
 import { html, useState } from "./html.js";
-
-const who = () => {
-  try {
-    return localStorage.getItem("slipjump.by") ?? "";
-  } catch {
-    return "";
-  }
-};
-const keepWho = (by) => {
-  try {
-    localStorage.setItem("slipjump.by", by);
-  } catch { /* storage is off: the name is typed again */ }
-};
+import { keepWho, who } from "./who.js";
 
 export function Decision({ row, id, decided }) {
   const [by, setBy] = useState(who());
