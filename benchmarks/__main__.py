@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import os
 import platform
 from pathlib import Path
 
+from agent.runtime.capabilities import cores
 from benchmarks import (
     diagnosis,
     evidence_weights,
@@ -77,9 +77,7 @@ def main() -> None:
     if given.loops is not None and given.loops < 1:
         parser.error("--loops: expected 1 or more")
     options = Options(full=given.full, loops=given.loops, save=given.save)
-    print(
-        f"{platform.platform()}, {len(os.sched_getaffinity(0))} cores, Python {platform.python_version()}\n"
-    )
+    print(f"{platform.platform()}, {cores()} cores, Python {platform.python_version()}\n")
     for name in given.names or BENCHMARKS:
         (BENCHMARKS | ONLY_NAMED)[name](options)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -114,11 +113,12 @@ def browse(
 
 
 def _searched(options: OpcUaOptions, bounds: Bounds, root: str, patterns: Mapping[str, str]) -> LoopSearch:
+    from agent.runtime.capabilities import run_event_loop
     from agent.runtime.commission.loop_search import find_loops
 
     try:
         with _progress() as show_progress:
-            return asyncio.run(find_loops(options, bounds, root, patterns, show_progress))
+            return run_event_loop(find_loops(options, bounds, root, patterns, show_progress))
     except ConnectionLostError as error:
         raise ConfigError([str(error)]) from error
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import logging
 import math
@@ -70,15 +69,16 @@ def _warn(config: Path, settings: Settings, *, as_json: bool) -> None:
 def _probed(settings: Settings, within: float, watch: float) -> tuple[Finding, ...]:
     from rich.console import Console
 
+    from agent.runtime.capabilities import run_event_loop
     from agent.runtime.commission.probe import probe
 
     logging.getLogger("connectors").setLevel(logging.CRITICAL)  # the report shows it, with loop and tag
     tags = sum(len(loop.roles) for loop in settings.loops)
     console = Console(stderr=True)
     if not console.is_terminal:
-        return asyncio.run(probe(settings, within, watch))
+        return run_event_loop(probe(settings, within, watch))
     with console.status(f"reading {tags} tags on {len(settings.connections)} connections"):
-        return asyncio.run(probe(settings, within, watch))
+        return run_event_loop(probe(settings, within, watch))
 
 
 def _plan(settings: Settings) -> list[str]:

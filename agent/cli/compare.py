@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import threading
 from collections.abc import Iterable, Iterator, Sequence
@@ -204,14 +203,16 @@ def _write(path: Path, text: str) -> bool:
 @contextmanager
 def _pool() -> Iterator[Map]:
     """Yield a map that works on all cores."""
-    workers = len(os.sched_getaffinity(0))
+    from agent.runtime.capabilities import cores, import_before_start
+
+    workers = cores()
     if workers == 1:
         announce_compilation(threading.Event())
         yield map
         return
     from agent.runtime.loop.process_pool import CONTEXT, process_pool
 
-    CONTEXT.set_forkserver_preload(["agent.workbench.session"])  # imports once
+    import_before_start(CONTEXT, ["agent.workbench.session"])
     told = CONTEXT.Event()
     announce_compilation(told)
     with process_pool(workers, announce_compilation, told) as pool:

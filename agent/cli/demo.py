@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import functools
 import json
-import signal
 import time
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -73,10 +72,11 @@ def demo(
     from rich.console import Console
 
     from agent.cli.common.errors import BAD_INPUT, complain
+    from agent.runtime.capabilities import run_event_loop
 
     console = Console(stderr=as_json)
     try:
-        loops, elapsed = asyncio.run(_play(seconds, console, web=not no_web, stays=not as_json))
+        loops, elapsed = run_event_loop(_play(seconds, console, web=not no_web, stays=not as_json))
     except OSError as error:
         complain(str(error))
         raise typer.Exit(BAD_INPUT) from error
@@ -106,6 +106,7 @@ async def _play(seconds: float, console: Console, *, web: bool, stays: bool) -> 
     from agent.cli.common.config_folder import config_folder
     from agent.cli.common.page import free_port, serve_page
     from agent.cli.common.stage import LOOK, on_stage
+    from agent.runtime.capabilities import on_signals
     from agent.runtime.loop.workers import PoolExecutor
     from agent.settings import HttpSettings
     from simulators.source import PlantSource
@@ -152,7 +153,7 @@ async def _play(seconds: float, console: Console, *, web: bool, stays: bool) -> 
                 if stays:
                     console.print("All verdicts are in. The page stays until Ctrl-C.")
                     end = asyncio.Event()
-                    asyncio.get_running_loop().add_signal_handler(signal.SIGINT, end.set)
+                    on_signals({"SIGINT": end.set})
                     while not end.is_set():
                         await look_again()
     return loops, elapsed

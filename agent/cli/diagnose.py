@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -193,14 +192,16 @@ def _answers(tasks: Sequence[Task], advance: Callable[[], None]) -> Iterator[Ans
 
 
 def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
-    workers = min(len(tasks), len(os.sched_getaffinity(0)))
+    from agent.runtime.capabilities import cores, import_before_start
+
+    workers = min(len(tasks), cores())
     if workers == 1:
         announce_compilation(threading.Event())
         yield from map(work_out, tasks)
         return
     from agent.runtime.loop.process_pool import CONTEXT, process_pool
 
-    CONTEXT.set_forkserver_preload(["agent.analysis.diagnose"])  # imports once
+    import_before_start(CONTEXT, ["agent.analysis.diagnose"])
     told = CONTEXT.Event()
     with process_pool(workers, announce_compilation, told) as pool:
         yield from pool.map(work_out, tasks)

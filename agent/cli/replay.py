@@ -74,12 +74,13 @@ def replay(
 
     The agent judges each recording as one window, and one window raises the alarm.
     """
+    from agent.runtime.capabilities import run_event_loop
     from connectors.recording import Columns
 
     if speed is not None and not 0 < speed < float("inf"):
         raise typer.BadParameter(f"{speed:g} is not a positive factor", param_hint="'--speed'")
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
-    if asyncio.run(_replay_all(option.in_folders(recordings), columns, bus, speed, as_json=as_json)):
+    if run_event_loop(_replay_all(option.in_folders(recordings), columns, bus, speed, as_json=as_json)):
         raise typer.Exit(BAD_INPUT)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import functools
 import logging
-import signal
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -33,6 +32,7 @@ def run(
 
     SIGHUP reads the configuration again; loops and connections that did not change continue.
     """
+    from agent.runtime.capabilities import run_event_loop
     from agent.runtime.operate.heap import keep_one_heap
     from agent.runtime.store.lock import only_agent_of
     from agent.settings import load_settings
@@ -41,11 +41,12 @@ def run(
     set_up(log_format, log_level)
     keep_one_heap()
     with only_agent_of(settings.agent.state):
-        asyncio.run(_until_stopped(config, settings))
+        run_event_loop(_until_stopped(config, settings))
 
 
 async def _until_stopped(config: Path, settings: Settings) -> None:
     from agent.runtime.agent import Agent
+    from agent.runtime.capabilities import on_signals
     from agent.runtime.loop.workers import PoolExecutor
     from agent.runtime.operate.notify import ServiceManager
     from agent.runtime.operate.reload import Reloader
@@ -53,12 +54,8 @@ async def _until_stopped(config: Path, settings: Settings) -> None:
     from agent.runtime.supervisor import Health
 
     stopping, changed, manager = asyncio.Event(), asyncio.Event(), ServiceManager.of()
-    for number, event in (
-        (signal.SIGTERM, stopping),
-        (signal.SIGINT, stopping),
-        (signal.SIGHUP, changed),
-    ):
-        asyncio.get_running_loop().add_signal_handler(number, event.set)
+    stop_at = dict.fromkeys(("SIGTERM", "SIGINT", "SIGBREAK"), stopping.set)
+    on_signals({**stop_at, "SIGHUP": changed.set})
     async with PoolExecutor(settings.agent.workers) as executor:
         agent = Agent(settings, executor, _log)
         agent.accompany(Health("configuration"), Reloader(config, agent, manager, changed).run)

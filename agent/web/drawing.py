@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
 import signal
 from collections import OrderedDict
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, NoReturn, TypeVar
 
+from agent.runtime.capabilities import step_back
 from agent.runtime.loop.process_pool import process_pool
 
 KEPT = 64
@@ -65,4 +65,4 @@ class Drawing:
 def _prepare() -> None:
     """Ctrl-C is for the agent; and diagnoses come first."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.nice(NICE)
+    step_back(NICE)

@@ -19,6 +19,7 @@ from connectors.opcua_server.asyncua_private import client_sessions, is_listenin
 from connectors.opcua_server.caller import CallerServer
 from connectors.opcua_server.options import OpcUaServerOptions
 from connectors.opcua_server.strict import StrictServer
+from connectors.reuse import listen_again
 
 _LOG = logging.getLogger(__name__)
 _MOST_BYTES = 8 * 2**20
@@ -83,7 +84,7 @@ def _as_connection_lost(options: OpcUaServerOptions) -> Iterator[None]:
 def _try_port(options: OpcUaServerOptions) -> None:
     family, kind, _, _, address = socket.getaddrinfo(options.host, options.port, type=socket.SOCK_STREAM)[0]
     with socket.socket(family, kind) as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listen_again(probe)
         probe.bind(address)
         probe.listen()
 

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from connectors.reuse import listen_again
+
 if TYPE_CHECKING:
     from agent.runtime.agent import Agent
     from agent.settings import HttpSettings
@@ -60,7 +62,7 @@ def free_port(preferred: int) -> int:
     """Return a port of loopback that is free: the preferred one where it is."""
     for port in (preferred, 0):
         with socket.socket() as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listen_again(probe)
             try:
                 probe.bind(("127.0.0.1", port))
             except OSError:

@@ -7,8 +7,11 @@ import os
 import threading
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from typing import Any
 
-CONTEXT = multiprocessing.get_context("forkserver")
+from agent.runtime.capabilities import cores, start_method
+
+CONTEXT: Any = multiprocessing.get_context(start_method())
 """Workers come from a process that has no threads, event loop or sockets; a plain fork would copy ours."""
 
 
@@ -22,7 +25,7 @@ def process_pool(
         ready: Prepares each of them; it and its arguments are pickled, so it is a module-level function.
         args: Its arguments.
     """
-    count = len(os.sched_getaffinity(0)) if workers is None else workers
+    count = cores() if workers is None else workers
     return ProcessPoolExecutor(count, CONTEXT, _begin, (ready, args))
 
 

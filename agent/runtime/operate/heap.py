@@ -19,7 +19,7 @@ def keep_one_heap() -> None:
 
     It has no effect without glibc.
     """
-    with contextlib.suppress(OSError, AttributeError):  # no C library, or one without that function
+    with contextlib.suppress(OSError, AttributeError, TypeError):  # no C library of that kind
         mallopt = ctypes.CDLL(None).mallopt
         for name, (number, value) in _SETTINGS.items():
             if name not in os.environ:

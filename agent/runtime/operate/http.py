@@ -21,6 +21,7 @@ from agent.runtime.operate.metrics import Metrics
 from agent.runtime.operate.status import AgentStatus
 from agent.settings import HttpSettings
 from connectors.base import AccessDeniedError, ConnectionLostError
+from connectors.reuse import listen_again
 
 MOST_CLIENTS = 128
 """Connections at the same time; more get 503. A browser keeps six."""
@@ -133,7 +134,7 @@ def _bound(host: str, port: int) -> socket.socket:
         )
         listener = socket.socket(family, kind, number)
         try:
-            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listen_again(listener)
             listener.bind(address)
             listener.listen(MOST_CLIENTS)
         except OSError:

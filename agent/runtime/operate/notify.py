@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import logging
 import os
-import socket
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+
+from agent.runtime.capabilities import notification_socket
 
 LOG = logging.getLogger(__name__)
 
@@ -56,9 +57,11 @@ class ServiceManager:
             return
         # "@" stands for the zero byte of a socket that has no file
         address = "\0" + self.address[1:] if self.address.startswith("@") else self.address
-        kind = socket.SOCK_DGRAM | socket.SOCK_CLOEXEC | socket.SOCK_NONBLOCK
+        manager = notification_socket()
+        if manager is None:
+            return
         try:
-            with socket.socket(socket.AF_UNIX, kind) as manager:
+            with manager:
                 manager.sendto("\n".join(lines).encode(), address)
         except OSError as error:
             LOG.debug("cannot send %s to systemd: %s", lines[0], error)

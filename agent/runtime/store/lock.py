@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import fcntl
 import logging
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from agent.runtime.capabilities import try_lock
 from connectors.base import ConfigError
 
 LOG = logging.getLogger(__name__)
@@ -27,25 +27,29 @@ def only_agent_of(state: Path | None) -> Iterator[None]:
         return
     path = state.with_name(f"{state.name}.lock")
     try:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     except OSError as error:
         _warn_unlocked(path, error)
         yield
         return
     try:
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            os.truncate(handle, 0)
-            os.pwrite(handle, f"{os.getpid()}\n".encode(), 0)
-        except BlockingIOError as error:
-            holder = os.pread(handle, 20, 0).decode("ascii", "replace").strip()
-            who = f", process {holder}" if holder.isdigit() else ""
-            raise ConfigError([f"{state}: is used by another agent{who}"]) from error
+            if not try_lock(handle):
+                raise ConfigError([f"{state}: is used by another agent{_holder(handle)}"])
+            os.ftruncate(handle, 0)
+            os.lseek(handle, 0, os.SEEK_SET)
+            os.write(handle, f"{os.getpid()}\n".encode())
         except OSError as error:
             _warn_unlocked(path, error)
         yield
     finally:
         os.close(handle)
+
+
+def _holder(handle: int) -> str:
+    os.lseek(handle, 0, os.SEEK_SET)
+    holder = os.read(handle, 20).decode("ascii", "replace").strip()
+    return f", process {holder}" if holder.isdigit() else ""
 
 
 def _warn_unlocked(path: Path, error: OSError) -> None:
