@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import count
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -13,6 +14,9 @@ from simulators.plant import Row, rows
 if TYPE_CHECKING:
     from connectors.recording import RecordedLoop
     from simulators.scenario import Scenario
+
+FOR_EVER = 1e10
+"""Duration that nobody sees the end of, s."""
 
 
 class Source(Protocol):
@@ -52,6 +56,45 @@ class PlantSource:
     def rows(self) -> Iterator[Row]:
         """All rows from the first on; each call starts the plant anew."""
         return rows(self._scenario)
+
+
+class EndlessSource:
+    """A simulated loop that goes on for ever, from a time of its own.
+
+    A scenario without events goes on; one with set-point steps, load steps or changes of gain begins anew
+    when its duration is over, each time with other noise.
+    """
+
+    def __init__(self, scenario: Scenario, start: float) -> None:
+        """Make it.
+
+        Args:
+            scenario: The loop.
+            start: Time of the first row, s UTC.
+        """
+        self._scenario = scenario.model_copy(update={"start": start})
+
+    @property
+    def loop(self) -> str:
+        """Name of the loop."""
+        return self._scenario.loop
+
+    @property
+    def ts(self) -> float:
+        """Sampling time, s."""
+        return self._scenario.ts
+
+    def rows(self) -> Iterator[Row]:
+        """All rows from the first on, without end."""
+        once = self._scenario
+        if not (once.set_points or once.load_steps or once.gain_steps):
+            yield from rows(once.model_copy(update={"duration": FOR_EVER}))
+            return
+        length = once.samples * once.ts
+        for run in count():
+            yield from rows(
+                once.model_copy(update={"start": once.start + run * length, "seed": once.seed + run})
+            )
 
 
 class RecordingSource:

@@ -24,6 +24,7 @@ from agent.cli.import_ import import_
 from agent.cli.registers import registers
 from agent.cli.replay import replay
 from agent.cli.run import run
+from agent.cli.serve import serve
 from agent.cli.simulate import simulate
 from agent.cli.warm import warm
 from connectors.base import ConfigError
@@ -39,6 +40,8 @@ slipjump diagnose *.csv --op CO --ts 5 --json  (one JSON object a line)
 slipjump compare FIC101.csv --auto  (which physical effect is missing)
 
 slipjump replay FIC101.csv --bus mqtt  (a recording through the agent)
+
+slipjump serve fic101_stick_slip --config plant.yaml  (simulated loops on OPC UA, to train with)
 
 slipjump browse opc.tcp://dcs:4840 -o plant.yaml  (find the loops by their names)
 
@@ -65,6 +68,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     compare,
     import_,
     replay,
+    serve,
     run,
     browse,
     check,

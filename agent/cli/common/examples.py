@@ -19,6 +19,10 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
         "slipjump import export.csv -o export.yaml  (the same as a file; correct it, give it to --mapping)",
     ),
     "replay": ("slipjump replay FIC101.csv --bus mqtt  (over a broker to the agent: is the alarm seen?)",),
+    "serve": (
+        "slipjump serve --list  (scenarios that ship)",
+        "slipjump serve fic101_stick_slip --bus mqtt --config plant.yaml  (then: slipjump run plant.yaml)",
+    ),
     "run": ("slipjump run plant.yaml --log-format json  (until SIGTERM or Ctrl-C)",),
     "browse": ("slipjump browse opc.tcp://dcs:4840 -o plant.yaml  (find the loops, write a configuration)",),
     "check": (

@@ -8,7 +8,7 @@ from simulators.draws.periodicity import period_and_strength
 from simulators.plant import simulate
 from simulators.scenario import load_scenario
 
-SHIPPED = sorted((Path(__file__).parents[3] / "config" / "scenarios").glob("*.yaml"))
+SHIPPED = sorted((Path(__file__).parents[3] / "config" / "scenarios").glob("[a-z]*[0-9]*.yaml"))
 
 LEAST = """
 loop: FIC1
