@@ -30,7 +30,7 @@ from agent.analysis.quantify.free_run.objective import (
 from agent.analysis.quantify.free_run.search import Found
 
 SPAN = 10.0
-PROBLEM = SimpleNamespace(op_span=SPAN, period=100.0)
+PROBLEM = SimpleNamespace(op_span=SPAN)
 
 
 def fitted(error, s, j, structure=FOPDT, delay=3.0):

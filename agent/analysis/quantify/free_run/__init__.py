@@ -17,6 +17,7 @@ from agent.analysis.quantify.free_run.bristles import with_bristles
 from agent.analysis.quantify.free_run.few_periods import searched_by_samples
 from agent.analysis.quantify.free_run.fitted import Fitted
 from agent.analysis.quantify.free_run.intervals import (
+    hidden_movement,
     process_intervals,
     profile,
     same_structure,
@@ -116,7 +117,7 @@ class FreeRun:
             )
         return Quantification(
             quantifier=self.name,
-            stiction=stiction_estimate(found, problem) if found else None,
+            stiction=stiction_estimate(found, problem, hidden_movement(problem, window)) if found else None,
             process=process(chosen, problem, window.ts, of_process),
             free_run_percent=fit_percent(best, problem),
             linear_percent=fit_percent(linear, problem),

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.loop.pi_controller import pi_controller
 from agent.analysis.quantify.free_run.objective import DELAY, J_RATIO, LOG_TAU, LOG_TAU2, SOPDT, S
 from agent.analysis.results import Estimate, ProcessIntervals, Profile, StictionEstimate
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.quantify.free_run.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
+    from agent.analysis.record.recording import LoopWindow
 
 ALIKE = 1.3
 """Sum of squares over the least up to which a model counts as alike (simulated loops, seeds 2000 to 2199)."""
@@ -33,9 +35,12 @@ NARROW_S = 0.10
 """Width of the interval of S, over the OP span, up to which the record determines S."""
 NARROW_J = 0.25
 """Likewise of J."""
-COARSE, FINE = 30.0, 60.0
+COARSE, FINE = 50.0, 100.0
 """Samples a period up to which the movement of OP within a sample is added to the intervals, and from which
-none of it is (simulated loops, ``benchmarks.sampling_rate``): at 48 and 120 they hold without."""
+none of it is: simulated loops (``benchmarks.sampling_rate``) need all of it at 48, and none at 120."""
+EXACT = 1e-6
+"""Share of the increments of OP that a PI law leaves unexplained up to which a record has every scan: of
+records with a tenth of the scans or fewer it leaves 3e-6 and more."""
 PROFILE_POINTS = 40
 
 
@@ -45,18 +50,20 @@ def alike(found: Found, times: float = ALIKE) -> list[Fitted]:
     return [found.best, *(f for f in found.others if f.error <= limit)]
 
 
-def stiction_estimate(found: Found, problem: Problem) -> StictionEstimate:
-    """Return the bands of the best model with their intervals, OP units."""
+def stiction_estimate(found: Found, problem: Problem, hidden: float = 0.0) -> StictionEstimate:
+    """Return the bands of the best model with their intervals, OP units.
+
+    ``hidden`` is ``hidden_movement``.
+    """
     s, j = np.array([s_and_j(f) for f in alike(found)]).T
     j_alone = np.array([s_and_j(f)[1] for f in alike(found, ALIKE_IN_J)])
     span = problem.op_span
-    hidden = hidden_movement(problem)
-    s_estimate = interval(s, MARGIN_S * span, above=hidden)
+    s_estimate = interval(s, MARGIN_S * span + hidden / 2, above=hidden / 2)
     j_estimate = interval(j_alone, MARGIN_J * span + hidden)
-    margin = (MARGIN_S + MARGIN_J) / 2 * span + hidden / 2
+    margin = (MARGIN_S + MARGIN_J) / 2 * span + 3 / 4 * hidden
     return StictionEstimate(
-        f_s=interval((s + j) / 2, margin, above=hidden / 2),
-        f_d=interval((s - j) / 2, margin, above=hidden / 2),
+        f_s=interval((s + j) / 2, margin, above=hidden / 4),
+        f_d=interval((s - j) / 2, margin, above=hidden / 4),
         s=s_estimate,
         j=j_estimate,
         identifiable_s=width(s_estimate) <= NARROW_S * span,
@@ -70,13 +77,17 @@ def s_and_j(fitted: Fitted) -> tuple[float, float]:
     return s, s * float(fitted.candidate[J_RATIO])
 
 
-def hidden_movement(problem: Problem) -> float:
+def hidden_movement(problem: Problem, window: LoopWindow) -> float:
     """Return by how much OP moves within one sample, where nothing is recorded, OP units.
 
     OP travels its span twice a period. Its turns lie between two samples, each cut off by up to half a
-    movement, and a slip is known to half a sample: so S is up to one movement larger than it looks, and not
-    smaller; J is up to one larger or smaller. In fine records the limits of alike models have it already.
+    movement, and a slip is known to half a sample: so S is up to one movement larger than it looks, and half
+    a movement smaller; J is up to one larger or smaller. Where the controller's law holds from sample to
+    sample, OP rests between them.
     """
+    law = pi_controller(window)
+    if law is not None and 1.0 - law.explained <= EXACT:
+        return 0.0
     fine = (problem.period - COARSE) / (FINE - COARSE)
     return min(max(1.0 - fine, 0.0), 1.0) * 2.0 * problem.op_span / problem.period
 
