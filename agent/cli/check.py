@@ -57,9 +57,11 @@ def _warn(config: Path, settings: Settings, *, as_json: bool) -> None:
     from agent.settings.same_tags import same_tags
 
     places = Places.of(config.read_text(encoding="utf-8"))
+    connections = {loop.name: loop.connection for loop in settings.loops}
     for loop, words in same_tags(settings).items():
         if as_json:
-            typer.echo(json.dumps({"what": "warning", "loop": loop, "warning": words}))
+            where_read = {"connection": connections[loop], "loop": loop, "place": "pv, op"}
+            typer.echo(json.dumps({"what": "warning", **where_read, "problems": [], "remarks": [words]}))
             continue
         line = places.line("loops", loop, "tags")
         where = str(config) if line is None else f"{config}, line {line}"
