@@ -22,6 +22,11 @@ class Clock:
         self._factor = factor
         self._offset: float | None = None
 
+    def change(self, factor: float) -> None:
+        """Go on at another factor, > 0, from the next wait."""
+        self._factor = factor
+        self._offset = None
+
     async def wait_until(self, time: float) -> None:
         """Return when simulated ``time`` (s) has come, at once where it has passed; others get a turn."""
         if self._factor is None:

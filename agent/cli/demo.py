@@ -26,7 +26,11 @@ if TYPE_CHECKING:
 
 
 LONG = 1e8
-"""Duration of the scenarios where somebody looks at the page, simulated s: a month at 40 times real time."""
+"""Duration of the scenarios, simulated s: weeks at 60 times real time, on however slow a machine."""
+REAL_TIME = 1.0
+"""Speed after all verdicts are in: a page that stays open costs little."""
+INCOMPLETE = 1
+"""Exit code where verdicts are missing."""
 PORT = 9187
 """Of the page, where it is free: the one of `agent.http`."""
 
@@ -41,7 +45,9 @@ class DemoLoop:
     active: bool = False
     """Whether the agent holds its alarm active."""
     seen: bool = False
-    """Whether the consumer on its bus was told so."""
+    """Whether the consumer on its bus received it."""
+    missing: str | None = None
+    """What was missing at the end."""
 
     @property
     def name(self) -> str:
@@ -53,22 +59,30 @@ class DemoLoop:
         """Verdict of the newest window; undecided before the first."""
         return self.diagnoses[-1].verdict if self.diagnoses else "undecided"
 
-    def settled(self, windows: int) -> bool:
-        """Whether ``windows`` verdicts in a row agree, and the bus has what follows from them."""
+    def lacks(self, windows: int) -> str | None:
+        """Return what is missing until ``windows`` verdicts in a row agree and the bus has what follows."""
         last = [diagnosis.verdict for diagnosis in self.diagnoses[-windows:]]
-        agreed = len(last) == windows and len(set(last)) == 1
-        return agreed and self.seen == (last[0] == "stiction")
+        if not last:
+            return "no verdict yet"
+        if len(last) < windows or len(set(last)) > 1:
+            return f"no {windows} verdicts in a row that agree"
+        if self.seen != (last[0] == "stiction"):
+            return f"its alarm was not seen on {self.bus}"
+        return None
 
 
 def demo(
     *,
     seconds: Annotated[
-        float, typer.Option(min=1.0, help="Longest wall time; it ends when all verdicts are in.")
-    ] = 120.0,
+        float, typer.Option(min=1.0, help="Longest wall time, s; it ends as soon as all verdicts are in.")
+    ] = 600.0,
     no_web: Annotated[bool, typer.Option("--no-web", help="Without the page.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object at the end.")] = False,
 ) -> None:
-    """Show the main job: simulated loops stream in over three buses, sticking valves raise alarms there."""
+    """Show the main job: simulated loops stream in over three buses, sticking valves raise alarms there.
+
+    It takes about a minute. Where a verdict is missing after --seconds it says so and ends with exit code 1.
+    """
     from rich.console import Console
 
     from agent.cli.common.errors import BAD_INPUT, complain
@@ -80,6 +94,9 @@ def demo(
     except OSError as error:
         complain(str(error))
         raise typer.Exit(BAD_INPUT) from error
+    missing = [f"{loop.name}: {loop.missing}" for loop in loops if loop.missing is not None]
+    for line in missing:
+        complain(line)
     if as_json:
         rows = [
             {
@@ -93,6 +110,8 @@ def demo(
             for loop in loops
         ]
         print(json.dumps({"loops": rows, "seconds": round(elapsed, 1)}))  # noqa: T201 - the command's output
+    if missing:
+        raise typer.Exit(INCOMPLETE)
 
 
 async def _play(seconds: float, console: Console, *, web: bool, stays: bool) -> tuple[list[DemoLoop], float]:
@@ -101,11 +120,10 @@ async def _play(seconds: float, console: Console, *, web: bool, stays: bool) -> 
     With ``web`` the page is served, and on a terminal, where it ``stays``, until Ctrl-C.
     """
     import yaml
-    from rich.live import Live
 
     from agent.cli.common.config_folder import config_folder
     from agent.cli.common.page import free_port, serve_page
-    from agent.cli.common.stage import LOOK, on_stage
+    from agent.cli.common.stage import on_stage
     from agent.runtime.capabilities import on_signals
     from agent.runtime.loop.workers import PoolExecutor
     from agent.settings import HttpSettings
@@ -114,7 +132,7 @@ async def _play(seconds: float, console: Console, *, web: bool, stays: bool) -> 
     folder = config_folder()
     plan = yaml.safe_load((folder / "demo.yaml").read_text(encoding="utf-8"))
     stays = web and stays and console.is_terminal
-    loops = _loops(folder / "scenarios", plan["loops"], LONG if stays else None)
+    loops = _loops(folder / "scenarios", plan["loops"])
     by_name = {loop.name: loop for loop in loops}
     sources = defaultdict(list)
     for loop in loops:
@@ -122,7 +140,6 @@ async def _play(seconds: float, console: Console, *, web: bool, stays: bool) -> 
     windows = plan["alarm"]["on_delay"]
     console.print(f"{len(loops)} loops on {', '.join(sources)}, {plan['speed']} times real time")
     async with PoolExecutor(plan["workers"]) as executor:
-        started = time.monotonic()
 
         def accompany(agent: Agent) -> None:
             if web:
@@ -137,36 +154,48 @@ async def _play(seconds: float, console: Console, *, web: bool, stays: bool) -> 
             lambda diagnosis: by_name[diagnosis.loop].diagnoses.append(diagnosis),
             accompany,
         ) as stage:
-            with Live(_table(loops, stage), console=console, auto_refresh=False) as live:
-
-                async def look_again() -> None:
-                    await asyncio.sleep(10 * LOOK)
-                    for loop, status in zip(loops, _status(loops, stage), strict=True):
-                        loop.active, loop.seen = status.alarm.active, stage.told.get(loop.name, False)
-                    live.update(_table(loops, stage), refresh=console.is_terminal)
-
-                while time.monotonic() - started < seconds and not all(
-                    loop.settled(windows) for loop in loops
-                ):
-                    await look_again()
-                elapsed = time.monotonic() - started
-                if stays:
-                    console.print("All verdicts are in. The page stays until Ctrl-C.")
-                    end = asyncio.Event()
-                    on_signals({"SIGINT": end.set})
-                    while not end.is_set():
-                        await look_again()
+            elapsed = await _watch(loops, stage, console, windows, seconds)
+            if stays and all(loop.missing is None for loop in loops):
+                console.print("All verdicts are in. The plant goes on in real time, the page until Ctrl-C.")
+                for clock in stage.clocks:
+                    clock.change(REAL_TIME)
+                end = asyncio.Event()
+                on_signals({"SIGINT": end.set})
+                await end.wait()
     return loops, elapsed
 
 
-def _loops(folder: Path, entries: Sequence[Mapping[str, str]], duration: float | None) -> list[DemoLoop]:
-    """Return the loops of the plan, each with its own duration or another (s)."""
+async def _watch(
+    loops: list[DemoLoop], stage: Stage, console: Console, windows: int, seconds: float
+) -> float:
+    """Show a table until all verdicts are in, at most so many seconds; return the wall time, s."""
+    from rich.live import Live
+
+    from agent.cli.common.stage import LOOK
+
+    started = time.monotonic()
+    with Live(_table(loops, stage), console=console, auto_refresh=False) as live:
+        while time.monotonic() - started < seconds and any(loop.lacks(windows) for loop in loops):
+            await asyncio.sleep(10 * LOOK)
+            for loop, status in zip(loops, _status(loops, stage), strict=True):
+                loop.active, loop.seen = status.alarm.active, stage.told.get(loop.name, False)
+            live.update(_table(loops, stage), refresh=console.is_terminal)
+    for loop in loops:
+        loop.missing = loop.lacks(windows)
+    return time.monotonic() - started
+
+
+def _loops(folder: Path, entries: Sequence[Mapping[str, str]]) -> list[DemoLoop]:
+    """Return the loops of the plan; none ends by itself."""
     from simulators.scenario import load_scenario
 
-    scenarios = [load_scenario(folder / Path(entry["scenario"])) for entry in entries]
-    if duration is not None:
-        scenarios = [each.model_copy(update={"duration": duration}) for each in scenarios]
-    return [DemoLoop(each, entry["bus"]) for each, entry in zip(scenarios, entries, strict=True)]
+    return [
+        DemoLoop(
+            load_scenario(folder / Path(entry["scenario"])).model_copy(update={"duration": LONG}),
+            entry["bus"],
+        )
+        for entry in entries
+    ]
 
 
 def _status(loops: list[DemoLoop], stage: Stage) -> list[LoopStatus]:

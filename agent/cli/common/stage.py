@@ -36,6 +36,8 @@ class Stage:
     agent: Agent
     playing: asyncio.Future[Any]
     """Done when every source has been played to its end."""
+    clocks: Sequence[Clock] = ()
+    """What paces the sources, one a bus."""
     told: dict[str, bool] = field(default_factory=dict)
     """Loop -> whether a consumer on its bus was told that its alarm is active; the newest word."""
 
@@ -84,8 +86,9 @@ async def on_stage(
         if accompany is not None:
             accompany(agent)
         tasks = await stack.enter_async_context(asyncio.TaskGroup())
-        playing = tasks.create_task(_play(sources, servers, speed, agent), name="players")
-        stage = Stage(agent, playing)
+        clocks = {bus: Clock(speed) for bus in sources}
+        playing = tasks.create_task(_play(sources, servers, clocks, agent), name="players")
+        stage = Stage(agent, playing, tuple(clocks.values()))
         background = [tasks.create_task(agent.run(), name="agent"), playing]
         background += [
             tasks.create_task(_watch(server, stage.told), name=f"consumer on {bus}")
@@ -120,10 +123,10 @@ async def _server(bus: str, roles: Mapping[str, Sequence[str]], stack: AsyncExit
 async def _play(
     sources: Mapping[str, Sequence[Source]],
     servers: Mapping[str, LoopServer],
-    speed: float | None,
+    clocks: Mapping[str, Clock],
     agent: Agent,
 ) -> None:
-    players = (play(loops, servers[bus], Clock(speed), agent.newest) for bus, loops in sources.items())
+    players = (play(loops, servers[bus], clocks[bus], agent.newest) for bus, loops in sources.items())
     await asyncio.gather(*players)
 
 

@@ -26,6 +26,20 @@ def test_first_wait_is_the_anchor():
     in_virtual_time(run())
 
 
+def test_another_factor_counts_from_the_next_wait():
+    async def run():
+        clock = Clock(40.0)
+        await clock.wait_until(0.0)
+        await clock.wait_until(400.0)
+        clock.change(1.0)
+        await clock.wait_until(401.0)
+        began = now()
+        await clock.wait_until(411.0)
+        assert now() - began == pytest.approx(10.0, abs=1e-6)
+
+    in_virtual_time(run())
+
+
 def test_little_lateness_is_caught_up():
     async def run():
         clock, began = Clock(1.0), now()
