@@ -20,8 +20,8 @@ from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, Settings
 from connectors.base import ConnectionLostError, Quality, Sample
 from connectors.options import Options, Target
+from tests.unit.runtime.agents import virtual
 from tests.unit.runtime.loops import START, loop_settings
-from tests.unit.runtime.test_agent import virtual
 
 HOUR = 3600.0
 TS = 10.0

@@ -16,7 +16,7 @@ from simulators.servers.broker import embedded_broker
 from simulators.servers.modbus import ModbusServer
 from simulators.servers.mqtt import MqttServer
 from simulators.servers.opcua import OpcUaServer
-from tests.unit.runtime.test_agent import judged
+from tests.unit.runtime.agents import judged
 
 START, N = 1.7e9, 400
 LOOPS = {"FIC101": ("pv", "op", "sp"), "FIC102": ("pv", "op", "sp")}

@@ -20,9 +20,9 @@ from connectors.modbus_server import register_map as at
 from connectors.modbus_server.connector import ModbusServerConnector
 from connectors.modbus_server.options import ModbusServerOptions, ModbusServerTarget
 from connectors.options import LoopTags, Options
+from tests.unit.runtime.agents import judged
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import loop_settings, sample
-from tests.unit.runtime.test_agent import judged
 
 LOOPS = ("FIC1", "LIC2")
 STATE = Publication("LIC2", "state", "1", {"state": "unacked_active", "active": True, "s": 4.5, "health": 4})

@@ -19,7 +19,7 @@ from agent.settings import settings_of
 from connectors.base import Order, Publication, RefusedError
 from connectors.checks import Reader
 from connectors.checks.session import until
-from tests.unit.runtime.test_agent import judged
+from tests.unit.runtime.agents import judged
 
 ALARM = {"schema": 1, "active": True, "s": 4.0, "j": math.nan}
 each_version = pytest.mark.parametrize("version", ["3.1.1", "5"])

@@ -3,74 +3,30 @@
 import asyncio
 import contextlib
 import socket
-import struct
 import time
 
 import pytest
 import pytest_asyncio
 from asyncua import Client, ua
-from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 from buses import free_port, listens, until
-from opcua_clients import alarm_list, alarms_at, session_around_the_endpoints
-from secure_peers import PASSWORD, make_keys
+from opcua_clients import alarms_at
 
 from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, ConnectionSettings, Settings
 from connectors.base import ConnectionLostError, Order
-from connectors.opcua_server.asyncua_private import client_sessions, monitored_items
-from connectors.opcua_server.connector import OpcUaServerConnector
-from connectors.opcua_server.listening import look_after
-from connectors.opcua_server.options import OpcUaServerOptions, OpcUaServerTarget
-from connectors.options import LoopTags, Options
+from connectors.opcua_server.options import OpcUaServerTarget
+from connectors.options import Options
+from tests.integration.opcua_served import connector_at, serving
 from tests.unit.connectors.alarm_messages import told
+from tests.unit.runtime.agents import judged
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import loop_settings, sample
-from tests.unit.runtime.test_agent import judged
 
 pytestmark = [
     pytest.mark.asyncio(loop_scope="module"),
     pytest.mark.timeout(180),  # a start loads thousands of nodes: ten times longer where others compute
 ]
-LOOPS = tuple(f"FIC10{n}" for n in range(1, 7))
-
-
-def connector_at(port, loops=LOOPS, **options):
-    target = OpcUaServerTarget(connection="ours", unit="%")
-    chosen = OpcUaServerOptions.model_validate({"port": port, **options})
-    return OpcUaServerConnector("ours", chosen, dict.fromkeys(loops, LoopTags({}, [target])))
-
-
-class Served:
-    """A server at work and where it listens."""
-
-    def __init__(self, session, port):
-        self.publish = session.publish
-        self.session = session
-        self.port = port
-        self._orders = session.samples()
-
-    async def order(self):
-        async with asyncio.timeout(30):
-            return await anext(self._orders)
-
-    async def become(self, loop, state, **fields):
-        """Tell a change as the agent does: the state, then the event."""
-        at = time.time()
-        await self.publish(told(loop, state, at=at, **fields))
-        await self.publish(told(loop, state, "event", at=at, **fields))
-
-
-@contextlib.asynccontextmanager
-async def serving(**options):
-    port, before = free_port(), asyncio.all_tasks()
-    async with connector_at(port, **options).session() as session:
-        served = Served(session, port)
-        yield served
-        await served._orders.aclose()
-    assert not listens(port)
-    await asyncio.sleep(0)
-    assert asyncio.all_tasks() - before - {asyncio.current_task()} == set(), "the server left tasks running"
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
@@ -78,44 +34,6 @@ async def served():
     """A server on this machine where everybody may give orders; each test has a loop of its own."""
     async with serving(anonymous="order") as made:
         yield made
-
-
-@pytest.fixture(scope="module")
-def keys(tmp_path_factory):
-    folder = make_keys(tmp_path_factory.mktemp("keys"))
-    (folder / "password").write_text(PASSWORD)
-    return folder
-
-
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
-async def guarded(keys):
-    """A server that knows one client and two users."""
-    security = {"certificate": f"{keys}/opcua.pem", "key": f"{keys}/opcua-key.pem"}
-    password = {"file": f"{keys}/password"}
-    async with serving(
-        security={**security, "clients": [f"{keys}/opcua.der"], "ca": f"{keys}/ca.pem", "sign_only": True},
-        users={"jane": {"password": password}, "wall": {"password": password, "may": "read"}},
-        anonymous="refused",
-    ) as made:
-        yield made
-
-
-@contextlib.asynccontextmanager
-async def client_of(
-    guarded, keys, user="jane", password=PASSWORD, certificate="opcua", *, mode="SignAndEncrypt"
-):
-    client = Client(f"opc.tcp://127.0.0.1:{guarded.port}", timeout=30)
-    client.application_uri = "urn:agent:slipjump"
-    client.set_user(user)
-    client.set_password(password)
-    await client.set_security(
-        SecurityPolicyBasic256Sha256,
-        f"{keys}/{certificate}.pem",
-        f"{keys}/{certificate}-key.pem",
-        mode=ua.MessageSecurityMode[mode],
-    )
-    async with client:
-        yield client
 
 
 async def test_an_alarm_is_seen_acknowledged_and_seen_to_be(served):
@@ -233,93 +151,6 @@ async def test_shelving_and_taking_out_of_service(served):
         assert (await served.order()).action == "in_service"
         assert await alarms.call(loop, "ShelvedStateMachineType_OneShotShelve") == "BadNotSupported"
         assert await alarms.call("FIC999", shelve, 1000.0) == "BadNodeIdInvalid"
-
-
-async def test_users_do_what_they_may(guarded, keys):
-    await guarded.become("FIC101", "unacked_active")
-    async with client_of(guarded, keys) as client, alarm_list(client) as alarms:
-        await alarms.refresh()
-        assert await alarms.acknowledge(alarms.of("FIC101")[0]) == "Good"
-        assert (await guarded.order()).by == "jane"
-        with pytest.raises(ua.UaStatusCodeError, match="BadUserAccessDenied"):
-            await alarms.node("FIC101.S").write_value(9.0)
-    async with client_of(guarded, keys, "wall", mode="Sign") as client, alarm_list(client) as alarms:
-        await alarms.refresh()
-        assert await alarms.acknowledge(alarms.of("FIC101")[0]) == "BadUserAccessDenied"
-
-
-async def test_strangers_stay_outside(guarded, keys, caplog):
-    for user, password in (("jane", "wrong"), ("jim", PASSWORD), ("jane", "")):
-        with pytest.raises(ua.UaStatusCodeError, match="BadUserAccessDenied"):
-            async with client_of(guarded, keys, user, password):
-                pass
-    with pytest.raises(ua.UaStatusCodeError, match="BadCertificateUntrusted"):
-        async with client_of(guarded, keys, certificate="stranger"):
-            pass
-    with pytest.raises(ua.UaStatusCodeError, match="BadCertificateUntrusted"):
-        await session_around_the_endpoints(guarded.port, PASSWORD)
-    assert "user 'jim' was not let in" in caplog.text
-    assert PASSWORD not in caplog.text
-
-
-async def test_nobody_can_write_any_node(served):
-    space = served.session._server.iserver.aspace
-    levels = (ua.AttributeIds.AccessLevel, ua.AttributeIds.UserAccessLevel)
-    bit = 1 << ua.AccessLevel.CurrentWrite
-
-    def writable(node, level):
-        value = space.read_attribute_value(node, level).Value
-        return value is not None and bool((value.Value or 0) & bit)
-
-    nodes = list(space.keys())
-    assert not [node for node in nodes if all(writable(node, level) for level in levels)]
-    assert len(nodes) > 5000
-
-
-async def test_what_a_client_may_ask_for_is_bounded(served, monkeypatch):
-    internal = served.session._server.iserver
-    async with alarms_at(served.port) as alarms:
-        eager = await alarms.client.create_subscription(0.001)
-        kept = internal.subscription_service.subscriptions[eager.subscription_id]
-        assert kept.data.RevisedPublishingInterval == 50.0
-        await eager.subscribe_data_change(alarms.node("FIC101.S"), queuesize=0)
-        assert [item.queue_size for item in monitored_items(kept).values()] == [1000]
-        monkeypatch.setattr("connectors.opcua_server.caller.MOST_ITEMS", 1)
-        with pytest.raises(ua.UaStatusCodeError, match="BadTooManyMonitoredItems"):
-            await eager.subscribe_data_change(alarms.node("FIC101.J"))
-        with pytest.raises(ua.UaStatusCodeError, match="BadServiceUnsupported"):
-            await alarms.client.uaclient.register_server(ua.RegisteredServer())
-        assert {session.session_timeout for session in client_sessions(internal)} == {60.0}
-        tokens = {session.auth_token.Identifier for session in client_sessions(internal)}
-        assert all(isinstance(token, bytes) and len(token) == 32 for token in tokens)
-
-
-async def test_a_client_that_sends_without_end_is_dropped(served):
-    reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
-    writer.write(b"HELF" + struct.pack("<I", 2**31) + bytes(2**20))
-    with contextlib.suppress(ConnectionError):
-        assert await reader.read() == b""
-    writer.close()
-    async with alarms_at(served.port) as alarms:  # the others are served
-        assert await alarms.node("/Agent.Loops").read_value() == len(LOOPS)
-
-
-async def test_a_client_that_does_not_read_is_dropped(served):
-    server, schema = served.session._server, ua.NodeId(ua.ObjectIds.OpcUa_XmlSchema)
-    assert len(server.iserver.aspace.read_attribute_value(schema, ua.AttributeIds.Value).Value.Value) > 2**17
-    client = Client(f"opc.tcp://127.0.0.1:{served.port}", timeout=30)
-    await client.connect()
-    client.uaclient.protocol.transport.pause_reading()
-    reads = [asyncio.create_task(client.get_node(schema).read_value()) for _ in range(200)]
-    await until(
-        lambda: any(c.transport.get_write_buffer_size() > 8 * 2**20 for c in server.bserver.clients), 30.0
-    )
-    look_after(server)
-    client.uaclient.protocol.transport.resume_reading()
-    results = await asyncio.gather(*reads, return_exceptions=True)
-    assert any(isinstance(result, Exception) for result in results)
-    with contextlib.suppress(ConnectionError, ua.UaError):
-        await client.disconnect()
 
 
 async def test_a_taken_port_is_told_and_the_next_session_shows_what_the_last_one_did():

@@ -9,7 +9,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from test_opcua_server import serving
+
+from tests.integration.opcua_served import serving
 
 PEER = Path(__file__).with_name("node_opcua_alarms.js")
 STATES = {"acknowledge": "acked_active", "shelve": "shelved"}

@@ -15,8 +15,8 @@ from connectors.checks.proxy import BLACK_HOLE, REFUSE, STALL, FaultProxy
 from connectors.checks.session import until
 from connectors.sparkplug.metrics import METRICS, REBIRTH
 from connectors.sparkplug.payload import DataType, Metric, decode, encode
+from tests.unit.runtime.agents import agent_of
 from tests.unit.runtime.fake_bus import FakeBus
-from tests.unit.runtime.test_agent import agent_of
 
 NODE = "spBv1.0/plant/{}/gate"
 NOW = 1.8e9

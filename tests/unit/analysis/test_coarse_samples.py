@@ -7,7 +7,7 @@ import pytest
 
 from agent.analysis.record.recording import LoopWindow
 from agent.report.reasons import reasons
-from tests.unit.analysis.test_diagnose import CALM, HEALTHY, STICKING, WINDOW, N, T, judged
+from tests.unit.analysis.diagnoses import CALM, HEALTHY, STICKING, WINDOW, N, T, judged
 
 
 def sampled(samples_per_period):

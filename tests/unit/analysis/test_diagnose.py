@@ -1,78 +1,21 @@
 """From evidence to verdict, cause, class and words; and no window that breaks it."""
 
-import json
 import math
-import pickle
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from agent.analysis.cause import coherent_share, line_power, swing_explained
 from agent.analysis.diagnose import diagnose
-from agent.analysis.quantify import QUANTIFIERS
-from agent.analysis.record.recording import LoopHints, LoopWindow
-from agent.analysis.results import CauseShare, Estimate, ProcessEstimate, Quantification, StictionEstimate
-from agent.analysis.stiction import DETECTORS
+from agent.analysis.record.recording import LoopWindow
+from agent.analysis.results import CauseShare
 from agent.analysis.stiction_class import stiction_class
 from agent.report.advice import advice
-from agent.report.diagnosis_json import diagnosis_json
 from agent.report.reasons import reasons
 from agent.units import FrictionBands
 from connectors.recording import read_recording
-
-N = 600
-T = np.arange(N)
-WAVE = np.sin(2 * np.pi * T / 60)
-NOISE = np.random.default_rng(0).normal(size=N)
-WINDOW = LoopWindow("FIC101", 0.0, 1.0, op=50 + 5 * WAVE + 0.1 * NOISE, pv=20 + 2 * WAVE + 0.1 * NOISE)
-LOST_PHASE = np.sin(2 * np.pi * T / 60 + 1.5 * np.sin(2 * np.pi * T / 400))
-SHAKEN = LoopWindow("FIC101", 0.0, 1.0, op=50 + 5 * LOST_PHASE, pv=20 + 2 * LOST_PHASE + 0.1 * NOISE)
-"""As a loop close to instability swings: regular, but its phase wanders."""
-CALM = LoopWindow("FIC101", 0.0, 1.0, op=50 + NOISE, pv=20 + np.roll(NOISE, 100))
-
-STICKING = Quantification(
-    quantifier="told",
-    stiction=StictionEstimate.of(FrictionBands(2.0, 1.0)),
-    process=ProcessEstimate("fopdt", 1.0, 5.0, 2.0),
-    free_run_percent=90.0,
-    linear_percent=60.0,
-    evidence=16.0,
-    decision="stiction",
-    model_pv=WINDOW.pv,
-    model_mv=WINDOW.op,
-    quick_evidence=16.0,
-    turns=20,
-    log_likelihood_ratio=300.0,
-)
-HEALTHY = replace(
-    STICKING,
-    stiction=None,
-    free_run_percent=95.0,
-    linear_percent=95.0,
-    evidence=1.0,
-    decision="no_stiction",
-    quick_evidence=1.0,
-    turns=0,
-    log_likelihood_ratio=0.0,
-)
-
-
-@dataclass(frozen=True)
-class Told:
-    """A quantifier that answers what the test wants."""
-
-    answer: Quantification
-    name: str = "told"
-
-    def quantify(self, _window):
-        return self.answer
-
-
-def judged(window, answer):
-    return diagnose(window, quantifier=Told(answer))
+from tests.unit.analysis.diagnoses import CALM, HEALTHY, SHAKEN, STICKING, WINDOW, N, T, judged
 
 
 def test_sticking_valve():
@@ -206,111 +149,6 @@ def test_coherent_share_of_a_wave_a_wandering_wave_and_noise():
     assert coherent_share(SHAKEN, 60.0) < 0.65
     assert coherent_share(CALM, 60.0) < 0.1
     assert coherent_share(replace(WINDOW, pv=np.full(N, 3.0)), 60.0) == 0
-
-
-KEYS = {
-    "recording": None,
-    "loop": None,
-    "verdict": None,
-    "confidence": None,
-    "probability": None,
-    "samples_per_period": None,
-    "manual_percent": None,
-    "cause": None,
-    "causes": None,
-    "class": None,
-    "reasons": None,
-    "advice": None,
-    "oscillation": {"detected", "period_s", "regularity"},
-    "stiction": {"f_s", "f_d", "s", "j", "identifiable"},
-    "process": {"kind", "gain", "tau_s", "delay_s", "intervals"},
-    "fit": {"free_run_percent", "linear_percent"},
-    "methods": None,
-    "seconds": None,
-}
-
-
-def assert_object(written):
-    assert list(written) == list(KEYS)
-    for key, members in KEYS.items():
-        if members is not None:
-            assert set(written[key]) == members
-    for name in ("f_s", "f_d", "s", "j"):
-        assert set(written["stiction"][name]) == {"value", "low", "high"}
-    assert set(written["stiction"]["identifiable"]) == {"s", "j"}
-    json.dumps(written, allow_nan=False)
-
-
-@pytest.mark.parametrize(
-    "answer", [STICKING, HEALTHY, replace(HEALTHY, failure="no", process=None, evidence=math.nan)]
-)
-def test_json_has_all_keys_and_no_nan(answer):
-    assert_object(diagnosis_json(judged(WINDOW, answer), "FIC101.csv"))
-    assert_object(diagnosis_json(judged(replace(WINDOW, op=np.full(N, 1.0)), answer), "FIC101.csv"))
-
-
-def test_json_numbers():
-    low = replace(STICKING.stiction, s=Estimate(3.0, 2.5, math.inf), identifiable_s=True)
-    written = diagnosis_json(judged(WINDOW, replace(STICKING, stiction=low)), "FIC101.csv")
-    assert written["stiction"]["s"] == {"value": 3.0, "low": 2.5, "high": None}
-    assert written["stiction"]["identifiable"] == {"s": True, "j": None}
-    assert written["process"] == {
-        "kind": "fopdt",
-        "gain": 1.0,
-        "tau_s": 5.0,
-        "delay_s": 2.0,
-        "intervals": None,
-    }
-    assert written["methods"]["told"] == {"verdict": "stiction", "index": 16.0, "reason": ""}
-    assert set(written["methods"]) == {"told", *(each.name for each in DETECTORS)}
-    assert written["class"] == "dead_band_stick_slip"
-
-
-def test_diagnosis_travels_between_processes():
-    found = pickle.loads(pickle.dumps(judged(WINDOW, STICKING)))  # noqa: S301 - our own bytes
-    assert found.verdict == "stiction"
-
-
-def _signal(kind, scale, offset, seed):
-    rng = np.random.default_rng(seed)
-    shape = {
-        "wave": np.sin(2 * np.pi * np.arange(160) / 20),
-        "steps": np.sign(np.sin(2 * np.pi * np.arange(160) / 32)),
-        "noise": rng.normal(size=160),
-        "ramp": np.arange(160.0),
-        "flat": np.zeros(160),
-        "one_spike": np.where(np.arange(160) == 80, 1.0, 0.0),
-    }[kind]
-    return offset + scale * (shape + 1e-3 * rng.normal(size=160) * (kind != "flat"))
-
-
-SIGNALS = st.builds(
-    _signal,
-    st.sampled_from(["wave", "steps", "noise", "ramp", "flat", "one_spike"]),
-    st.sampled_from([1.0, -5.0, 1e-12, 1e12, 1e-300, 1e300]),
-    st.sampled_from([0.0, 50.0, -1e9]),
-    st.integers(0, 5),
-)
-STORMS = st.lists(
-    st.tuples(
-        st.integers(0, 159), st.integers(1, 30), st.sampled_from([math.nan, math.inf, -1e308, 1e30, 0.0])
-    ),
-    max_size=3,
-)
-
-
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(SIGNALS, SIGNALS, STORMS, STORMS, st.sampled_from(QUANTIFIERS))
-def test_no_window_breaks_it(op, pv, op_storms, pv_storms, method):
-    for values, storms in ((op, op_storms), (pv, pv_storms)):
-        for start, length, value in storms:
-            values[start : start + length] = value
-    window = LoopWindow("x", 0.0, 1.0, op=op, pv=pv, sp=pv, hints=LoopHints(delay=2, order=1))
-    found = diagnose(window, quantifier=method)
-    assert found.verdict in ("stiction", "no_stiction", "undecided", "not_testable")
-    assert reasons(found)
-    assert 0 <= found.confidence <= 1
-    assert_object(diagnosis_json(found, "x.csv"))
 
 
 @pytest.mark.parametrize(

@@ -3,106 +3,16 @@
 import asyncio
 import contextlib
 import gc
-import logging
-import math
 import random
 import tracemalloc
-from contextlib import asynccontextmanager
 
-import async_solipsism
 import pytest
 
 from agent.alarms import State
-from agent.analysis.diagnosis import Diagnosis
-from agent.analysis.results import Oscillation
-from agent.runtime.agent import Agent
-from agent.runtime.loop.workers import InlineExecutor
-from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, Settings
-from connectors.base import AccessDeniedError, ConnectionLostError, RefusedError
-from connectors.options import Options, Target
+from agent.settings import AlarmSettings
+from tests.unit.runtime.agents import FIVE, agent_of, judged, stream, swinging, virtual, worked
 from tests.unit.runtime.fake_bus import FakeBus
-from tests.unit.runtime.loops import START, loop_settings, sample
-
-FIVE = tuple(f"FIC10{k}" for k in range(1, 6))
-
-
-def virtual(coroutine):
-    """Run in virtual time."""
-    with asyncio.Runner(loop_factory=async_solipsism.EventLoop) as runner:
-        return runner.run(coroutine)
-
-
-def swinging(loop, t):
-    """PV and OP of a loop that oscillates with a period of 50 s."""
-    return [
-        sample("pv", t, 50 + 5 * math.sin(t / 8), loop=loop),
-        sample("op", t, 50 - 5 * math.cos(t / 8), loop=loop),
-    ]
-
-
-def stream(loops, seconds, step=1.0):
-    def source(session):
-        for k in range(int(seconds)):
-            for loop in loops:
-                yield from swinging(loop, session * seconds + k)
-            yield step
-
-    return source
-
-
-def judged(verdict="stiction"):
-    def diagnose(window, _seen=None):
-        return Diagnosis(
-            loop=window.loop,
-            verdict=verdict,
-            confidence=1.0,
-            cause="undecided",
-            causes=(),
-            stiction_class=None,
-            oscillation=Oscillation(detected=True, period=50.0, regularity=9.0),
-            quantification=None,
-        )
-
-    return diagnose
-
-
-def agent_of(
-    bus,
-    loops=("FIC101",),
-    diagnose=None,
-    seen=None,
-    executor=None,
-    scada=None,
-    longest_wait=3.0,
-    **loop_options,
-):
-    buses = [bus] if scada is None else [bus, scada]
-    options = {"seconds": 400.0, "hop": 0.25, "publish": (Target(connection=buses[-1].name),)} | loop_options
-    settings = Settings(
-        agent=AgentSettings(longest_wait=longest_wait, clock_error=None),
-        connections={each.name: ConnectionSettings("fake", Options()) for each in buses},
-        loops=tuple(loop_settings(name, **options) for name in loops),
-    )
-    return Agent(
-        settings,
-        executor or InlineExecutor(),
-        None if seen is None else seen.append,
-        connectors=buses,
-        diagnose=diagnose or judged(),
-    )
-
-
-async def worked(agent, seconds):
-    """Let the agent work for some time and end it; nothing may be left of it."""
-    task = asyncio.create_task(agent.run())
-    await asyncio.sleep(seconds)
-    status = agent.status()
-    assert not task.done()
-    task.cancel()
-    with pytest.raises(asyncio.CancelledError):
-        await task
-    assert asyncio.all_tasks() == {asyncio.current_task()}
-    return status
+from tests.unit.runtime.loops import START, sample
 
 
 def test_twelve_minutes_of_five_loops():
@@ -159,89 +69,6 @@ def test_a_loop_at_rest_is_not_handed_to_the_workers():
     assert status[0].alarm is State.NORMAL
 
 
-def test_a_lost_connection_is_opened_anew_and_leaves_a_gap(caplog):
-    def source(session):
-        if session == 0:
-            for t in range(300):
-                yield from swinging("FIC101", t)
-                yield 1.0
-            raise ConnectionLostError("reset by peer")
-        for t in range(320, 700):
-            yield from swinging("FIC101", t)
-            yield 1.0
-
-    bus = FakeBus(source)
-    with caplog.at_level(logging.INFO):
-        status = virtual(worked(agent_of(bus), 650.0))
-    assert len(bus.opened) == 2
-    assert bus.opened[1] - 300.0 < 0.2
-    assert status[0].gaps == 20
-    said = [record.message for record in caplog.records if "connection" in record.message]
-    assert said == ["connection bus is up", "connection bus is down: reset by peer", "connection bus is up"]
-
-
-def test_a_peer_that_is_away_is_tried_with_growing_waits_and_logged_once(caplog):
-    bus = FakeBus(stream(["FIC101"], 100))
-    bus.refuses_connection = True
-    agent = agent_of(bus)
-    with caplog.at_level(logging.INFO):
-        virtual(worked(agent, 600.0))
-    waits = [b - a for a, b in zip(bus.attempts, bus.attempts[1:], strict=False)]
-    assert max(waits) <= 3.0
-    assert sum(waits[:4]) < 1.6
-    assert 250 < len(bus.attempts) < 700  # 1.5 s on average
-    assert agent.connections[0].health.losses == len(bus.attempts)
-    assert [r.message for r in caplog.records] == ["connection bus is down: refused"]
-
-
-class SlowBus(FakeBus):
-    """Opens within 45 s, longer than a peer may take that does not answer."""
-
-    opens_within = 50.0
-
-    @asynccontextmanager
-    async def _session(self):
-        async with super()._session():
-            await asyncio.sleep(45.0)
-            yield self
-
-
-def test_what_has_much_to_build_is_waited_for():
-    bus = SlowBus(stream(["FIC101"], 200))
-    (status,) = virtual(worked(agent_of(bus), 100.0))
-    assert (len(bus.opened), status.samples) == (1, 2 * 56)
-    bus.opens_within = 0.0
-    (status,) = virtual(worked(agent_of(bus), 100.0))
-    assert status.samples == 0
-
-
-def test_a_peer_that_falls_silent_is_noticed():
-    bus = FakeBus(stream(["FIC101"], 50))
-    virtual(worked(agent_of(bus), 200.0))
-    assert len(bus.opened) == 2  # 60 s after the last of 50 samples
-    assert bus.opened[1] == pytest.approx(109.0, abs=0.2)
-
-
-def test_a_peer_that_never_says_anything_is_noticed():
-    bus = FakeBus(lambda _: iter(()))
-    virtual(worked(agent_of(bus), 200.0))
-    assert len(bus.opened) == 4
-
-
-def test_a_fault_of_the_program_costs_one_attempt_and_is_counted(caplog):
-    def source(session):
-        yield from swinging("FIC101", session)
-        yield 1.0
-        raise ZeroDivisionError
-
-    bus = FakeBus(source)
-    agent = agent_of(bus)
-    virtual(worked(agent, 60.0))
-    assert len(bus.opened) > 10
-    assert agent.connections[0].health.faults >= len(bus.opened) - 1
-    assert "fault of this program" in caplog.text
-
-
 def test_a_diagnosis_that_fails_does_not_end_its_loop(caplog):
     seen, calls = [], []
 
@@ -280,87 +107,6 @@ def test_a_loop_has_one_diagnosis_at_a_time_and_the_newest_window_is_next():
     virtual(worked(agent, 1200.0))
     assert ends == [399.0, 599.0, 799.0]
     assert agent._pipelines["FIC101"].superseded > 0
-
-
-def test_what_could_not_be_published_is_published_when_the_peer_is_back():
-    scada = FakeBus(None, name="scada")  # nothing is read from it
-    scada.publish_fault = ConnectionLostError("broken pipe")
-    agent = agent_of(FakeBus(stream(["FIC101"], 3600)), scada=scada)
-
-    async def scenario():
-        task = asyncio.create_task(agent.run())
-        await asyncio.sleep(650.0)
-        assert len(scada.opened) > 30
-        assert not scada.published
-        scada.publish_fault = None
-        await asyncio.sleep(5.0)
-        task.cancel()
-        await asyncio.wait({task})
-
-    virtual(scenario())
-    assert [(p.kind, p.fields["active"]) for p in scada.published] == [("event", True), ("state", True)]
-    assert [p.fields["time"] - START for p in scada.published] == [399.0, 599.0]
-
-
-def test_a_peer_that_takes_nothing_is_not_hammered():
-    """Reading works, so each session looks fine until the first publication."""
-    bus = FakeBus(stream(["FIC101"], 400))
-    bus.publish_fault = ConnectionLostError("broken pipe")
-    virtual(worked(agent_of(bus), 1000.0))
-    assert len(bus.opened) < 500
-
-
-def test_what_a_peer_refuses_holds_up_no_others_and_is_taken_when_it_can(caplog):
-    bus = FakeBus(stream(["FIC101"], 1000))
-    bus.publish_fault = RefusedError("BadNotWritable")
-    agent = agent_of(bus)
-
-    async def scenario():
-        task = asyncio.create_task(agent.run())
-        await asyncio.sleep(910.0)
-        refusals = agent.outboxes["bus"].refusals
-        assert len(agent.outboxes["bus"]) == 0
-        assert len(refusals) == 2  # the newest state, and the event of the alarm
-        assert 7 < refusals.count < 40  # each new one, and every 30 s one that waits
-        bus.publish_fault = None
-        await asyncio.sleep(60.0)
-        assert len(refusals) == 0
-        task.cancel()
-        await asyncio.wait({task})
-
-    with caplog.at_level(logging.INFO):
-        virtual(scenario())
-    assert len(bus.opened) == 1
-    assert sorted(p.kind for p in bus.published) == ["event", "state"]
-    assert [p.fields["time"] - START for p in bus.published if p.kind == "state"] == [899.0]
-    said = [r.message for r in caplog.records if " about FIC101" in r.message]
-    assert (
-        said
-        == ["connection bus refused a publication about FIC101: BadNotWritable"] * 2
-        + ["connection bus accepts publications about FIC101 again"] * 2
-    )
-
-
-def test_the_longest_wait_can_be_chosen():
-    bus = FakeBus(stream(["FIC101"], 100))
-    bus.refuses_connection = True
-    virtual(worked(agent_of(bus, longest_wait=60.0), 3600.0))
-    assert 60 < len(bus.attempts) < 200  # 30 s on average
-
-
-def test_denied_access_is_logged_though_the_peer_was_gone_before(caplog):
-    class CertificateError(AccessDeniedError):
-        """A loss that some buses can distinguish."""
-
-    faults = iter([ConnectionLostError("refused"), AccessDeniedError("wrong password; check it")])
-    last = CertificateError("wrong certificate")
-    bus = FakeBus(lambda _: iter([next(faults, last)]))
-    virtual(worked(agent_of(bus), 600.0))
-    assert len(bus.opened) > 100
-    assert [r.message for r in caplog.records] == [
-        "connection bus is down: refused",
-        "connection bus is down: wrong password; check it",
-    ]
 
 
 def test_it_ends_in_time_though_a_peer_does_not_let_go():

@@ -20,9 +20,9 @@ from agent.runtime.store.history_file import Entry, HistoryFile, history_path
 from agent.settings import AgentSettings, ConnectionSettings, HistorySettings, Settings
 from connectors.options import Options
 from tests.unit.alarms.test_alarm import diagnosis
+from tests.unit.runtime.agents import judged, stream
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import START, loop_settings
-from tests.unit.runtime.test_agent import judged, stream
 
 
 @pytest.fixture

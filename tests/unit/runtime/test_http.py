@@ -17,8 +17,8 @@ from agent.runtime.supervisor import Health, keep_alive
 from agent.settings import HttpSettings, settings_of
 from connectors.base import ConfigError
 from tests.conftest import ROOT
+from tests.unit.runtime.agents import agent_of, stream
 from tests.unit.runtime.fake_bus import FakeBus
-from tests.unit.runtime.test_agent import agent_of, stream
 
 
 def free_port():

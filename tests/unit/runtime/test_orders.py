@@ -9,8 +9,8 @@ import pytest
 from agent.alarms import State
 from agent.alarms.command import EVENTS
 from connectors.base import Action, ConnectionLostError, Order
+from tests.unit.runtime.agents import agent_of, stream, virtual, worked
 from tests.unit.runtime.fake_bus import FakeBus
-from tests.unit.runtime.test_agent import agent_of, stream, virtual, worked
 
 RAISED = 39.0 + 1.7e9
 """End of the first window, s UTC, which raises the alarm."""

@@ -12,9 +12,9 @@ from agent.runtime.operate.plan import difference
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, Settings, settings_of
 from connectors.base import WITHDRAWN, ConfigError, ConnectionLostError
 from connectors.options import Options, Target
+from tests.unit.runtime.agents import judged, stream, virtual
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import loop_settings
-from tests.unit.runtime.test_agent import judged, stream, virtual
 
 
 class Other(Options):

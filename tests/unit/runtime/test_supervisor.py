@@ -7,7 +7,7 @@ import pytest
 
 from agent.runtime.supervisor import Health, keep_alive
 from connectors.base import ConnectionLostError
-from tests.unit.runtime.test_agent import virtual
+from tests.unit.runtime.agents import virtual
 
 
 def attempts(work, seconds):

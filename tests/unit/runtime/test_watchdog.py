@@ -9,8 +9,8 @@ from agent.runtime.operate.notify import ServiceManager
 from agent.runtime.operate.watchdog import watch
 from agent.runtime.supervisor import Health
 from connectors.base import RefusedError
+from tests.unit.runtime.agents import agent_of, stream, virtual
 from tests.unit.runtime.fake_bus import FakeBus
-from tests.unit.runtime.test_agent import agent_of, stream, virtual
 
 
 class Manager(ServiceManager):

@@ -22,9 +22,9 @@ from agent.web.ranking import GROUPS, Item, area_of, group_of
 from agent.web.rows import row_of, sparkline_of
 from agent.web.screens.work_list import Wanted, listed, map_of
 from connectors.options import Options
+from tests.unit.runtime.agents import stream
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import START, loop_settings
-from tests.unit.runtime.test_agent import stream
 from tests.unit.web.clients import client, csrf
 
 HOSTILE = "<script>alert(1)<script>"
