@@ -52,7 +52,7 @@ def quantised(value: float, quantum: float) -> float:
     return round(value / quantum) * quantum if quantum > 0.0 else value
 
 
-class Plant:
+class SimulatedPlant:
     """One loop: PI controller, and the field that it acts on.
 
     At each sample PV is measured, the controller sets OP, and OP is held while valve and process move on
@@ -86,7 +86,7 @@ class Plant:
 
 def rows(scenario: Scenario) -> Iterator[Row]:
     """All rows of a scenario, in order of time."""
-    plant = Plant(scenario)
+    plant = SimulatedPlant(scenario)
     for _ in range(scenario.samples):
         yield plant.advance()
 

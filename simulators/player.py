@@ -34,7 +34,9 @@ async def play(sources: Sequence[Source], server: LoopServer, clock: Clock, seen
     last rows are waited for as well. After 5 s without progress of the reader the next row is put and a
     warning is logged.
     """
-    readers = {source.loop: Reader(source.loop, server.lead, seen) for source in sources if seen is not None}
+    readers = {
+        source.loop: UnreadRows(source.loop, server.lead, seen) for source in sources if seen is not None
+    }
     for elapsed, loop, row in _in_time_order(sources):
         await clock.wait_until(elapsed)
         if loop in readers:
@@ -49,7 +51,7 @@ async def play(sources: Sequence[Source], server: LoopServer, clock: Clock, seen
             _LOG.warning("%s: the reader was too slow %d times", reader.loop, reader.slips)
 
 
-class Reader:
+class UnreadRows:
     """The rows of one loop that its reader has not yet taken."""
 
     def __init__(self, loop: str, lead: int, seen: Seen) -> None:

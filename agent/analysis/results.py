@@ -19,7 +19,7 @@ MethodKind = Literal["limit_cycle", "travel", "model"]
 
 
 @dataclass(frozen=True, slots=True)
-class Estimate:
+class IntervalEstimate:
     """A number with its 90 % interval."""
 
     value: float
@@ -45,10 +45,10 @@ class Oscillation:
 class StictionEstimate:
     """How much a valve sticks, in OP units."""
 
-    f_s: Estimate
-    f_d: Estimate
-    s: Estimate
-    j: Estimate
+    f_s: IntervalEstimate
+    f_d: IntervalEstimate
+    s: IntervalEstimate
+    j: IntervalEstimate
     identifiable_s: bool | None = None
     """Whether the record determines S; None before this is judged."""
     identifiable_j: bool | None = None
@@ -56,7 +56,12 @@ class StictionEstimate:
     @classmethod
     def of(cls, bands: FrictionBands) -> StictionEstimate:
         """Return the estimate without intervals."""
-        return cls(Estimate(bands.f_s), Estimate(bands.f_d), Estimate(bands.s), Estimate(bands.j))
+        return cls(
+            IntervalEstimate(bands.f_s),
+            IntervalEstimate(bands.f_d),
+            IntervalEstimate(bands.s),
+            IntervalEstimate(bands.j),
+        )
 
     @property
     def bands(self) -> FrictionBands:

@@ -12,7 +12,7 @@ from agent.checks.contract import ContractError, demand, require, require_close,
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.physics.processes import Process
+    from agent.physics.processes import UnitGainProcess
 
     FloatArray = NDArray[np.float64]
 
@@ -29,17 +29,17 @@ def stairs(seed: int, n: int = 200) -> FloatArray:
     return 50 + np.repeat(5 * np.random.default_rng(seed).standard_normal(n // 4), 4)
 
 
-def lags_of(process: Process) -> tuple[float, ...]:
+def lags_of(process: UnitGainProcess) -> tuple[float, ...]:
     """Return values of all parameters but the delay, which is the last."""
     return LAGS[: len(process.parameters) - 1]
 
 
-def _integrates(process: Process) -> bool:
+def _integrates(process: UnitGainProcess) -> bool:
     return len(process.parameters) == 1
 
 
 @demand("process", "must be linear in the position")
-def linear(process: Process) -> None:
+def linear(process: UnitGainProcess) -> None:
     """Hold the response to a sum of two positions to the sum of their responses."""
     one, other = stairs(1), stairs(2)
     for delay in DELAYS:
@@ -51,7 +51,7 @@ def linear(process: Process) -> None:
 
 
 @demand("process", "must respond the same at any time and level")
-def time_invariant(process: Process) -> None:
+def time_invariant(process: UnitGainProcess) -> None:
     """Shift a position in time and in level."""
     position = stairs(1)
     later = np.concatenate([np.full(17, position[0]), position]) - 1000
@@ -66,7 +66,7 @@ def time_invariant(process: Process) -> None:
 
 
 @demand("process", "must start after its delay and end at gain, or slope, one")
-def delay_and_gain(process: Process) -> None:
+def delay_and_gain(process: UnitGainProcess) -> None:
     """Look at a step of 2 OP units."""
     step = np.where(np.arange(200) < 5, 50.0, 52.0)
     for delay in DELAYS:
@@ -80,7 +80,7 @@ def delay_and_gain(process: Process) -> None:
 
 
 @demand("process", "must be smooth where the delay becomes a whole sample")
-def smooth_in_the_delay(process: Process) -> None:
+def smooth_in_the_delay(process: UnitGainProcess) -> None:
     """Move the delay by very little."""
     position = stairs(1)
     for delay in (2.0, 3.0, 7.0):
@@ -92,7 +92,7 @@ def smooth_in_the_delay(process: Process) -> None:
 
 
 @demand("process", "must give NaN from a missing position on, and nothing before")
-def missing_position(process: Process) -> None:
+def missing_position(process: UnitGainProcess) -> None:
     """Lose one position."""
     position = stairs(1)
     position[40] = np.nan
@@ -102,7 +102,7 @@ def missing_position(process: Process) -> None:
 
 
 @demand("process", "must give no response to a delay beyond the record, nor to an empty record")
-def beyond_the_record(process: Process) -> None:
+def beyond_the_record(process: UnitGainProcess) -> None:
     """Check a delay of 1e6 samples and a record of none."""
     lags = lags_of(process)
     late = process.respond(stairs(1), (*lags, 1e6))
@@ -112,7 +112,7 @@ def beyond_the_record(process: Process) -> None:
 
 
 @demand("process", "must count its response from the level that its kernel is given")
-def level_of_the_kernel(process: Process) -> None:
+def level_of_the_kernel(process: UnitGainProcess) -> None:
     """Give the kernel another level than that of the first sample: an integrator ramps then."""
     position, out, delay = stairs(1), np.empty(200), 3.5
     process.kernel(position, position[0] - 2, *lags_of(process), delay, out)
@@ -122,7 +122,7 @@ def level_of_the_kernel(process: Process) -> None:
 
 
 @demand("process", "must refuse a parameter out of bounds with a ValueError that names it")
-def bounds(process: Process) -> None:
+def bounds(process: UnitGainProcess) -> None:
     """Break each bound, and the number of parameters."""
     lags = lags_of(process)
     for bad in (0.5, np.nan, np.inf):

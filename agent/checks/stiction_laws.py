@@ -36,7 +36,7 @@ NOISY_SINE = np.sin(2 * np.pi * _T / 300) + 0.05 * np.random.default_rng(0).stan
 
 
 @dataclass(frozen=True, slots=True)
-class Bench:
+class SteppedValve:
     """A valve on the test bench: it is stepped, and its position is read."""
 
     name: str
@@ -49,25 +49,25 @@ class Bench:
         """Return the positions, OP units, that follow OP."""
         return self.stroke(np.array(op, dtype=np.float64), x0)
 
-    def mirrored(self) -> Bench:
+    def mirrored(self) -> SteppedValve:
         """Return the same valve upside down."""
-        return Bench(self.name, lambda op, x0: -self.stroke(-op, -x0), self.late)
+        return SteppedValve(self.name, lambda op, x0: -self.stroke(-op, -x0), self.late)
 
 
-def bench_of(law: StictionLaw, late: float = 0.0) -> Bench:
+def bench_of(law: StictionLaw, late: float = 0.0) -> SteppedValve:
     """Return the bench of a law."""
-    return Bench(law.name, lambda op, x0: law.position(op, BANDS, x0), late)
+    return SteppedValve(law.name, lambda op, x0: law.position(op, BANDS, x0), late)
 
 
 @demand("valve", "must not move by a step below its static friction")
-def step_below_static_friction_does_not_move(valve: Bench) -> None:
+def step_below_static_friction_does_not_move(valve: SteppedValve) -> None:
     """Step to 97 % of f_S both ways, and swing by 3 OP units."""
     moved = np.r_[valve.move(0.97 * F_S, 0, -0.97 * F_S, 0), valve.move(*(3 * NOISY_SINE))]
     require_close(moved, np.zeros_like(moved), "the position", atol=STILL)
 
 
 @demand("valve", "must not move at the first sample where friction holds it")
-def the_first_sample_makes_no_move_of_its_own(valve: Bench) -> None:
+def the_first_sample_makes_no_move_of_its_own(valve: SteppedValve) -> None:
     """Start with a stem that friction holds off OP."""
     for stored in (-0.97, 0.0, 0.97):
         start = 10 - stored * F_S
@@ -75,7 +75,7 @@ def the_first_sample_makes_no_move_of_its_own(valve: Bench) -> None:
 
 
 @demand("valve", "must move once steps add up to its static friction")
-def steps_add_up(valve: Bench) -> None:
+def steps_add_up(valve: SteppedValve) -> None:
     """Step by 0.4 OP units."""
     op = np.arange(0.4, 8, 0.4)
     moved = np.abs(valve.move(*op)) > STILL
@@ -83,7 +83,7 @@ def steps_add_up(valve: Bench) -> None:
 
 
 @demand("valve", "must stay behind a ramp by its kinetic friction")
-def ramp_slides_at_kinetic_friction(valve: Bench) -> None:
+def ramp_slides_at_kinetic_friction(valve: SteppedValve) -> None:
     """Ramp OP by 1 OP unit a sample."""
     op = np.arange(30.0)
     behind = (op - valve.move(*op))[10:]
@@ -91,7 +91,7 @@ def ramp_slides_at_kinetic_friction(valve: Bench) -> None:
 
 
 @demand("valve", "must turn when OP has gone back by f_S + f_D, not before")
-def reversal_needs_static_and_kinetic_friction(valve: Bench) -> None:
+def reversal_needs_static_and_kinetic_friction(valve: SteppedValve) -> None:
     """Turn by 97 and by 103 % of S."""
     stroke = [1.05 * F_S] * 5
     held = valve.move(*stroke, *[1.05 * F_S - 0.97 * S] * 5)
@@ -101,7 +101,7 @@ def reversal_needs_static_and_kinetic_friction(valve: Bench) -> None:
 
 
 @demand("valve", "must break away when OP turns far in one sample")
-def reversal_in_one_sample_breaks_away(valve: Bench) -> None:
+def reversal_in_one_sample_breaks_away(valve: SteppedValve) -> None:
     """Turn by 15 OP units within a sample."""
     up = np.arange(21.0)
     position = valve.move(*up, 5)
@@ -109,7 +109,7 @@ def reversal_in_one_sample_breaks_away(valve: Bench) -> None:
 
 
 @demand("valve", "must never let the force exceed its static friction")
-def force_never_exceeds_static_friction(valve: Bench) -> None:
+def force_never_exceeds_static_friction(valve: SteppedValve) -> None:
     """Swing and step far."""
     op = np.concatenate([10 * NOISY_SINE, np.repeat([60.0, -20.0, 15.0], 20)])
     force = float(np.abs(op - valve.move(*op)).max())
@@ -117,7 +117,7 @@ def force_never_exceeds_static_friction(valve: Bench) -> None:
 
 
 @demand("valve", "must stay where it is while OP is held")
-def held_op_leaves_the_stem_where_it_is(valve: Bench) -> None:
+def held_op_leaves_the_stem_where_it_is(valve: SteppedValve) -> None:
     """Hold OP for 20 samples, four times."""
     position = valve.move(*np.repeat([60.0, -20.0, 15.0, 23.0], 20)).reshape(4, 20)
     require_close(np.ptp(position[:, 5:], axis=1), np.zeros(4), "the travel while OP is held", atol=STILL)
@@ -133,7 +133,7 @@ STEPPING = (
     force_never_exceeds_static_friction,
     held_op_leaves_the_stem_where_it_is,
 )
-"""The stepping tests; they take a ``Bench``."""
+"""The stepping tests; they take a ``SteppedValve``."""
 
 
 @demand("stiction law", "must hold its position while OP is missing")

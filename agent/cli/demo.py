@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from agent.analysis.diagnosis import Diagnosis
-    from agent.cli.common.stage import Stage
+    from agent.cli.common.stage import LivePlay
     from agent.runtime.agent import Agent
     from agent.runtime.operate.status import LoopStatus
     from simulators.scenario import Scenario
@@ -166,7 +166,7 @@ async def _play(seconds: float, console: Console, *, web: bool, stays: bool) -> 
 
 
 async def _watch(
-    loops: list[DemoLoop], stage: Stage, console: Console, windows: int, seconds: float
+    loops: list[DemoLoop], stage: LivePlay, console: Console, windows: int, seconds: float
 ) -> float:
     """Show a table until all verdicts are in, at most so many seconds; return the wall time, s."""
     from rich.live import Live
@@ -198,7 +198,7 @@ def _loops(folder: Path, entries: Sequence[Mapping[str, str]]) -> list[DemoLoop]
     ]
 
 
-def _status(loops: list[DemoLoop], stage: Stage) -> list[LoopStatus]:
+def _status(loops: list[DemoLoop], stage: LivePlay) -> list[LoopStatus]:
     """Return what the agent knows of each loop, in their order."""
     status = {status.loop: status for status in stage.agent.status()}
     return [status[loop.name] for loop in loops]
@@ -209,7 +209,7 @@ def _known(loop: DemoLoop) -> dict[str, Any]:
     return {"acting": loop.scenario.controller.acting, "op_range": list(loop.scenario.op_range)}
 
 
-def _table(loops: list[DemoLoop], stage: Stage) -> Table:
+def _table(loops: list[DemoLoop], stage: LivePlay) -> Table:
     """Return the plant as it stands, a row a loop."""
     from rich.table import Table
 

@@ -9,7 +9,6 @@ import sys
 import time as wall
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,10 +16,11 @@ import typer
 
 from agent.cli.common import recordings as option
 from agent.cli.common.errors import BAD_INPUT, complain
+from agent.cli.common.recordings import Bus
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
-    from agent.cli.common.stage import Stage
+    from agent.cli.common.stage import LivePlay
     from agent.runtime.loop.workers import Executor
     from connectors.recording import Columns, RecordedLoop
 
@@ -30,14 +30,6 @@ JUDGE = 300.0
 """Longest wait for the diagnosis of a window, s."""
 LEAST_WINDOW = 20
 """Samples that a window of the agent has at least."""
-
-
-class Bus(StrEnum):
-    """Buses a recording can be played on."""
-
-    MODBUS = "modbus"
-    OPCUA = "opcua"
-    MQTT = "mqtt"
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +132,7 @@ async def _play(recording: RecordedLoop, bus: Bus, speed: float | None, executor
     return Played(diagnoses[-1] if diagnoses else None, seen, wall.monotonic() - started)
 
 
-async def _with_progress(stage: Stage, loop: str, recording: RecordedLoop) -> None:
+async def _with_progress(stage: LivePlay, loop: str, recording: RecordedLoop) -> None:
     """Wait until all is played, with a bar on a terminal's stderr."""
     from rich.console import Console
     from rich.progress import Progress

@@ -8,7 +8,6 @@ import signal
 import time
 from collections.abc import Coroutine, Mapping, Sequence
 from contextlib import AsyncExitStack
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,18 +15,11 @@ import typer
 
 from agent.cli.common.columns import aligned
 from agent.cli.common.errors import BAD_INPUT, complain
+from agent.cli.common.recordings import Bus
 
 if TYPE_CHECKING:
     from simulators.scenario import Scenario
     from simulators.servers.loop_server import LoopServer
-
-
-class Bus(StrEnum):
-    """What the loops are served on."""
-
-    OPCUA = "opcua"
-    MODBUS = "modbus"
-    MQTT = "mqtt"
 
 
 PACES = ("poll", "publishing_interval")

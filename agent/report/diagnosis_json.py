@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from agent.analysis.diagnosis import Diagnosis
-from agent.analysis.results import Estimate, ProcessEstimate, ProcessIntervals, StictionEstimate
+from agent.analysis.results import IntervalEstimate, ProcessEstimate, ProcessIntervals, StictionEstimate
 from agent.report.advice import advice
 from agent.report.reasons import reasons
 
@@ -59,7 +59,7 @@ def stiction_json(stiction: StictionEstimate | None) -> dict[str, object]:
     }
 
 
-def _estimate_json(estimate: Estimate | None) -> dict[str, float | None]:
+def _estimate_json(estimate: IntervalEstimate | None) -> dict[str, float | None]:
     if estimate is None:
         return {"value": None, "low": None, "high": None}
     return {"value": _number(estimate.value), "low": _number(estimate.low), "high": _number(estimate.high)}

@@ -10,7 +10,7 @@ from agent.report.reasons import reasons
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
-    from agent.analysis.results import Estimate, MethodResult, ProcessEstimate, StictionEstimate
+    from agent.analysis.results import IntervalEstimate, MethodResult, ProcessEstimate, StictionEstimate
 
 
 ANSWER = 0.5
@@ -60,7 +60,7 @@ def _stiction(stiction: StictionEstimate) -> list[str]:
     return [line for line in lines if line is not None]
 
 
-def estimate_line(name: str, estimate: Estimate, *, identifiable: bool | None = None) -> str | None:
+def estimate_line(name: str, estimate: IntervalEstimate, *, identifiable: bool | None = None) -> str | None:
     """Return a line for a number in OP units; None where nothing is known of how sure it is."""
     known = estimate.low is not None and estimate.high is not None
     span = f"{estimate.low:.4g} to {estimate.high:.4g}" if known else ""
@@ -72,7 +72,7 @@ def estimate_line(name: str, estimate: Estimate, *, identifiable: bool | None = 
     return f"{name} = {estimate.value:.4g} OP units, 90 % interval {span}" if known else None
 
 
-def answers(estimate: Estimate) -> bool:
+def answers(estimate: IntervalEstimate) -> bool:
     """Whether an interval is narrow enough to be an answer, though it does not identify the value."""
     if estimate.low is None or estimate.high is None:
         return False

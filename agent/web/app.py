@@ -15,7 +15,7 @@ from starlette.types import ASGIApp
 
 from agent.web.access import Access
 from agent.web.guard import Guard
-from agent.web.screens.screen import Screen
+from agent.web.screens.screen import PageScreen
 
 STATIC = Path(__file__).parent / "static"
 COMPRESSED = 1000
@@ -25,7 +25,7 @@ REFERENCE = "/api/docs"
 
 
 def application(
-    screens: Sequence[Screen], access: Access, others: Sequence[BaseRoute] = (), title: str = "slipjump"
+    screens: Sequence[PageScreen], access: Access, others: Sequence[BaseRoute] = (), title: str = "slipjump"
 ) -> ASGIApp:
     """Return the application.
 

@@ -33,7 +33,7 @@ PARTS: dict[What, Part] = {"loop": "loops", "connection": "connections"}
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class EntryChange:
     """One entry as it shall be."""
 
     what: What
@@ -97,7 +97,7 @@ class Configuration:
             "lists": [str(each["from"]) for each in loops if "from" in each],
         }
 
-    async def checked(self, change: Change) -> Proposal:
+    async def checked(self, change: EntryChange) -> Proposal:
         """Return what a change would do to the file, or its faults."""
         text = await self._read()
         try:
@@ -112,7 +112,7 @@ class Configuration:
             return Proposal(tuple(error.faults), changed, difference, None, _digest(text))
         return Proposal((), changed, difference, settings, _digest(text))
 
-    async def tried(self, change: Change, settings: Settings) -> tuple[Finding, ...]:
+    async def tried(self, change: EntryChange, settings: Settings) -> tuple[Finding, ...]:
         """Return what the bus answers: each tag of a loop is read once; a connection is opened."""
         if change.what == "connection":
             if settings.connections[change.name].kind in LISTENING:
@@ -127,7 +127,7 @@ class Configuration:
             )
         return await probe(alone, PROBED)
 
-    async def saved(self, change: Change, digest: str, by: str) -> Sequence[str]:
+    async def saved(self, change: EntryChange, digest: str, by: str) -> Sequence[str]:
         """Write the file and apply it; return why not, empty where it was done.
 
         Args:

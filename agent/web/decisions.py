@@ -17,7 +17,7 @@ CONNECTION = "the page"
 """In the place of a connection's name, for the log."""
 
 
-class Decision(BaseModel):
+class OperatorDecision(BaseModel):
     """One decision."""
 
     action: Action
@@ -31,7 +31,7 @@ class Decision(BaseModel):
     """Id of the activation that is meant; None: whichever stands."""
 
 
-async def decide(plant: Plant, loop: str, decision: Decision) -> str | None:
+async def decide(plant: Plant, loop: str, decision: OperatorDecision) -> str | None:
     """Obey and keep it; return why it is refused, None where it is not."""
     until = None if decision.hours is None else plant.clock() + decision.hours * HOUR
     order = Order(loop, decision.action, decision.by.strip(), until, decision.alarm)

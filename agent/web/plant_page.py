@@ -13,10 +13,10 @@ from agent.web.access import LOOPBACK, Access
 from agent.web.app import application
 from agent.web.plant import Plant
 from agent.web.screens import alarms, loop, system, work_list
-from agent.web.screens.screen import Screen
+from agent.web.screens.screen import PageScreen
 
 
-def plant_page(plant: Plant, title: str = "slipjump", more: Sequence[Screen] = ()) -> PageOf:
+def plant_page(plant: Plant, title: str = "slipjump", more: Sequence[PageScreen] = ()) -> PageOf:
     """Return what builds the page around the routes of monitoring.
 
     Args:

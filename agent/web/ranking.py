@@ -12,7 +12,7 @@ from agent.alarms import State
 if TYPE_CHECKING:
     from agent.alarms import Alarm
     from agent.analysis.diagnosis import Diagnosis
-    from agent.analysis.results import Estimate
+    from agent.analysis.results import IntervalEstimate
     from agent.runtime.operate.status import LoopStatus
 
 Group = Literal[
@@ -91,7 +91,7 @@ def urgency(status: LoopStatus, alarm: Alarm, group: Group) -> tuple[float, ...]
     )
 
 
-def estimate_of(diagnosis: Diagnosis | None) -> Estimate | None:
+def estimate_of(diagnosis: Diagnosis | None) -> IntervalEstimate | None:
     """Return S where the valve sticks or may stick; None else."""
     if diagnosis is None or diagnosis.quantification is None or diagnosis.quantification.stiction is None:
         return None

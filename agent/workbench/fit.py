@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.physics.loop_model import LoopModel
     from agent.workbench.innovations import Innovations
-    from agent.workbench.projection import Solved, Target
+    from agent.workbench.projection import ProjectedPv, Solved
     from agent.workbench.record import Record
     from agent.workbench.search import Objective
     from agent.workbench.space import Space
@@ -174,7 +174,7 @@ def refit(fitted: Fit, record: Record, weight: FloatArray, noise: Innovations | 
     return _fit_of(objective, objective.space.values(pinned.whole(found)), pinned.solved(found))
 
 
-def fit_at(model: LoopModel, record: Record, target: Target, values: FloatArray) -> Fit:
+def fit_at(model: LoopModel, record: Record, target: ProjectedPv, values: FloatArray) -> Fit:
     """Return the model with these values and the best coefficients for them."""
     objective = objective_of(model, record, target)
     return _fit_of(objective, values, objective.solved(objective.space.at(values)))

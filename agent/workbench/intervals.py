@@ -17,7 +17,7 @@ import numpy as np
 from scipy import stats
 
 from agent.physics.effects.hysteresis import MOTION
-from agent.physics.effects.load_step import LoadStep
+from agent.physics.effects.load_step import LoadStepEffect
 from agent.workbench.event_scan import instant_p
 from agent.workbench.free_memory import with_free_memory
 from agent.workbench.likelihood_profile import (
@@ -92,7 +92,7 @@ def estimated(found: Tried, record: Record) -> Estimate:
         parameters,
         predicts.free_run(best),
         state_dependence(predicts, best),
-        instant_p(predicts, best, LoadStep()),
+        instant_p(predicts, best, LoadStepEffect()),
     )
 
 

@@ -22,7 +22,7 @@ VANISHES = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class ProjectedPv:
     """PV of the samples that count, the nuisance projected out."""
 
     weight: FloatArray
@@ -54,24 +54,24 @@ class Solved:
     """Zero where the weight is, PV units, (n,)."""
 
 
-def target_of(record: Record, weight: FloatArray, *, linear: bool) -> Target:
+def target_of(record: Record, weight: FloatArray, *, linear: bool) -> ProjectedPv:
     """Return what models of ``record`` are fitted to; ``weight`` (n,) says which samples count."""
     if not linear:
         pv = record.pv * weight
-        return Target(weight, pv, np.empty((len(pv), 0)), record.facts.gain_sign, fixed_gain=True)
+        return ProjectedPv(weight, pv, np.empty((len(pv), 0)), record.facts.gain_sign, fixed_gain=True)
     return target_behind(record.pv, nuisance(len(record), record.period), weight, record.facts.gain_sign)
 
 
-def target_behind(pv: FloatArray, drift: FloatArray, weight: FloatArray, gain_sign: int) -> Target:
+def target_behind(pv: FloatArray, drift: FloatArray, weight: FloatArray, gain_sign: int) -> ProjectedPv:
     """Return PV (n,) of the samples that count, level and drift, columns (n, k), projected out."""
     pv, columns = pv * weight, drift * weight[:, None]
     scale, rotation = np.linalg.eigh(columns.T @ columns)
     there = scale > VANISHES * scale[-1]
     basis = columns @ (rotation[:, there] / np.sqrt(scale[there]))
-    return Target(weight, pv - basis @ (basis.T @ pv), basis, gain_sign, fixed_gain=False)
+    return ProjectedPv(weight, pv - basis @ (basis.T @ pv), basis, gain_sign, fixed_gain=False)
 
 
-def solve(columns: FloatArray, target: Target) -> Solved:
+def solve(columns: FloatArray, target: ProjectedPv) -> Solved:
     """Return the coefficients of ``columns`` (n, 1 + k), the response first, that leave the least squares."""
     if not np.isfinite(columns).all():
         return Solved(np.inf, np.zeros(columns.shape[1]), target.pv)
@@ -89,7 +89,7 @@ def solve(columns: FloatArray, target: Target) -> Solved:
     return Solved(float(residual @ residual), coefficients, residual)
 
 
-def least_error(columns: FloatArray, target: Target) -> float:
+def least_error(columns: FloatArray, target: ProjectedPv) -> float:
     """Return ``solve(columns, target).error`` by sums of products alone, many times as fast.
 
     Right to about 1e-12 of the squares of PV. Only for a response that has a gain.

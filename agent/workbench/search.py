@@ -15,7 +15,7 @@ from scipy.optimize import least_squares, minimize
 from scipy.stats.qmc import LatinHypercube
 
 from agent.workbench.nuisance import nuisance
-from agent.workbench.projection import Solved, Target, least_error, solve, target_behind
+from agent.workbench.projection import ProjectedPv, Solved, least_error, solve, target_behind
 from agent.workbench.space import Space, space_of
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class Objective:
     model: LoopModel
     record: Record
     layout: Layout
-    target: Target
+    target: ProjectedPv
     space: Space
 
     def columns(self, at: FloatArray) -> FloatArray:
@@ -110,7 +110,7 @@ class Pinned:
         """Return the sum of squares, PV units squared."""
         return _error(*self._posed(free))
 
-    def _posed(self, free: FloatArray) -> tuple[FloatArray, Target]:
+    def _posed(self, free: FloatArray) -> tuple[FloatArray, ProjectedPv]:
         """Return the columns that are solved for, and PV less the others."""
         columns, target = self.objective.columns(self.whole(free)), self.objective.target
         if self.solved_for.all():
@@ -120,12 +120,12 @@ class Pinned:
         return columns[:, self.solved_for], replace(target, pv=target.pv - known)
 
 
-def _error(columns: FloatArray, target: Target) -> float:
+def _error(columns: FloatArray, target: ProjectedPv) -> float:
     """Return the sum of squares that ``columns`` (n, c) leave with their best coefficients."""
     return solve(columns, target).error if target.fixed_gain else least_error(columns, target)
 
 
-def objective_of(model: LoopModel, record: Record, target: Target) -> Objective:
+def objective_of(model: LoopModel, record: Record, target: ProjectedPv) -> Objective:
     """Return what the search lowers."""
     return Objective(model, record, model.layout(record.facts), target, space_of(model, record.facts))
 

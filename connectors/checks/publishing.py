@@ -11,7 +11,7 @@ from connectors.checks.peer import LOOPS, Peer, PeerFactory
 from connectors.checks.session import DEADLINE, Kind, Reader, alarm, connector_to, expect, require
 
 
-class Observer:
+class AlarmsSeen:
     """What a client of the peer saw: (loop, whether its alarm is active), in order."""
 
     def __init__(self) -> None:
@@ -23,9 +23,9 @@ class Observer:
 
 
 @contextlib.asynccontextmanager
-async def observing(peer: Peer) -> AsyncIterator[Observer]:
+async def observing(peer: Peer) -> AsyncIterator[AlarmsSeen]:
     """Observe the alarms of a peer meanwhile."""
-    observer = Observer()
+    observer = AlarmsSeen()
 
     async def run(alarms: AsyncIterator[tuple[str, bool]]) -> None:
         async for seen in alarms:
@@ -41,7 +41,7 @@ async def observing(peer: Peer) -> AsyncIterator[Observer]:
                 await task
 
 
-async def expect_alarm(observer: Observer, loop: str, *, active: bool) -> None:
+async def expect_alarm(observer: AlarmsSeen, loop: str, *, active: bool) -> None:
     """Wait until this is the newest state of a loop's alarm; raises AssertionError."""
 
     def failure() -> str:

@@ -39,7 +39,7 @@ class Placed:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class ColumnLayout:
     """Which columns are what."""
 
     format: Format
@@ -70,7 +70,7 @@ def _holds_times(column: Column) -> bool:
     return bool(cells) and all(moment_of(cell) is not None and not cell.isdigit() for cell in cells)
 
 
-def long_layout(sheet: Sheet, times: Sequence[int]) -> Layout | None:
+def long_layout(sheet: Sheet, times: Sequence[int]) -> ColumnLayout | None:
     """Return the layout of a table with a row a value, or None where it is none."""
     names = [plain(column.name) for column in sheet.columns]
     tag = next((k for k, name in enumerate(names) if name in TAG_WORDS), None)
@@ -78,10 +78,10 @@ def long_layout(sheet: Sheet, times: Sequence[int]) -> Layout | None:
     if tag is None or value is None or not times:
         return None
     quality = next((k for k, name in enumerate(names) if ROLE.get(name) == "quality"), None)
-    return Layout("long", tag=tag, value=value, quality=quality, time=times[0])
+    return ColumnLayout("long", tag=tag, value=value, quality=quality, time=times[0])
 
 
-def wide_layout(sheet: Sheet, times: Sequence[int], tagger: Tagger) -> Layout:
+def wide_layout(sheet: Sheet, times: Sequence[int], tagger: Tagger) -> ColumnLayout:
     """Return the layout of a table with a column a tag; a time column serves the columns behind it."""
     values: dict[str, dict[str, Placed]] = defaultdict(dict)
     qualities: dict[tuple[str, str], int] = {}
@@ -108,7 +108,7 @@ def wide_layout(sheet: Sheet, times: Sequence[int], tagger: Tagger) -> Layout:
         }
         for loop, roles in values.items()
     }
-    return Layout("interleaved" if interleaved else "wide", loops)
+    return ColumnLayout("interleaved" if interleaved else "wide", loops)
 
 
 def usable_roles(roles: Mapping[str, Placed]) -> dict[str, Placed]:

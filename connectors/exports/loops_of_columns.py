@@ -13,7 +13,7 @@ from connectors.exports.cells.number_style import NumberStyle, UnclearNumberErro
 from connectors.exports.cells.quality_words import usable
 from connectors.exports.cells.times import Times, times_of
 from connectors.exports.fault import RecordingError, shown
-from connectors.exports.layout import Layout, Placed, short_names, usable_roles
+from connectors.exports.layout import ColumnLayout, Placed, short_names, usable_roles
 from connectors.exports.merged import merged
 from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
 from connectors.exports.series import Series, rising, words_as_numbers
@@ -27,7 +27,7 @@ LOOKED_AT = 2000
 """Cells of a column from which the style of numbers is learnt."""
 
 
-def loops_of_columns(sheet: Sheet, layout: Layout, options: ReadOptions) -> Export:
+def loops_of_columns(sheet: Sheet, layout: ColumnLayout, options: ReadOptions) -> Export:
     """Return the loops of a table with a column a role.
 
     Raises:
@@ -62,7 +62,7 @@ def loops_of_columns(sheet: Sheet, layout: Layout, options: ReadOptions) -> Expo
 
 
 def _times(
-    sheet: Sheet, place: int | None, layout: Layout, options: ReadOptions, style: NumberStyle
+    sheet: Sheet, place: int | None, layout: ColumnLayout, options: ReadOptions, style: NumberStyle
 ) -> Times | None:
     """Return the times of a column; where each tag has its own, the column may end before the table does."""
     if place is None:
@@ -77,7 +77,7 @@ def _times(
     return replace(found, read=np.append(found.read, np.full(len(cells) - end, np.nan)))
 
 
-def number_style(sheet: Sheet, layout: Layout, options: ReadOptions) -> NumberStyle:
+def number_style(sheet: Sheet, layout: ColumnLayout, options: ReadOptions) -> NumberStyle:
     """Return the style of the numbers of a table; raises RecordingError where it is open."""
     if options.decimal is not None:
         return NumberStyle(options.decimal)
@@ -111,7 +111,7 @@ def no_loops(sheet: Sheet, problems: list[str]) -> RecordingError:
 
 def _loop(
     sheet: Sheet,
-    layout: Layout,
+    layout: ColumnLayout,
     name: str,
     roles: Mapping[str, Placed],
     times: Mapping[int | None, Times | None],
@@ -149,7 +149,7 @@ def _values(
     role: str,
     rows: NDArray[np.intp],
     style: NumberStyle,
-    layout: Layout,
+    layout: ColumnLayout,
     problems: list[str],
 ) -> tuple[FloatArray, tuple[str, ...], int]:
     """Return values, the words of a mode, and how many values were rejected."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from connectors.exports.cells.quality_words import usable
 from connectors.exports.cells.times import times_of
-from connectors.exports.layout import Layout, Placed, short_names, usable_roles
+from connectors.exports.layout import ColumnLayout, Placed, short_names, usable_roles
 from connectors.exports.loops_of_columns import no_loops, number_style
 from connectors.exports.merged import merged
 from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from connectors.exports.tables.sheet import FloatArray, Sheet
 
 
-def loops_of_rows(sheet: Sheet, layout: Layout, options: ReadOptions, tagger: Tagger) -> Export:
+def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagger: Tagger) -> Export:
     """Return the loops of a long table.
 
     Raises:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from connectors.exports.cells.tag_roles import TAG_WORDS, VALUE_WORDS, plain, tag_role
 from connectors.exports.fault import RecordingError
-from connectors.exports.layout import Layout, Placed, usable_roles
+from connectors.exports.layout import ColumnLayout, Placed, usable_roles
 from connectors.exports.recorded import STANDARD, ReadOptions
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ ROLES = ("op", "pv", "sp", "mv", "mode")
 REQUIRED = ("op", "pv")
 
 
-def plain_layout(sheet: Sheet, times: Sequence[int], options: ReadOptions) -> Layout | None:
+def plain_layout(sheet: Sheet, times: Sequence[int], options: ReadOptions) -> ColumnLayout | None:
     """Return the layout of a table of one loop, or None where it holds tags.
 
     Raises:
@@ -42,7 +42,7 @@ def plain_layout(sheet: Sheet, times: Sequence[int], options: ReadOptions) -> La
             raise _missing(sheet, given[role], f"--{role}")
     time = _time(sheet, times, options)
     qualities = _qualities(sheet, placed)
-    return Layout(
+    return ColumnLayout(
         "plain",
         {
             loop_name(sheet.path): {

@@ -13,7 +13,7 @@ MOST_WRITTEN_REGISTERS = 123
 _ON, _OFF = 0xFF00, 0x0000
 
 
-class MalformedError(IllegalError):
+class MalformedPduError(IllegalError):
     """A request that is none, whatever the server has: no function of ours, or not as long as it says."""
 
 
@@ -30,7 +30,7 @@ def answer(request: bytes, image: Image, by: str, malformed: Callable[[], None])
     try:
         return bytes([function]) + _answer(function, request[1:], image, by)
     except IllegalError as error:
-        if isinstance(error, MalformedError):
+        if isinstance(error, MalformedPduError):
             malformed()
         return bytes([function | 0x80, error.code])
 
@@ -47,7 +47,7 @@ def _answer(function: int, rest: bytes, image: Image, by: str) -> bytes:
         case 5:
             address, value = _two(rest)
             if value not in (_ON, _OFF):
-                raise MalformedError(VALUE)
+                raise MalformedPduError(VALUE)
             image.write_coils(address, [value == _ON], by)
             return rest
         case 6:
@@ -63,12 +63,12 @@ def _answer(function: int, rest: bytes, image: Image, by: str) -> bytes:
             image.write_registers(address, struct.unpack(f">{count}H", data), by)
             return rest[:4]
         case _:
-            raise MalformedError(FUNCTION)
+            raise MalformedPduError(FUNCTION)
 
 
 def _two(rest: bytes) -> tuple[int, int]:
     if len(rest) != 4:
-        raise MalformedError(VALUE)
+        raise MalformedPduError(VALUE)
     first, second = struct.unpack(">HH", rest)
     return first, second
 
@@ -76,17 +76,17 @@ def _two(rest: bytes) -> tuple[int, int]:
 def _asked(rest: bytes, most: int) -> tuple[int, int]:
     address, count = _two(rest)
     if not 1 <= count <= most:
-        raise MalformedError(VALUE)
+        raise MalformedPduError(VALUE)
     return address, count
 
 
 def _written(rest: bytes, most: int, size: Callable[[int], int]) -> tuple[int, int, bytes]:
     """Return address, count and data of a request that writes several."""
     if len(rest) < 5:
-        raise MalformedError(VALUE)
+        raise MalformedPduError(VALUE)
     (address, count), length, data = _two(rest[:4]), rest[4], rest[5:]
     if not 1 <= count <= most or length != len(data) or length != size(count):
-        raise MalformedError(VALUE)
+        raise MalformedPduError(VALUE)
     return address, count, data
 
 

@@ -13,7 +13,7 @@ LARGEST = 1_000_000
 """Bytes; no message with the values of some loops is larger, and reading one would hold up all the others."""
 
 
-class MalformedError(ValueError):
+class MalformedPayloadError(ValueError):
     """The payload is not what the configuration says."""
 
 
@@ -23,7 +23,7 @@ def parse(payload: bytes) -> JsonTree:
     try:
         tree: JsonTree = json.loads(payload)
     except (ValueError, RecursionError) as error:
-        raise MalformedError("no JSON") from error
+        raise MalformedPayloadError("no JSON") from error
     return tree
 
 
@@ -33,7 +33,7 @@ def bare(payload: bytes) -> float | str:
     try:
         text = payload.decode().strip()
     except UnicodeDecodeError as error:
-        raise MalformedError("no text") from error
+        raise MalformedPayloadError("no text") from error
     return _number_if_any(text)
 
 
@@ -45,7 +45,7 @@ def field(tree: JsonTree, path: str) -> JsonTree:
         elif isinstance(tree, list) and key.isdecimal() and int(key) < len(tree):
             tree = tree[int(key)]
         else:
-            raise MalformedError(f"no field {path}")
+            raise MalformedPayloadError(f"no field {path}")
     return tree
 
 
@@ -57,7 +57,7 @@ def value(tree: JsonTree) -> float | str:
         return _number_if_any(tree)
     if isinstance(tree, int | float):
         return _float(tree)
-    raise MalformedError("neither number nor text")
+    raise MalformedPayloadError("neither number nor text")
 
 
 def seconds(tree: JsonTree) -> float:
@@ -67,15 +67,15 @@ def seconds(tree: JsonTree) -> float:
             stamp = datetime.fromisoformat(tree)
             return stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp()
         except (ValueError, OverflowError) as error:
-            raise MalformedError("no ISO 8601 time") from error
+            raise MalformedPayloadError("no ISO 8601 time") from error
     if isinstance(tree, bool) or not isinstance(tree, int | float):
-        raise MalformedError("no time")
+        raise MalformedPayloadError("no time")
     return _float(tree)
 
 
 def _not_too_large(payload: bytes) -> None:
     if len(payload) > LARGEST:
-        raise MalformedError(f"{len(payload)} bytes")
+        raise MalformedPayloadError(f"{len(payload)} bytes")
 
 
 def _number_if_any(text: str) -> float | str:
@@ -90,7 +90,7 @@ def _float(number: float) -> float:
     try:
         finite = math.isfinite(number)
     except OverflowError as error:
-        raise MalformedError("too large") from error
+        raise MalformedPayloadError("too large") from error
     if not finite:
-        raise MalformedError("no finite number")  # JSON has none, but Python reads them
+        raise MalformedPayloadError("no finite number")  # JSON has none, but Python reads them
     return float(number)

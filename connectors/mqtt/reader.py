@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from connectors.base import Quality, Sample
 from connectors.mqtt.options import MqttTag
-from connectors.mqtt.payload import JsonTree, MalformedError, bare, field, parse, seconds, value
+from connectors.mqtt.payload import JsonTree, MalformedPayloadError, bare, field, parse, seconds, value
 from connectors.mqtt.topics import MqttLoops
 
 
@@ -45,7 +45,7 @@ class TopicReader:
             return []
         try:
             tree = parse(payload) if any(tag.field for tag in self._tags.values()) else None
-        except MalformedError as error:
+        except MalformedPayloadError as error:
             self.malformed += 1
             return [self._unreadable(name, tag, arrival, error) for name, tag in self._tags.items()]
         samples = []
@@ -53,7 +53,7 @@ class TopicReader:
         for name, tag in self._tags.items():
             try:
                 samples.append(self._sample(name, tag, tree, payload, arrival, retained=retained))
-            except MalformedError as error:
+            except MalformedPayloadError as error:
                 samples.append(self._unreadable(name, tag, arrival, error))
                 intact = False
         self.malformed += not intact
@@ -68,10 +68,10 @@ class TopicReader:
             self._newest = at
         found = bare(payload) if tag.field is None else value(field(tree, tag.field))
         if isinstance(found, str) and not name.endswith(".mode"):
-            raise MalformedError(f"the text {found[:40]!r} where a number belongs")
+            raise MalformedPayloadError(f"the text {found[:40]!r} where a number belongs")
         return Sample.measured(name, at, found, quality)
 
-    def _unreadable(self, name: str, tag: MqttTag, arrival: float, error: MalformedError) -> Sample:
+    def _unreadable(self, name: str, tag: MqttTag, arrival: float, error: MalformedPayloadError) -> Sample:
         return Sample.missing(name, self._fallback(tag, arrival), why=f"the message has {error}")
 
     def _fallback(self, tag: MqttTag, arrival: float) -> float:

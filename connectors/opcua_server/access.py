@@ -30,7 +30,7 @@ class KnownUser(User):  # type: ignore[misc]
     """Whether he may acknowledge, shelve and take out of service."""
 
 
-class Access(UserManager):  # type: ignore[misc]
+class CertificateRights(UserManager):  # type: ignore[misc]
     """Decides each time a session begins, by the certificate of its channel.
 
     All else in asyncua 2.1 that looks like a check can be gone around: a client may use an unprotected

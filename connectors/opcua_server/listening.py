@@ -14,7 +14,7 @@ from cryptography.hazmat.primitives.serialization import Encoding
 from connectors.base import ConnectionLostError
 from connectors.malformed import Malformed
 from connectors.opcua.credentials import application_uri, certificate_in, private_key_in
-from connectors.opcua_server.access import Access
+from connectors.opcua_server.access import CertificateRights
 from connectors.opcua_server.asyncua_private import client_sessions, is_listening
 from connectors.opcua_server.caller import CallerServer
 from connectors.opcua_server.options import OpcUaServerOptions
@@ -39,7 +39,7 @@ async def prepared(name: str, options: OpcUaServerOptions, malformed: Malformed)
     """Return a server with the standard address space; raises ConnectionLostError, AccessDeniedError."""
     with _as_connection_lost(options):
         _try_port(options)  # loading the standard address space takes a second, finding this out takes none
-    internal = CallerServer(user_manager=Access(options))
+    internal = CallerServer(user_manager=CertificateRights(options))
     server = StrictServer(malformed, iserver=internal)
     server.name, server.product_uri, server.manufacturer_name = f"slipjump {name}", "urn:slipjump", "slipjump"
     server.application_type = ua.ApplicationType.Server

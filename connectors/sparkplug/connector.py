@@ -19,7 +19,7 @@ from connectors.options import LoopTags, NoTag
 from connectors.sparkplug.metrics import REBIRTH, orders
 from connectors.sparkplug.node import EdgeNode
 from connectors.sparkplug.options import SparkplugOptions, SparkplugTarget
-from connectors.sparkplug.payload import MalformedError, decode
+from connectors.sparkplug.payload import MalformedMetricsError, decode
 
 _LOG = logging.getLogger(__name__)
 _FAREWELL = 1.0
@@ -122,7 +122,7 @@ class SparkplugSession:
             metrics = decode(bytes(message.payload)).metrics
             if topic in self._subjects:
                 return orders(self._subjects[topic], metrics, time.time()) if self._orders else []
-        except MalformedError as error:
+        except MalformedMetricsError as error:
             self._counts.malformed += 1
             if self._counts.malformed == 1:
                 _LOG.warning("topic %s: a command cannot be obeyed: %s", topic, error)

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from connectors.base import JsonValue, Order
 from connectors.mqtt.orders import OrderMessage
-from connectors.sparkplug.payload import DataType, MalformedError, Metric
+from connectors.sparkplug.payload import DataType, MalformedMetricsError, Metric
 
 REBIRTH = "Node Control/Rebirth"
 """Metric with which a host requests all births anew (Sparkplug 3.0.0, 6.4.19)."""
@@ -92,7 +92,7 @@ def orders(subject: str, metrics: tuple[Metric, ...], arrival: float) -> list[Or
     written = {metric.name: metric.value for metric in metrics}
     unknown = written.keys() - COMMANDS.keys() - {"Alarm/Id", OUT_OF_SERVICE}
     if unknown:
-        raise MalformedError(f"nobody can write {', '.join(sorted(unknown))}")
+        raise MalformedMetricsError(f"nobody can write {', '.join(sorted(unknown))}")
     common = {"by": written.get("Alarm/Operator") or NOBODY, "alarm": written.get("Alarm/Id") or None}
     requested: list[dict[str, object]] = []
     if written.get("Alarm/Acknowledge"):
@@ -106,5 +106,5 @@ def orders(subject: str, metrics: tuple[Metric, ...], arrival: float) -> list[Or
     try:
         messages = [OrderMessage.model_validate({**common, **each}) for each in requested]
     except ValidationError as error:
-        raise MalformedError(error.errors(include_url=False)[0]["msg"]) from error
+        raise MalformedMetricsError(error.errors(include_url=False)[0]["msg"]) from error
     return [message.order(subject, arrival) for message in messages]

@@ -22,7 +22,7 @@ from connectors.base import JsonValue
 CONTENT = "application/x-protobuf"
 
 
-class MalformedError(ValueError):
+class MalformedMetricsError(ValueError):
     """The payload is not what Sparkplug says."""
 
 
@@ -138,7 +138,7 @@ def decode(raw: bytes) -> Payload:
     try:
         message.ParseFromString(raw)
     except DecodeError as error:
-        raise MalformedError("no Sparkplug payload") from error
+        raise MalformedMetricsError("no Sparkplug payload") from error
     return Payload(
         tuple(_metric(each) for each in message.metrics),
         message.timestamp / 1000 if message.HasField("timestamp") else None,
@@ -169,11 +169,11 @@ def _put(field: Any, metric: Metric) -> None:  # noqa: ANN401 - a message of pro
 
 def _metric(field: Any) -> Metric:  # noqa: ANN401 - a message of protobuf
     if not field.name:
-        raise MalformedError("a metric has no name")
+        raise MalformedMetricsError("a metric has no name")
     held = field.WhichOneof("value")
     value = None if field.is_null or held is None else getattr(field, held)
     if isinstance(field.name, bytes) or (held == "string_value" and isinstance(value, bytes)):
-        raise MalformedError("a text is not UTF-8")  # protobuf gives its bytes
+        raise MalformedMetricsError("a text is not UTF-8")  # protobuf gives its bytes
     kind = _type(field.datatype)
     if kind is DataType.DATE_TIME and isinstance(value, int):
         value = value / 1000

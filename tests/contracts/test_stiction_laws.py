@@ -12,7 +12,7 @@ from agent.checks.stiction_laws import (
     F_D,
     F_S,
     STEPPING,
-    Bench,
+    SteppedValve,
     bench_of,
     force_never_exceeds_static_friction,
     held_op_leaves_the_stem_where_it_is,
@@ -48,8 +48,8 @@ def physical(friction, op, x0):
 
 BENCHES = [
     *(bench_of(law, DAMPED if law.name == "damped_stem" else 0.0) for law in LAWS),
-    Bench("karnopp", partial(physical, "karnopp"), late=0.3),
-    Bench("lugre", partial(physical, "lugre"), late=0.3),
+    SteppedValve("karnopp", partial(physical, "karnopp"), late=0.3),
+    SteppedValve("lugre", partial(physical, "lugre"), late=0.3),
 ]
 
 FAILS = {

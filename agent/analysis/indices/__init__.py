@@ -8,7 +8,7 @@ from agent.analysis.indices.harris import Harris
 from agent.analysis.indices.index import PerformanceIndex
 from agent.analysis.indices.mean_absolute_error import MeanAbsoluteError
 from agent.analysis.indices.movement import Reversals, SetPointCrossings, Travel
-from agent.analysis.indices.service import Saturation, ServiceFactor, TimeInManual
+from agent.analysis.indices.service import ServiceFactor, TimeAtLimit, TimeInManual
 from agent.analysis.indices.variability import Variability
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ INDICES: tuple[PerformanceIndex, ...] = (
     Harris(),
     ServiceFactor(),
     TimeInManual(),
-    Saturation(),
+    TimeAtLimit(),
     Travel(),
     Reversals(),
     SetPointCrossings(),

@@ -46,7 +46,7 @@ class TimeInManual:
 
 
 @dataclass(frozen=True, slots=True)
-class Saturation:
+class TimeAtLimit:
     """Time that OP stands at a limit of its range over all time."""
 
     name: str = "saturation"

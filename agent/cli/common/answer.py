@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.quantify import Quantifier
     from agent.analysis.record.recording import LoopHints, LoopWindow
-    from agent.cli.common.delay import Delay
+    from agent.cli.common.delay import DeadTime
     from connectors.recording import Columns, ReadOptions
 
 
@@ -30,7 +30,7 @@ class Task:
     """What else the user states about the file; None: nothing."""
     loop: str | None = None
     """Which loop of the file; None: the only one."""
-    delay: Delay | None = None
+    delay: DeadTime | None = None
     """Dead time that the user states; None: it is searched."""
     shared: bool = False
     """Whether its valve has other recordings, for which the window is needed again."""

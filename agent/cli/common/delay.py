@@ -14,7 +14,7 @@ EXPECTED = "expected whole samples, at least 1, or a time with its unit: 17s, 2m
 
 
 @dataclass(frozen=True, slots=True)
-class Delay:
+class DeadTime:
     """A dead time, in one of two units."""
 
     samples: int | None = None
@@ -27,7 +27,7 @@ class Delay:
         return max(1, round((self.seconds or 0.0) / ts))
 
 
-def delay_of(text: str) -> Delay:
+def delay_of(text: str) -> DeadTime:
     """Return the dead time that a text states; raises BadParameter where it states none."""
     found = WRITTEN.fullmatch(text)
     unit = "" if found is None else found["unit"].lower()
@@ -35,7 +35,7 @@ def delay_of(text: str) -> Delay:
         raise typer.BadParameter(f"{text!r}: {EXPECTED}", param_hint="'--delay'")
     number = float(found["number"])
     if unit:
-        return Delay(seconds=number * UNITS[unit])
+        return DeadTime(seconds=number * UNITS[unit])
     if number < 1 or number != int(number):
         raise typer.BadParameter(f"{text!r}: {EXPECTED}", param_hint="'--delay'")
-    return Delay(samples=int(number))
+    return DeadTime(samples=int(number))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,6 +18,15 @@ PANEL = "Columns of the recordings"
 
 SUFFIXES = {".csv", ".parquet", ".xlsx", ".gz"}
 """Of the files of a folder that are recordings."""
+
+
+class Bus(StrEnum):
+    """Buses with servers for recorded and simulated loops."""
+
+    OPCUA = "opcua"
+    MODBUS = "modbus"
+    MQTT = "mqtt"
+
 
 Recordings = Annotated[
     list[Path], typer.Argument(metavar="RECORDING...", help="CSV or Parquet files, or folders of them.")

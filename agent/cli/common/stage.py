@@ -30,7 +30,7 @@ LOOK = 0.02
 
 
 @dataclass(slots=True)
-class Stage:
+class LivePlay:
     """What happens while the curtain is up."""
 
     agent: Agent
@@ -50,7 +50,7 @@ async def on_stage(
     executor: Executor,
     on_diagnosis: Callable[[Diagnosis], None],
     accompany: Callable[[Agent], None] | None = None,
-) -> AsyncIterator[Stage]:
+) -> AsyncIterator[LivePlay]:
     """Play sources on their buses to an agent, with an independent consumer on each bus.
 
     Args:
@@ -88,7 +88,7 @@ async def on_stage(
         tasks = await stack.enter_async_context(asyncio.TaskGroup())
         clocks = {bus: Clock(speed) for bus in sources}
         playing = tasks.create_task(_play(sources, servers, clocks, agent), name="players")
-        stage = Stage(agent, playing, tuple(clocks.values()))
+        stage = LivePlay(agent, playing, tuple(clocks.values()))
         background = [tasks.create_task(agent.run(), name="agent"), playing]
         background += [
             tasks.create_task(_watch(server, stage.told), name=f"consumer on {bus}")

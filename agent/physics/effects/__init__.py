@@ -13,7 +13,7 @@ from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.integrating import Integrating
 from agent.physics.effects.inverse_response import InverseResponse
-from agent.physics.effects.load_step import LoadStep
+from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.effects.overflow import Overflow
 from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.saturation import Saturation
@@ -38,7 +38,7 @@ EFFECTS: tuple[Effect, ...] = (
     InverseResponse(),
     Overflow(),
     Sinusoid(),
-    LoadStep(),
+    LoadStepEffect(),
     GainChange(),
 )
 """Built in; the simplest member of a family comes first."""

@@ -27,7 +27,7 @@ LEAST_ENERGY = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class LoadStep:
+class LoadStepEffect:
     """Three steps behind a lag of their own on PV; their heights are solved for.
 
     One step alone does not find a load that comes and goes again, as of a pump or a batch: the residual is

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from agent.physics.processes.fopdt import fopdt
 from agent.physics.processes.integrator import integrator
-from agent.physics.processes.process import DELAY, TAU, TAU2, Process, ProcessParameter
+from agent.physics.processes.process import DELAY, TAU, TAU2, ProcessParameter, UnitGainProcess
 from agent.physics.processes.sopdt import sopdt
 
-__all__ = ["PROCESSES", "Process", "ProcessParameter"]
+__all__ = ["PROCESSES", "ProcessParameter", "UnitGainProcess"]
 
-PROCESSES: tuple[Process, ...] = (
-    Process("fopdt", (TAU, DELAY), fopdt),
-    Process("sopdt", (TAU, TAU2, DELAY), sopdt),
-    Process("integrator", (DELAY,), integrator),
+PROCESSES: tuple[UnitGainProcess, ...] = (
+    UnitGainProcess("fopdt", (TAU, DELAY), fopdt),
+    UnitGainProcess("sopdt", (TAU, TAU2, DELAY), sopdt),
+    UnitGainProcess("integrator", (DELAY,), integrator),
 )

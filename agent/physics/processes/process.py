@@ -33,7 +33,7 @@ DELAY = ProcessParameter("delay", "samples", least=1.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Process:
+class UnitGainProcess:
     """A linear process of gain (or slope) one."""
 
     name: str

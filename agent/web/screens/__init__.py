@@ -1,5 +1,5 @@
 """Screens: one module here and one of the same name in ``static/screens``."""
 
-from agent.web.screens.screen import Screen
+from agent.web.screens.screen import PageScreen
 
-__all__ = ["Screen"]
+__all__ = ["PageScreen"]

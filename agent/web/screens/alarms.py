@@ -12,7 +12,7 @@ from agent.web.event_stream import EventStream
 from agent.web.plant import Look, Plant
 from agent.web.rows import plain, row_of
 from agent.web.screens.answers import too_many_pages
-from agent.web.screens.screen import Screen
+from agent.web.screens.screen import PageScreen
 
 ORDER = (
     State.UNACKED_ACTIVE,
@@ -33,7 +33,7 @@ def alarms_of(look: Look) -> list[dict[str, Any]]:
     return [row_of(item) | {"id": item.alarm.id, "ne107": item.alarm.health.name.lower()} for item in there]
 
 
-def screen(plant: Plant) -> Screen:
+def screen(plant: Plant) -> PageScreen:
     """Return the screen of a plant's alarms."""
     router = APIRouter(prefix="/api/alarms", tags=["alarms"])
 
@@ -57,4 +57,4 @@ def screen(plant: Plant) -> Screen:
             for each in entries[: -DECISIONS - 1 : -1]
         ]
 
-    return Screen("alarms", "Alarms", "/alarms", router)
+    return PageScreen("alarms", "Alarms", "/alarms", router)

@@ -8,8 +8,8 @@ from fastapi import APIRouter, HTTPException
 from pydantic import BaseModel, Field
 
 from agent.settings.schema import json_schema
-from agent.web.configuration import Change, Configuration, What, findings_json, form_yaml
-from agent.web.screens.screen import Screen
+from agent.web.configuration import Configuration, EntryChange, What, findings_json, form_yaml
+from agent.web.screens.screen import PageScreen
 from connectors.kinds import KINDS
 
 LARGEST = 60_000
@@ -26,10 +26,10 @@ class Wish(BaseModel):
     yaml: Annotated[str, Field(max_length=LARGEST)] | None = None
     """Instead of the form."""
 
-    def change(self) -> Change:
+    def change(self) -> EntryChange:
         """Return it as YAML."""
         text = self.yaml if self.yaml is not None else form_yaml(self.entry or {})
-        return Change(self.what, self.name, text)
+        return EntryChange(self.what, self.name, text)
 
 
 class Saving(Wish):
@@ -41,7 +41,7 @@ class Saving(Wish):
     """Who saves it."""
 
 
-def screen(configuration: Configuration) -> Screen:
+def screen(configuration: Configuration) -> PageScreen:
     """Return the screen of a configuration file."""
     router = APIRouter(prefix="/api/configure", tags=["configure"])
 
@@ -92,4 +92,4 @@ def screen(configuration: Configuration) -> Screen:
             raise HTTPException(409, "; ".join(faults))
         return {"saved": str(configuration.path)}
 
-    return Screen("configure", "Configure", "/configure", router)
+    return PageScreen("configure", "Configure", "/configure", router)

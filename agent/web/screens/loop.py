@@ -8,19 +8,19 @@ from fastapi import APIRouter, HTTPException, Query
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
 from agent.report.diagnosis_json import diagnosis_json
-from agent.web.decisions import Decision, decide
+from agent.web.decisions import OperatorDecision, decide
 from agent.web.event_stream import EventStream
 from agent.web.loop_pictures import map_json, method_picture, profile_json, report
 from agent.web.plant import Look, Plant
 from agent.web.rows import numbers, plain, row_of
 from agent.web.screens.answers import loop_of, too_many_pages
-from agent.web.screens.screen import Screen
+from agent.web.screens.screen import PageScreen
 
 REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'"
 """A report carries its own style and pictures and no script at all."""
 
 
-def screen(plant: Plant) -> Screen:
+def screen(plant: Plant) -> PageScreen:
     """Return the screen of a plant's loops."""
     router = APIRouter(prefix="/api/loops", tags=["loops"])
 
@@ -133,7 +133,7 @@ def screen(plant: Plant) -> Screen:
         return HTMLResponse(text, headers={"Content-Security-Policy": REPORT_POLICY})
 
     @router.post("/{name}/orders")
-    async def order(name: str, decision: Decision) -> dict[str, Any]:
+    async def order(name: str, decision: OperatorDecision) -> dict[str, Any]:
         """Acknowledge, shelve, unshelve, take out of service or back; the buses get the new state."""
         loop_of(plant, name)
         problem = await decide(plant, name, decision)
@@ -141,7 +141,7 @@ def screen(plant: Plant) -> Screen:
             raise HTTPException(409, f"{decision.action} of {name}: {problem}")
         return row_of(plant.look().by_name[name])
 
-    return Screen("loop", "", "/loops/{name}", router)
+    return PageScreen("loop", "", "/loops/{name}", router)
 
 
 def about(plant: Plant, look: Look, name: str) -> dict[str, Any]:

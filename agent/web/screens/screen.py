@@ -9,7 +9,7 @@ from fastapi import APIRouter
 
 
 @dataclass(frozen=True, slots=True)
-class Screen:
+class PageScreen:
     """One screen of the page: its address, and the REST interface that it draws."""
 
     name: str

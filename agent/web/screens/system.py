@@ -11,7 +11,7 @@ from agent.runtime.operate.health_json import health_json
 from agent.web.event_stream import EventStream
 from agent.web.plant import Look, Plant
 from agent.web.screens.answers import too_many_pages
-from agent.web.screens.screen import Screen
+from agent.web.screens.screen import PageScreen
 
 SHOWN = 200
 """Loops without data that are listed."""
@@ -80,7 +80,7 @@ def silent_loops(look: Look) -> dict[str, Any]:
     }
 
 
-def screen(plant: Plant) -> Screen:
+def screen(plant: Plant) -> PageScreen:
     """Return the screen of an agent."""
     router = APIRouter(prefix="/api/system", tags=["system"])
 
@@ -95,7 +95,7 @@ def screen(plant: Plant) -> Screen:
         page = plant.live.open(Rates(plant))
         return too_many_pages() if page is None else EventStream(page, lambda: plant.live.close(page))
 
-    return Screen("system", "System", "/system", router)
+    return PageScreen("system", "System", "/system", router)
 
 
 def _rate(

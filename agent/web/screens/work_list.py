@@ -14,7 +14,7 @@ from agent.web.plant import Look, Plant
 from agent.web.ranking import GROUPS, Item, estimate_of, probability_of
 from agent.web.rows import row_of, sparkline_of
 from agent.web.screens.answers import too_many_pages
-from agent.web.screens.screen import Screen
+from agent.web.screens.screen import PageScreen
 
 LARGEST_PAGE = 200
 SPARKLINES_EVERY = 5
@@ -88,7 +88,7 @@ def map_of(look: Look) -> list[dict[str, Any]]:
     return [{"area": area, "loops": loops} for area, loops in sorted(areas.items())]
 
 
-def screen(plant: Plant) -> Screen:
+def screen(plant: Plant) -> PageScreen:
     """Return the screen of a plant."""
     router = APIRouter(prefix="/api/work-list", tags=["work list"])
 
@@ -110,7 +110,7 @@ def screen(plant: Plant) -> Screen:
         """Loops by area, each [name, group, stale]."""
         return map_of(plant.look())
 
-    return Screen("work_list", "Work list", "/", router)
+    return PageScreen("work_list", "Work list", "/", router)
 
 
 def _fits(item: Item, wanted: Wanted) -> bool:

@@ -44,7 +44,7 @@ class UnclearTimeError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Clock:
+class TimeScale:
     """How numbers become seconds."""
 
     factor: float
@@ -62,14 +62,14 @@ class Clock:
 
 
 CLOCKS = {
-    "seconds": Clock(1.0, 0.0, "seconds", absolute=False),
-    **{name: Clock(factor, 0.0, name, absolute=True) for *_, factor, name in EPOCHS},
-    "excel": Clock(DAY, -EXCEL_1970, "excel", absolute=True),
-    "matlab": Clock(DAY, -MATLAB_1970, "matlab", absolute=True),
+    "seconds": TimeScale(1.0, 0.0, "seconds", absolute=False),
+    **{name: TimeScale(factor, 0.0, name, absolute=True) for *_, factor, name in EPOCHS},
+    "excel": TimeScale(DAY, -EXCEL_1970, "excel", absolute=True),
+    "matlab": TimeScale(DAY, -MATLAB_1970, "matlab", absolute=True),
 }
 
 
-def clock_of(values: FloatArray, unit: str) -> Clock:
+def clock_of(values: FloatArray, unit: str) -> TimeScale:
     """Return how a column of numbers counts time.
 
     Args:
@@ -88,7 +88,7 @@ def clock_of(values: FloatArray, unit: str) -> Clock:
             return _checked(CLOCKS[name], step, middle)
     factor = unit_factor(unit)
     if factor is not None and not _within(middle, EXCEL_DAYS):
-        return _checked(Clock(factor, 0.0, unit, absolute=False), step, middle)
+        return _checked(TimeScale(factor, 0.0, unit, absolute=False), step, middle)
     if _within(middle, MATLAB_DAYS) and step is not None and step < AS_DAYS_BELOW:
         return _checked(CLOCKS["matlab"], step, middle)
     if _within(middle, EXCEL_DAYS) and step is not None and step < AS_SECONDS_FROM:
@@ -110,7 +110,7 @@ def _within(value: float, bounds: tuple[float, float]) -> bool:
     return bounds[0] <= value <= bounds[1]
 
 
-def _checked(clock: Clock, step: float | None, middle: float) -> Clock:
+def _checked(clock: TimeScale, step: float | None, middle: float) -> TimeScale:
     if step is None or SHORTEST <= step * clock.factor <= LONGEST:
         return clock
     raise UnclearTimeError(

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from agent.analysis.diagnose import diagnose
 from agent.analysis.quantify import QUANTIFIERS
 from agent.analysis.record.recording import LoopHints, LoopWindow
-from agent.analysis.results import Estimate
+from agent.analysis.results import IntervalEstimate
 from agent.analysis.stiction import DETECTORS
 from agent.report.diagnosis_json import diagnosis_json
 from agent.report.reasons import reasons
@@ -67,7 +67,7 @@ def test_json_has_all_keys_and_no_nan(answer):
 
 
 def test_json_numbers():
-    low = replace(STICKING.stiction, s=Estimate(3.0, 2.5, math.inf), identifiable_s=True)
+    low = replace(STICKING.stiction, s=IntervalEstimate(3.0, 2.5, math.inf), identifiable_s=True)
     written = diagnosis_json(judged(WINDOW, replace(STICKING, stiction=low)), "FIC101.csv")
     assert written["stiction"]["s"] == {"value": 3.0, "low": 2.5, "high": None}
     assert written["stiction"]["identifiable"] == {"s": True, "j": None}

@@ -7,7 +7,7 @@ import pytest
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
 from agent.analysis.results import (
     CauseShare,
-    Estimate,
+    IntervalEstimate,
     Oscillation,
     ProcessEstimate,
     ProcessIntervals,
@@ -19,10 +19,10 @@ from agent.report.diagnosis_text import diagnosis_lines
 from agent.units import FrictionBands
 
 SURE = StictionEstimate(
-    f_s=Estimate(6.0, 5.5, 6.5),
-    f_d=Estimate(0.6, 0.1, 1.1),
-    s=Estimate(6.6, 6.5, 6.7),
-    j=Estimate(5.4, 1.25, 6.6),
+    f_s=IntervalEstimate(6.0, 5.5, 6.5),
+    f_d=IntervalEstimate(0.6, 0.1, 1.1),
+    s=IntervalEstimate(6.6, 6.5, 6.7),
+    j=IntervalEstimate(5.4, 1.25, 6.6),
     identifiable_s=True,
     identifiable_j=False,
 )

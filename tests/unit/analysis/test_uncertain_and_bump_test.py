@@ -11,7 +11,7 @@ from agent.analysis.diagnose import as_decided
 from agent.analysis.record.least_step import least_step
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import (
-    Estimate,
+    IntervalEstimate,
     ProcessEstimate,
     Quantification,
     SimulatedModel,
@@ -40,10 +40,18 @@ FOUND = Quantification(
 @pytest.mark.parametrize(
     ("estimate", "identifiable", "words"),
     [
-        (Estimate(1.655, 1.493, 1.764), False, "S = 1.655 OP units, uncertain: 1.493 to 1.764"),
-        (Estimate(1.655, 1.493, 1.764), True, "S = 1.655 OP units, 90 % interval 1.493 to 1.764"),
-        (Estimate(1.0, 0.2, 2.0), False, "S = 1 OP units, but not identifiable: the record allows 0.2 to 2"),
-        (Estimate(1.0), False, "S = 1 OP units, but not identifiable: the record does not determine it"),
+        (IntervalEstimate(1.655, 1.493, 1.764), False, "S = 1.655 OP units, uncertain: 1.493 to 1.764"),
+        (IntervalEstimate(1.655, 1.493, 1.764), True, "S = 1.655 OP units, 90 % interval 1.493 to 1.764"),
+        (
+            IntervalEstimate(1.0, 0.2, 2.0),
+            False,
+            "S = 1 OP units, but not identifiable: the record allows 0.2 to 2",
+        ),
+        (
+            IntervalEstimate(1.0),
+            False,
+            "S = 1 OP units, but not identifiable: the record does not determine it",
+        ),
     ],
 )
 def test_an_interval_that_is_narrow_enough_is_an_answer(estimate, identifiable, words):
@@ -52,7 +60,7 @@ def test_an_interval_that_is_narrow_enough_is_an_answer(estimate, identifiable, 
 
 def stiction(low, value, high):
     whole = StictionEstimate.of(FrictionBands(value, 0.0))
-    return replace(whole, s=Estimate(value, low, high))
+    return replace(whole, s=IntervalEstimate(value, low, high))
 
 
 def test_a_bump_test_that_cannot_be_carried_out_is_not_proposed():

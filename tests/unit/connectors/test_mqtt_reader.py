@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from connectors.base import Quality
 from connectors.mqtt.options import MqttTag
-from connectors.mqtt.payload import MalformedError, seconds
+from connectors.mqtt.payload import MalformedPayloadError, seconds
 from connectors.mqtt.reader import TopicReader
 
 ARRIVAL = 1000.0
@@ -113,7 +113,7 @@ def test_any_message_gives_one_sample_a_tag(message):
 
 def test_a_time_without_zone_is_utc():
     assert seconds("2023-11-14T22:13:20") == seconds("2023-11-14T23:13:20+01:00") == 1.7e9
-    with pytest.raises(MalformedError):
+    with pytest.raises(MalformedPayloadError):
         seconds(math.inf)
 
 

@@ -6,7 +6,7 @@ from agent.alarms import Alarm, Announcement
 from connectors.base import Order, Publication
 from connectors.sparkplug.metrics import _FIELDS, COMMANDS, METRICS, OUT_OF_SERVICE, REBIRTH, orders
 from connectors.sparkplug.node import EdgeNode
-from connectors.sparkplug.payload import DataType, MalformedError, Metric, decode
+from connectors.sparkplug.payload import DataType, MalformedMetricsError, Metric, decode
 
 NOW = 1.8e9
 FIELDS = {**Announcement("state", Alarm("FIC101"), 5.0).fields(), "sequence": 7, "historical": False}
@@ -178,7 +178,7 @@ def test_what_is_written_back_to_rest_asks_nothing():
     ],
 )
 def test_a_command_without_sense_is_malformed(values, why):
-    with pytest.raises(MalformedError, match=why):
+    with pytest.raises(MalformedMetricsError, match=why):
         orders("L", written(**values), NOW)
 
 

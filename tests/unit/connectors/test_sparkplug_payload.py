@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from connectors.sparkplug.payload import DataType, MalformedError, Metric, Payload, decode, encode
+from connectors.sparkplug.payload import DataType, MalformedMetricsError, Metric, Payload, decode, encode
 
 BY_PYSPARKPLUG = bytes.fromhex(
     "08fba0f1c2b134121e0a11416c61726d2f41636b6e6f776c656467651880a0f1c2b134200b7001121f0a0e416c61726d2f4f7065"
@@ -106,7 +106,7 @@ def test_what_is_no_number_is_null(value):
 def test_nothing_that_comes_breaks_it(raw):
     try:
         payload = decode(raw)
-    except MalformedError:
+    except MalformedMetricsError:
         return
     assert all(metric.name and isinstance(metric.name, str) for metric in payload.metrics)
     assert not any(isinstance(metric.value, bytes) for metric in payload.metrics)

@@ -14,7 +14,7 @@ from connectors.options import LoopTags
 from connectors.sparkplug.connector import SparkplugConnector, SparkplugSession
 from connectors.sparkplug.metrics import COMMANDS, OUT_OF_SERVICE, REBIRTH
 from connectors.sparkplug.options import SparkplugOptions, SparkplugTarget
-from connectors.sparkplug.payload import DataType, MalformedError, Metric, decode, encode
+from connectors.sparkplug.payload import DataType, MalformedMetricsError, Metric, decode, encode
 from tests.faults.test_fuzz import OFTEN
 
 NCMD, DCMD = "spBv1.0/plant/NCMD/gate", "spBv1.0/plant/DCMD/gate/FIC101"
@@ -108,7 +108,7 @@ def test_commands_of_anybody_are_obeyed_or_counted_and_the_first_is_told(_name, 
     def unreadable(raw):
         try:
             decode(raw)
-        except MalformedError:
+        except MalformedMetricsError:
             return True
         return False
 

@@ -14,7 +14,7 @@ from agent.physics.effects.characteristic import Characteristic
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.hysteresis import motion_values
-from agent.physics.effects.load_step import LoadStep
+from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.saturation import Saturation
 from agent.physics.effects.second_order import SecondOrder
@@ -164,19 +164,19 @@ def test_nothing_is_spotted_in_nothing():
 
 
 def test_a_load_step_has_gone_63_percent_after_its_lag():
-    column, later, _ = LoadStep().columns(T, WAVE, np.array([100.0, 200.0, 300.0, 30.0])).T
+    column, later, _ = LoadStepEffect().columns(T, WAVE, np.array([100.0, 200.0, 300.0, 30.0])).T
     assert np.all(column[:101] == 0)
     assert column[130] == pytest.approx(1 - np.exp(-1))
     np.testing.assert_allclose(later[100:], column[:-100])
-    sudden = LoadStep().columns(T, WAVE, np.array([100.0, 200.0, 50.0, 0.0])).T
+    sudden = LoadStepEffect().columns(T, WAVE, np.array([100.0, 200.0, 50.0, 0.0])).T
     np.testing.assert_array_equal(sudden, [T > 100, T > 200, T > 50])
 
 
 @pytest.mark.parametrize("instants", [(170.0, 230.0, 300.0), (420.0, 90.0, 250.0)])
 def test_a_load_that_comes_and_goes_is_spotted(instants):
-    left = LoadStep().columns(T, WAVE, np.array([*instants, 0.0])) @ [3.0, -4.0, 2.0] + 0.01 * T
+    left = LoadStepEffect().columns(T, WAVE, np.array([*instants, 0.0])) @ [3.0, -4.0, 2.0] + 0.01 * T
     left[:40] = np.nan
-    sudden = LoadStep().spotted(left, FACTS)[0]
+    sudden = LoadStepEffect().spotted(left, FACTS)[0]
     assert sorted(sudden[:3]) == pytest.approx(sorted(instants), abs=FACTS.duration / 100)
     assert sudden[3] == 0
 

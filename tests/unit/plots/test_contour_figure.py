@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify.valves.error_map import ErrorMap
-from agent.analysis.results import Estimate, Quantification, StictionEstimate
+from agent.analysis.results import IntervalEstimate, Quantification, StictionEstimate
 from agent.plots.contour import contour_figure
 from agent.units import FrictionBands
 
@@ -57,8 +57,8 @@ def test_several_minima_are_named_and_marked():
 
 
 def test_the_estimate_with_its_intervals():
-    s, j = Estimate(7.0, 6.0, 8.0), Estimate(5.0, 1.0, 7.0)
-    found = StictionEstimate(Estimate(6.0), Estimate(1.0), s, j)
+    s, j = IntervalEstimate(7.0, 6.0, 8.0), IntervalEstimate(5.0, 1.0, 7.0)
+    found = StictionEstimate(IntervalEstimate(6.0), IntervalEstimate(1.0), s, j)
     axes = panels(contour_figure("A", ONE, answer(found)))[0]
     assert lines(axes)["estimate of free_run"] == (1.0, 6.0)
     region = next(patch for patch in axes.patches if patch.get_label() == "90 % intervals of S and J")

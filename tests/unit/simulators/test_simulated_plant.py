@@ -14,7 +14,7 @@ from simulators.parameters import (
     SinusoidParameters,
     ValveParameters,
 )
-from simulators.plant import Plant, quantised, simulate
+from simulators.plant import SimulatedPlant, quantised, simulate
 from simulators.scenario import Scenario
 
 
@@ -35,7 +35,7 @@ STICKING = ValveParameters(law="karnopp", f_s=5.0, f_d=1.0)
 
 def test_run_at_once_equals_run_row_by_row():
     loop = scenario(valve=STICKING, drift=Drift(walk=0.05), disturbance=SinusoidParameters(amplitude=1))
-    plant = Plant(loop)
+    plant = SimulatedPlant(loop)
     record = simulate(loop)
     for i in range(loop.samples):
         row = plant.advance()

@@ -7,7 +7,7 @@ from starlette.routing import Route
 
 from agent.web.access import LASTS, LOOPBACK, Access
 from agent.web.app import application
-from agent.web.screens.screen import Screen
+from agent.web.screens.screen import PageScreen
 from tests.unit.web.clients import client, csrf
 
 TOKEN = "a-long-token"  # noqa: S105
@@ -23,7 +23,7 @@ def app_of(access=None):
     async def live(_):
         return PlainTextResponse("ok\n")
 
-    screens = [Screen("work_list", "Work list", "/", router, {"/api/thing": 100_000})]
+    screens = [PageScreen("work_list", "Work list", "/", router, {"/api/thing": 100_000})]
     return application(screens, access or Access(), [Route("/live", live)])
 
 

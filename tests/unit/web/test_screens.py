@@ -12,7 +12,7 @@ from starlette.applications import Starlette
 
 from agent.alarms import Alarm, State
 from agent.analysis.diagnosis import Diagnosis
-from agent.analysis.results import Estimate, MethodResult, Quantification, StictionEstimate
+from agent.analysis.results import IntervalEstimate, MethodResult, Quantification, StictionEstimate
 from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, HttpSettings, Settings
@@ -31,7 +31,7 @@ HOSTILE = "<script>alert(1)<script>"
 
 
 def estimate(value):
-    return Estimate(value, 0.9 * value, 1.1 * value)
+    return IntervalEstimate(value, 0.9 * value, 1.1 * value)
 
 
 def found(window, decision="stiction", s=4.0):

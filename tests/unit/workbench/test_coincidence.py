@@ -6,7 +6,7 @@ from test_closed_loop import N, loop
 
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
-from agent.physics.effects.load_step import STEPS, LoadStep
+from agent.physics.effects.load_step import STEPS, LoadStepEffect
 from agent.physics.loop_model import LoopModel
 from agent.workbench.coincidence import LEVEL, coincidence_p
 from agent.workbench.fit import fit
@@ -21,7 +21,7 @@ MOVES = 100 * np.arange(2, N // 100 - 1)
 def p_of():
     """How likely by chance a load would step at these instants, samples."""
     record = bare_record(LoopWindow("loop", 0.0, 1.0, *loop(0, slack=0.0)))
-    predicts, best = predictor(fit(LoopModel(Fopdt(), (LoadStep(),)), record, record.weight), record)
+    predicts, best = predictor(fit(LoopModel(Fopdt(), (LoadStepEffect(),)), record, record.weight), record)
     values = predicts.space.values(best)
 
     def asked(instants):

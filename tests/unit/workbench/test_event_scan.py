@@ -7,7 +7,7 @@ from test_closed_loop import N, answered_more, free_run, loop
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.gain_change import GainChange
-from agent.physics.effects.load_step import LoadStep
+from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instant_p
 from agent.workbench.fit import fit
@@ -20,7 +20,7 @@ def predicted(op, pv):
     return predictor(fit(LoopModel(Fopdt()), record, record.weight), record)
 
 
-@pytest.mark.parametrize("effect", [LoadStep(), GainChange()])
+@pytest.mark.parametrize("effect", [LoadStepEffect(), GainChange()])
 def test_where_nothing_happened_p_is_one_of_chance(effect):
     found = [instant_p(*predicted(*loop(seed, slack=0.0)), effect) for seed in range(8)]
     assert all(0.0 < p <= 1.0 for p in found)
@@ -32,7 +32,7 @@ def test_a_load_that_steps_and_goes_again_is_seen_and_rather_than_another_gain()
     op, pv = loop(2, slack=0.0)
     load = np.where((np.arange(N) > 700) & (np.arange(N) < 1100), 3.0, 0.0)
     asked = predicted(op, pv + free_run(load, 0.0))
-    step, gain = (instant_p(*asked, effect) for effect in (LoadStep(), GainChange()))
+    step, gain = (instant_p(*asked, effect) for effect in (LoadStepEffect(), GainChange()))
     assert step < 1e-6
     assert step < 0.1 * gain
 
@@ -45,5 +45,5 @@ def test_another_gain_is_seen():
 
 def test_the_answer_does_not_hang_on_units():
     op, pv = loop(3, slack=0.0)
-    other = instant_p(*predicted(10 * op + 30, 0.01 * pv - 5), LoadStep())
-    assert other == pytest.approx(instant_p(*predicted(op, pv), LoadStep()), rel=0.2)
+    other = instant_p(*predicted(10 * op + 30, 0.01 * pv - 5), LoadStepEffect())
+    assert other == pytest.approx(instant_p(*predicted(op, pv), LoadStepEffect()), rel=0.2)

@@ -4,7 +4,7 @@ from loops import DELAY, GAIN, TAU, S, made, slack
 
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
-from agent.physics.effects.load_step import LoadStep
+from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import contributions, fit, fit_at, nested_fit, refit, spread_from
@@ -52,7 +52,9 @@ def test_a_fit_that_does_not_see_a_step_keeps_when_and_how_high_it_was():
     base = fit(FOPDT, record, record.weight)
     values = np.array([*base.values, at, 300.0, 450.0, 0.0])
     target = target_of(record, record.weight, linear=True)
-    larger = refit(fit_at(LoopModel(Fopdt(), (LoadStep(),)), record, target, values), record, record.weight)
+    larger = refit(
+        fit_at(LoopModel(Fopdt(), (LoadStepEffect(),)), record, target, values), record, record.weight
+    )
     assert larger.coefficients[1] == pytest.approx(height, abs=0.1)
     blind, other = record.weight.copy(), record.weight.copy()
     blind[600:800] = 0.0

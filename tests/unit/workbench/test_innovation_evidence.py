@@ -9,7 +9,7 @@ from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.gain_change import GainChange
-from agent.physics.effects.load_step import LoadStep
+from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
@@ -54,7 +54,7 @@ def evidence(effect, base, record):
 
 
 def test_it_is_for_what_changed_and_not_for_what_stands_in_for_it(changed):
-    found = {each.name: evidence(each, *changed) for each in (GainChange(), LoadStep(), Deadband())}
+    found = {each.name: evidence(each, *changed) for each in (GainChange(), LoadStepEffect(), Deadband())}
     assert found["gain_change"].more
     assert found["gain_change"].by_chance < 1e-10
     assert not found["deadband"].more
@@ -66,7 +66,7 @@ def test_it_is_for_what_changed_and_not_for_what_stands_in_for_it(changed):
 def test_a_step_of_a_loop_without_one_is_chance():
     op, pv = loop(2, slack=0.0)
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
-    assert evidence(LoadStep(), model_on(record), record).by_chance > 0.05
+    assert evidence(LoadStepEffect(), model_on(record), record).by_chance > 0.05
 
 
 @pytest.mark.parametrize(("height", "there"), [(0.0, False), (3.0, True)])

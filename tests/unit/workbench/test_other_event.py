@@ -7,7 +7,7 @@ from test_closed_loop import N, answered_more, free_run, loop
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.gain_change import GainChange
-from agent.physics.effects.load_step import LoadStep
+from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.fit import fit, nested_fit
@@ -67,11 +67,11 @@ def test_another_gain_is_told_where_op_moves_at_the_same_levels_before_and_after
 @pytest.mark.parametrize("heights", [[(1000, 3.0)], [(600, 3.0), (1250, -4.0)]])
 def test_a_load_that_steps_is_told_as_one(heights):
     op, pv = loop(0, slack=0.0)
-    assert not is_another_gain(*told(LoadStep(), op, stepped_pv(pv, *heights)))
+    assert not is_another_gain(*told(LoadStepEffect(), op, stepped_pv(pv, *heights)))
 
 
 def test_steps_where_op_moved_once_before_the_gain_changed_are_another_gain():
     """A step of the load hides that one move."""
     op, pv = open_loop((0, 0, 4, 4, 4, 0, -2, -2, 3, 1))
     pv += 2.0 * answered_more(op, LATER)
-    assert is_another_gain(*told(LoadStep(), op, pv))
+    assert is_another_gain(*told(LoadStepEffect(), op, pv))

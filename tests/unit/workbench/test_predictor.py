@@ -11,7 +11,7 @@ from agent.physics.effects import deadband
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.hysteresis import J_BY_LAW, S_BY_LAW
 from agent.physics.effects.inverse_response import InverseResponse
-from agent.physics.effects.load_step import LoadStep
+from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
@@ -95,7 +95,7 @@ def test_a_load_that_steps_is_sought_where_the_innovations_show_it():
     """The free run's own steps are slow, and bend with the load that wanders."""
     plant = hidden_effect_plant(5332, "load_step")
     record = bare_record(LoopWindow("loop", 0.0, 1.0, plant.op, plant.pv))
-    process, effect = plant.scenario.process, LoadStep()
+    process, effect = plant.scenario.process, LoadStepEffect()
     slow = np.array([process.delay, process.tau, 1132.0, 1987.0, 1434.0, 113.0])
     target = target_of(record, record.weight, linear=True)
     wrong = fit_at(LoopModel(Fopdt(), (effect,)), record, target, slow)

@@ -14,7 +14,7 @@ import numpy as np
 
 from agent.analysis.loop.pi_controller import pi_controller
 from agent.analysis.quantify.free_run.objective import DELAY, J_RATIO, LOG_TAU, LOG_TAU2, SOPDT, S
-from agent.analysis.results import Estimate, ProcessIntervals, Profile, StictionEstimate
+from agent.analysis.results import IntervalEstimate, ProcessIntervals, Profile, StictionEstimate
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.fitted import Fitted
@@ -94,16 +94,16 @@ def hidden_movement(problem: Problem, window: LoopWindow) -> float:
 
 def interval(
     values: np.ndarray[tuple[int], np.dtype[np.float64]], margin: float, above: float = 0.0
-) -> Estimate:
+) -> IntervalEstimate:
     """Return the first value with the range of all, widened by the margin, not below zero.
 
     ``above`` is added to the upper end.
     """
     low = max(0.0, float(values.min()) - margin)
-    return Estimate(float(values[0]), low, float(values.max()) + margin + above)
+    return IntervalEstimate(float(values[0]), low, float(values.max()) + margin + above)
 
 
-def width(estimate: Estimate) -> float:
+def width(estimate: IntervalEstimate) -> float:
     """Return how wide an interval is."""
     return (estimate.high or 0.0) - (estimate.low or 0.0)
 
