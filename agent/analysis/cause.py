@@ -2,8 +2,8 @@
 
 A first, thin answer. A swing that keeps its phase over the whole record is driven by a clock outside: a loop
 that is merely close to instability swings with the noise and loses its phase. For the rest the free run of
-the linear model is asked: what OP does to PV the model shows, what comes from elsewhere stays in its
-residual. See ``docs/methods/diagnosis.md`` for what it cannot tell.
+the linear model decides: what OP does to PV the model shows, what comes from elsewhere stays in its
+residual. See ``docs/methods/diagnosis.md`` for what it cannot distinguish.
 """
 
 from __future__ import annotations

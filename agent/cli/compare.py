@@ -87,12 +87,12 @@ def compare(
     window = _window(recording, options, loop)
     other = None if validate is None else _window(validate, options, loop)
     with ExitStack() as stack:
-        tell = stack.enter_context(_progress())
+        progress = stack.enter_context(_progress())
         run = stack.enter_context(_pool())
         from agent.workbench.session import Workbench
 
         try:
-            bench = Workbench(window, base, other, without or (), effects=effects, run=run, tell=tell)
+            bench = Workbench(window, base, other, without or (), effects=effects, run=run, progress=progress)
             if bench.reason is None:
                 _steps(bench, load, add or (), drop or ())
                 if auto:
@@ -240,7 +240,7 @@ def _progress() -> Iterator[Progress]:
     with Progress(*columns, console=console, redirect_stdout=False, transient=True) as progress:
         work = progress.add_task("", total=1)
 
-        def tell(what: str, done: int, of: int, /) -> None:
+        def shown(what: str, done: int, of: int, /) -> None:
             progress.update(work, description=what.replace("_", " "), completed=done, total=of)
 
-        yield tell
+        yield shown

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from agent.runtime.loop.workers import Executor
     from connectors.recording import Columns, RecordedLoop
 
-TELL = 10.0
+RECEIVE = 10.0
 """Longest wait for the last samples to reach the agent, and for an alarm to reach the consumer, s."""
 JUDGE = 300.0
 """Longest wait for the diagnosis of a window, s."""
@@ -39,7 +39,7 @@ class Played:
     diagnosis: Diagnosis | None
     """None where no window came about: nothing was known long enough."""
     seen: bool
-    """Whether the consumer on the bus was told of an active alarm."""
+    """Whether the consumer on the bus received an active alarm."""
     seconds: float
 
 
@@ -124,10 +124,10 @@ async def _play(recording: RecordedLoop, bus: Bus, speed: float | None, executor
     diagnoses: list[Diagnosis] = []
     async with on_stage({bus.value: [source]}, lambda _: options, speed, executor, diagnoses.append) as stage:
         await _with_progress(stage, loop, recording)
-        await until(lambda: bool(diagnoses) or stage.agent.busy(loop), TELL)
+        await until(lambda: bool(diagnoses) or stage.agent.busy(loop), RECEIVE)
         await until(lambda: bool(diagnoses) or not stage.agent.busy(loop), JUDGE)
         sticks = bool(diagnoses) and diagnoses[-1].verdict == "stiction"
-        seen = sticks and await until(lambda: stage.told.get(loop, False), TELL)
+        seen = sticks and await until(lambda: stage.told.get(loop, False), RECEIVE)
         seen = seen or stage.told.get(loop, False)
     return Played(diagnoses[-1] if diagnoses else None, seen, wall.monotonic() - started)
 

@@ -65,7 +65,7 @@ def verdict_words(verdict: Verdict, found: Comparison) -> str:
     if verdict.kind == "confirmed":
         return f"{verdict.effect} is missing"
     if verdict.kind == "family":
-        return f"{verdict.family} is missing: {verdict.effect}, or {others}, which this record does not tell"
+        return f"{verdict.family} is missing: this record cannot distinguish {verdict.effect} from {others}"
     if verdict.kind == "suggested":
         beside = f"; {others} would explain it as well" if others else ""
         for name in verdict.at_bound:

@@ -38,5 +38,5 @@ class Comparison:
 
 
 def not_testable(loop: str, reason: str) -> Comparison:
-    """Return what there is to say of a recording that tells nothing."""
+    """Return what there is to say of a recording that shows nothing."""
     return Comparison(loop, (), (), (), (), Verdict("not_testable"), None, None, reason)

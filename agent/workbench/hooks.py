@@ -1,4 +1,4 @@
-"""What a session is handed: how to work on many trials, and whom to tell what is being tried."""
+"""What a session is handed: how to work on many trials, and who is informed of what is tried."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Map(Protocol):
 
 
 class Progress(Protocol):
-    """Told what is tried next."""
+    """Informed of what is tried next."""
 
     def __call__(self, what: str, done: int, of: int, /) -> None:
         """Say that ``what`` is being tried and that ``done`` ``of`` all are done."""
@@ -26,4 +26,4 @@ class Progress(Protocol):
 
 
 def silent(what: str, done: int, of: int, /) -> None:
-    """Tell nobody."""
+    """Inform nobody."""

@@ -25,16 +25,16 @@ VerdictKind = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Which effect is missing, as far as the record tells."""
+    """Which effect is missing, as far as the record shows."""
 
     kind: VerdictKind
     effect: str | None = None
     family: str | None = None
     indistinguishable: tuple[str, ...] = ()
-    """The others that this record cannot tell from ``effect``."""
+    """The others that this record cannot distinguish from ``effect``."""
     at_bound: tuple[str, ...] = ()
     """Parameters of ``effect`` that ran into a bound: what it stands for is not confirmed then. Without an
-    effect those of the process that ran into the upper one: slower than any that the record can tell."""
+    effect those of the process that ran into the upper one: slower than any that the record can show."""
 
 
 @dataclass(frozen=True, slots=True)

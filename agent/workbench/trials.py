@@ -45,7 +45,7 @@ class Trials:
     folds: Folds
     run: Map
     """Tries effects, perhaps in parallel."""
-    tell: Progress
+    progress: Progress
     _valves: tuple[ValveStart, ...] | None = None
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
 
@@ -76,7 +76,7 @@ class Trials:
         Of what happened once each candidate of each step has had its chance.
         """
         effect = larger.model.effects[-1]
-        self.tell(f"{effect.name} by chance", 0, 1)
+        self.progress(f"{effect.name} by chance", 0, 1)
         if smaller.predicts is not None and happens_once(effect, self.record.facts):
             return min(1.0, ASKED * instant_p(*smaller.predicts, effect))
         trial = NullTrial(smaller.fit, larger, self.record, self.block)
@@ -104,7 +104,7 @@ class Trials:
         before = any(isinstance(each, HysteresisEffect) for each in found.fit.model.effects[:-1])
         if not before or found.predicts is None:
             return found
-        self.tell("another valve", 0, 1)
+        self.progress("another valve", 0, 1)
         other = with_valve_anew(*found.predicts, self.run)
         return found if other is None else self.predicted(other[0].fit(other[1]))
 
@@ -128,7 +128,7 @@ class Trials:
 
     def _both(self, one: Tried, other: Effect) -> Tried:
         """Try an effect on top of a model that is not the smaller one."""
-        self.tell(f"{one.fit.model.effects[-1].name} and {other.name}", 0, 1)
+        self.progress(f"{one.fit.model.effects[-1].name} and {other.name}", 0, 1)
         return tried(self._trial(one, other))
 
     def _trial(self, smaller: Step | Tried, effect: Effect) -> Trial:
@@ -142,9 +142,9 @@ class Trials:
     def _tried(self, smaller: Step, effects: Sequence[Effect]) -> dict[str, Tried]:
         """Try effects, the most promising first."""
         if self._valves is None and any(isinstance(each, HysteresisEffect) for each in effects):
-            self.tell("sticking valves", 0, len(effects))
+            self.progress("sticking valves", 0, len(effects))
             self._valves = valve_starts(self.window)
-        self.tell("a quick look at each", 0, len(effects))
+        self.progress("a quick look at each", 0, len(effects))
         trials = [
             replace(self._trial(smaller, each), instants=self._instants(smaller, each)) for each in effects
         ]
@@ -153,5 +153,5 @@ class Trials:
         models = {}
         for done, found in enumerate(self.run(tried, [replace(t, screen=s) for s, t in ordered])):
             models[names[done]] = found
-            self.tell(names[min(done + 1, len(names) - 1)], done + 1, len(names))
+            self.progress(names[min(done + 1, len(names) - 1)], done + 1, len(names))
         return {each.name: models[each.name] for each in effects}

@@ -55,7 +55,7 @@ STATUS_BITS = (
     "",
     "",
     "",
-    "known: something was told of this loop since the agent started",
+    "known: something was published of this loop since the agent started",
 )
 """Meaning of the bits of a status word, the lowest first; an empty one is always 0."""
 

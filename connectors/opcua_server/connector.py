@@ -141,5 +141,5 @@ async def served(
         if loop in newest:
             await view.show(newest[loop])
     agent = AgentView(server, names)
-    await agent.show((view.condition for view in views.values()), 0, told=False)
+    await agent.show((view.condition for view in views.values()), 0, published=False)
     return OpcUaServerSession(server, views, agent, commands, newest)

@@ -35,5 +35,5 @@ def test_loops_without_stiction_are_seldom_accused(kind, most):
 
 @pytest.mark.bench
 @pytest.mark.timeout(300)
-def test_half_of_the_sticking_valves_are_told():
+def test_half_of_the_sticking_valves_are_reported():
     assert share_told_sticking("stiction") >= 0.5

@@ -68,7 +68,7 @@ def test_ellipses_of_sticking_loops_fit():
     assert max(each.misfit for each in seen) < 0.2 < LARGEST_MISFIT
 
 
-def test_surrogates_tell_pure_sines_and_miss_most_valves():
+def test_surrogates_report_pure_sines_and_miss_most_valves():
     assert verdicts(ThornhillSurrogates(), "sinusoid")["no_stiction"] >= 26
     nonlinear = {
         kind: sum((each.index or 0.0) > 1 for each in results(ThornhillSurrogates(), kind))

@@ -41,7 +41,7 @@ def loops(kind):
         ("srinivasan_dtw", 31),
     ],
 )
-def test_sticking_valves_told_and_swinging_loads_not(name, least):
+def test_sticking_valves_reported_and_swinging_loads_not(name, least):
     detect = BY_NAME[name].detect
     assert sum(detect(*loop).verdict == "stiction" for loop in loops("stiction")) >= least
     assert not any(detect(*loop).verdict == "stiction" for loop in loops("sinusoid"))

@@ -34,7 +34,7 @@ def verdicts(detector, kind, *, with_mv=True):
 @pytest.mark.bench
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("detector", [KanoA(), KanoB(), Yamashita()], ids=lambda each: each.name)
-def test_a_measured_stem_tells(detector):
+def test_a_measured_stem_reports(detector):
     assert verdicts(detector, "stiction") == {"stiction": 40}
     assert sum(verdicts(detector, kind)["stiction"] for kind in FREE) == 0
 

@@ -59,5 +59,5 @@ def test_the_random_search_comes_near(recordings, name, hints, f_s, f_d):
 
 
 @pytest.mark.parametrize(("name", "verdict"), [("CHEM10", "stiction"), ("CHEM12", "stiction")])
-def test_the_sticking_loops_are_told(recordings, name, verdict):
+def test_the_sticking_loops_are_reported(recordings, name, verdict):
     assert measure(recordings, name)[0].decision == verdict

@@ -20,7 +20,7 @@ async def listened(options):
 
 
 @pytest.mark.parametrize("answer", [b"", WELCOME[:1], WELCOME], ids=["none", "half of one", "welcome"])
-async def test_it_is_told_and_no_exception_is_left_over(answer):
+async def test_it_is_reported_and_no_exception_is_left_over(answer):
     async def hang_up(reader, writer):
         await reader.read(1000)
         writer.write(answer)

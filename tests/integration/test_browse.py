@@ -105,7 +105,7 @@ async def test_the_loops_are_found_and_the_configuration_can_be_watched(tmp_path
         ([], "OPC UA server at opc.tcp://127.0.0.1:9: "),
     ],
 )
-def test_what_is_wrong_is_told_in_one_line(words, fault, tmp_path, capsys):
+def test_what_is_wrong_is_reported_in_one_line(words, fault, tmp_path, capsys):
     there = tmp_path / "plant.yaml"
     there.write_text("mine")
     with pytest.raises(SystemExit) as ended:
@@ -131,7 +131,7 @@ async def test_a_walk_ends_at_each_of_its_bounds_and_in_circles():
                 await walk(client, Bounds(), wrong)
 
 
-async def test_a_server_of_small_answers_is_asked_in_small_pieces(monkeypatch):
+async def test_a_server_of_small_answers_is_requested_in_small_pieces(monkeypatch):
     """One node a request, and answers that go on in further ones: the same is found."""
     async with client_of_plant() as client:
         whole = await walk(client, Bounds())

@@ -23,7 +23,7 @@ async def keep_moving(server, loop, values, behind=0.0):
         await asyncio.sleep(0.05)
 
 
-async def test_each_fault_of_a_plant_is_told(tmp_path):
+async def test_each_fault_of_a_plant_is_reported(tmp_path):
     good = {"pv": 50.0, "op": 40.0, "sp": 50.0, "mode": "AUTO"}
     async with AsyncExitStack() as stack:
         modbus, opcua, mqtt = [

@@ -141,7 +141,7 @@ def rows_of(kind):
         ("still", "OP does not move"),
     ],
 )
-def test_a_record_that_tells_nothing_is_no_failure(slipjump, recording, tmp_path, kind, reason):
+def test_a_record_that_reports_nothing_is_no_failure(slipjump, recording, tmp_path, kind, reason):
     file = tmp_path / f"{kind}.csv"
     file.write_text("time,OP,PV\n" + "\n".join(rows_of(kind)) + "\n")
     code, out, _ = slipjump("compare", file, "--auto", "--json")

@@ -244,7 +244,7 @@ def test_installed_command_is_quiet_and_quick_to_help(still):
     assert json.loads(done.stdout)["verdict"] == "not_testable"
 
 
-def test_it_tells_its_version(slipjump):
+def test_it_reports_its_version(slipjump):
     assert slipjump("--version") == (0, f"slipjump {version('slipjump')}\n", "")
 
 

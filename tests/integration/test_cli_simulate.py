@@ -41,7 +41,7 @@ def test_recording_can_be_read_back_and_the_truth_lies_beside_it(tmp_path, capsy
     }
 
 
-def test_all_faults_of_a_scenario_are_told(tmp_path, capsys):
+def test_all_faults_of_a_scenario_are_reported(tmp_path, capsys):
     bad = tmp_path / "bad.yaml"
     bad.write_text(
         SCENARIO.read_text().replace("duration: 3000", "duration: 0").replace("seed: 101", "seed: x")

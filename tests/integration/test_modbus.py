@@ -150,7 +150,7 @@ async def test_an_alarm_writes_numbers_and_flag():
 @pytest.mark.parametrize(
     "target", [{"active": {"address": 900}}, {"fields": {"s": {"address": 900}}}], ids=["coil", "register"]
 )
-async def test_an_alarm_the_device_refuses_is_told(target):
+async def test_an_alarm_the_device_refuses_is_reported(target):
     async with (
         Device() as device,
         connector_of(device.connection(), [loop([target], pv=PV)]).session() as session,

@@ -90,7 +90,7 @@ def good(reading, loop):
     return [sample for sample in reading.of(f"{loop}.pv") if sample.quality is Quality.GOOD]
 
 
-async def test_a_silent_block_is_asked_for_apart_while_the_others_are_read(caplog):
+async def test_a_silent_block_is_requested_apart_while_the_others_are_read(caplog):
     async with Device() as device:
         device.silent = {100}
         with caplog.at_level("INFO"):
@@ -108,7 +108,7 @@ async def test_a_silent_block_is_asked_for_apart_while_the_others_are_read(caplo
         assert "answers again" in told[1]
 
 
-async def test_on_a_device_that_allows_one_connection_it_is_asked_for_on_that(caplog):
+async def test_on_a_device_that_allows_one_connection_it_is_requested_on_that(caplog):
     async with Device() as device:
         device.silent, device.most_connections = {100}, 1
         with caplog.at_level("INFO"):
@@ -143,7 +143,7 @@ async def test_a_device_that_is_silent_as_a_whole_is_lost():
             await until(lambda: good(reading, "FIC101") and good(reading, "FIC102"))
 
 
-async def test_a_unit_that_its_gateway_cannot_reach_is_asked_now_and_then():
+async def test_a_unit_that_its_gateway_cannot_reach_is_requested_now_and_then():
     async with Device() as device:
         device.unreachable = True
         async with device.connector().session() as session, Reader(session) as reading:

@@ -71,7 +71,7 @@ async def within(what, seconds=30):
         return await what
 
 
-async def test_a_client_reads_what_is_told_and_sees_the_heart_beat():
+async def test_a_client_reads_what_is_reported_and_sees_the_heart_beat():
     async with connector_of().session() as session, client_of(session) as client:
         await session.publish(STATE)
         beating = asyncio.create_task(anext(session.samples()))

@@ -36,7 +36,7 @@ async def test_every_row_arrives_through_mosquitto(mosquitto, tmp_path, version)
     assert_same(reading, sources[0])
 
 
-async def test_a_killed_mosquitto_is_told(mosquitto, tmp_path):
+async def test_a_killed_mosquitto_is_reported(mosquitto, tmp_path):
     async with (
         mosquitto_broker(mosquitto, tmp_path) as (port, process),
         topics(port, pv={"topic": "a"}).session() as session,

@@ -55,7 +55,7 @@ def said(got, topic="slipjump/me/status"):
 
 
 @each_version
-async def test_birth_end_and_last_will_are_told_and_kept(mosquitto, tmp_path, version):
+async def test_birth_end_and_last_will_are_reported_and_kept(mosquitto, tmp_path, version):
     async with mosquitto_broker(mosquitto, tmp_path) as (port, _):
         bus = connector(port, version=version)
         async with listening(port, "slipjump/#") as got:
@@ -156,7 +156,7 @@ async def test_orders_are_read_and_retained_ones_are_not(mosquitto, tmp_path):
     assert (bus.orders.repeated, bus.orders.retained) == (1, 1)
 
 
-async def test_a_person_acknowledges_over_the_bus_and_the_bus_tells_it(mosquitto, tmp_path):
+async def test_a_person_acknowledges_over_the_bus_and_the_bus_reports_it(mosquitto, tmp_path):
     """The whole agent: an alarm is raised, somebody who saw it orders, and the next state says by whom."""
     async with mosquitto_broker(mosquitto, tmp_path) as (port, _), Client("127.0.0.1", port) as plant:
         tags = {role: {"topic": "plant", "field": role, "time_field": "t"} for role in ("pv", "op")}

@@ -53,7 +53,7 @@ def diagnosed(records, folder, capsys):
     return {answer["recording"]: (answer["verdict"], answer["reasons"]) for answer in found}
 
 
-def test_a_record_that_can_tell_nothing_is_not_testable(tmp_path, capsys):
+def test_a_record_that_can_report_nothing_is_not_testable(tmp_path, capsys):
     found = diagnosed(NOT_TESTABLE, tmp_path, capsys)
     assert len(found) == len(NOT_TESTABLE)
     for verdict, reasons in found.values():

@@ -42,7 +42,7 @@ async def test_a_bad_status_is_a_bad_value_with_its_code():
         assert reading.of("FIC101.mode")[0].value == "MAN"
 
 
-async def test_an_unknown_node_is_told_once_and_found_when_it_comes():
+async def test_an_unknown_node_is_reported_once_and_found_when_it_comes():
     async with serving() as server:
         entry = server.loop_settings("FIC101", 1.0)
         entry["tags"]["sp"] = {"node": "ns=2;s=FIC101.LATE"}
@@ -59,7 +59,7 @@ async def test_an_unknown_node_is_told_once_and_found_when_it_comes():
         assert [sample.value for sample in reading.of("FIC101.sp")[1:]] == [7.0]
 
 
-async def test_a_server_that_answers_but_no_longer_publishes_is_told():
+async def test_a_server_that_answers_but_no_longer_publishes_is_reported():
     async with serving() as server:
         quick = {"timeout": 0.4, "keep_alive": 2}
         async with (
@@ -101,7 +101,7 @@ async def test_an_alarm_is_written_in_each_nodes_type():
 @pytest.mark.parametrize(
     ("node", "said"), [("ns=2;s=NOWHERE", "BadNodeIdUnknown"), ("ns=2;s=FIC101.PV", "BadUserAccessDenied")]
 )
-async def test_an_alarm_the_server_refuses_is_told(node, said):
+async def test_an_alarm_the_server_refuses_is_reported(node, said):
     async with serving() as server:
         entry = server.loop_settings("FIC101", 1.0)
         entry["publish"] = [{"connection": "plant", "active": {"node": node}}]

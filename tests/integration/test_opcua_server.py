@@ -68,7 +68,7 @@ async def test_an_alarm_is_seen_acknowledged_and_seen_to_be(served):
         assert len(alarms.of("FIC101")) == 4  # no message made an event of its own that told nothing new
 
 
-async def test_a_refresh_tells_what_is_retained_to_who_asks(served):
+async def test_a_refresh_reports_what_is_retained_to_who_requests(served):
     await served.become("FIC102", "unacked_active")
     await served.become("FIC103", "unacked_active")
     await served.become("FIC103", "normal")
@@ -153,7 +153,7 @@ async def test_shelving_and_taking_out_of_service(served):
         assert await alarms.call("FIC999", shelve, 1000.0) == "BadNodeIdInvalid"
 
 
-async def test_a_taken_port_is_told_and_the_next_session_shows_what_the_last_one_did():
+async def test_a_taken_port_is_reported_and_the_next_session_shows_what_the_last_one_did():
     port = free_port()
     connector = connector_at(port, ["FIC101"])
     with socket.socket() as other:

@@ -89,7 +89,7 @@ async def test_nobody_can_write_any_node(served):
     assert len(nodes) > 5000
 
 
-async def test_what_a_client_may_ask_for_is_bounded(served, monkeypatch):
+async def test_what_a_client_may_request_is_bounded(served, monkeypatch):
     internal = served.session._server.iserver
     async with alarms_at(served.port) as alarms:
         eager = await alarms.client.create_subscription(0.001)

@@ -69,7 +69,7 @@ async def running(port, **connection):
         await asyncio.wait({work})
 
 
-async def test_what_is_told_fits_the_schema_and_has_no_other_fields(mosquitto, tmp_path):
+async def test_what_is_reported_fits_the_schema_and_has_no_other_fields(mosquitto, tmp_path):
     told = []
 
     async def collect():
@@ -155,7 +155,7 @@ def test_schema_and_program_agree_on_what_is_an_order():
         test.__name__: test.pytestmark[0].args[1]
         for test in (
             test_mqtt_orders.test_an_order_is_read,
-            test_mqtt_orders.test_what_is_no_order_is_counted_and_the_first_is_told,
+            test_mqtt_orders.test_what_is_no_order_is_counted_and_the_first_is_reported,
         )
     }
     right, wrong = marks.values()

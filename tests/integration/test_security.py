@@ -213,7 +213,7 @@ async def test_opcua_server_without_security(keys):
 
 
 @in_the_loop_of_the_server
-async def test_the_daemon_goes_on_with_the_rest_and_tells_no_secret(
+async def test_the_daemon_goes_on_with_the_rest_and_reports_no_secret(
     guarded, mosquitto, tmp_path, keys, password, wrong, caplog
 ):
     loop = {"ts": 1.0, "window": {"seconds": 60.0}}

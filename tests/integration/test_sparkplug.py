@@ -145,7 +145,7 @@ async def test_a_command_is_an_order_and_a_retained_or_broken_one_is_not(mosquit
     assert verbs(heard) == ["NBIRTH", "DBIRTH", "NDEATH"]
 
 
-async def test_without_orders_a_host_can_only_ask_for_births(mosquitto, tmp_path):
+async def test_without_orders_a_host_can_only_request_births(mosquitto, tmp_path):
     async with mosquitto_broker(mosquitto, tmp_path) as (port, _), host(port) as (client, heard):
         async with connector(port).session() as session, Reader(session) as reading:
             await command(client, "DCMD", "FIC101", **{"Alarm/Acknowledge": (True, DataType.BOOLEAN)})
@@ -154,7 +154,7 @@ async def test_without_orders_a_host_can_only_ask_for_births(mosquitto, tmp_path
         assert reading.orders == []
 
 
-async def test_a_killed_broker_is_told(mosquitto, tmp_path):
+async def test_a_killed_broker_is_reported(mosquitto, tmp_path):
     async with (
         mosquitto_broker(mosquitto, tmp_path) as (port, process),
         connector(port).session() as session,

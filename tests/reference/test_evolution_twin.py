@@ -60,7 +60,7 @@ def test_a_delay_that_is_given_stays():
     assert (left.candidates[:, DELAY] == candidate[DELAY]).all()
 
 
-def test_generations_keep_the_best_tell_its_error_and_repeat_themselves():
+def test_generations_keep_the_best_report_its_error_and_repeat_themselves():
     problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
     valves = np.vstack((candidate, random_valves(problem, np.random.default_rng(0), 60)))
     runs = [

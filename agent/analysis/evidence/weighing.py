@@ -73,7 +73,7 @@ def weigh(
     Args:
         found: Answer of ``free_run``, with evidence, quick evidence, turns and log likelihood ratio.
         methods: Answers of the detectors by name; one that no weight is known of adds nothing.
-        stem_measured: Whether the window has MV, which tells more than PV can.
+        stem_measured: Whether the window has MV, which shows more than PV can.
         samples_per_period: Of the record; None where nothing oscillates.
     """
     weights = DETECTORS | WITH_STEM if stem_measured else DETECTORS

@@ -24,7 +24,7 @@ Learnt on simulated loops (``benchmarks.sampling_rate``): sticking valves are cl
 ten the interval of S does not hold where the record is of means. Means are not recognised, so their limit
 is that of all."""
 ADVISED_SAMPLES = 50.0
-"""Samples a period that Lee, Ren and Huang (2008) ask for."""
+"""Samples a period that Lee, Ren and Huang (2008) need."""
 MOST_SET_POINT = 0.2
 """Span of SP, part of that of PV, up to which the oscillation is the loop's own."""
 

@@ -16,7 +16,7 @@ LARGEST = 1e15
 
 @dataclass(frozen=True, slots=True)
 class LoopHints:
-    """What an engineer knows about the loop and the data cannot tell as well."""
+    """What an engineer knows about the loop and the data do not show as well."""
 
     integrating: bool | None = None
     """PV integrates the valve flow (levels); None: unknown."""

@@ -39,7 +39,7 @@ class LivePlay:
     clocks: Sequence[Clock] = ()
     """What paces the sources, one a bus."""
     told: dict[str, bool] = field(default_factory=dict)
-    """Loop -> whether a consumer on its bus was told that its alarm is active; the newest word."""
+    """Loop -> whether a consumer on its bus received that its alarm is active; the newest."""
 
 
 @asynccontextmanager

@@ -47,7 +47,7 @@ class Observer(Protocol):
         ...
 
     def announced(self, announcement: Announcement) -> None:
-        """Take a change of an alarm's state, as the buses are told."""
+        """Take a change of an alarm's state, as the buses get it."""
         ...
 
 

@@ -38,7 +38,7 @@ def _begin(ready: Callable[..., object] | None, args: tuple[object, ...]) -> Non
 def _end_with_the_parent() -> None:
     """Wait for the end of the program, which SIGKILL gives no time to end its workers.
 
-    The fork server is the parent in the sense of the kernel, so PR_SET_PDEATHSIG would not tell; it ends when
+    The fork server is the parent in the sense of the kernel, so PR_SET_PDEATHSIG would not work; it ends when
     its last worker does.
     """
     parent = multiprocessing.parent_process()

@@ -28,7 +28,7 @@ class SlotRing:
     """Values of one role by slot, the number of their point on the grid. A value holds until the next one.
 
     A bus that reports changes only sends nothing while a value stays the same, so silence is not a gap. It
-    is one after ``interrupt``: nobody knows then whether the value is still the same until it is told again.
+    is one after ``interrupt``: whether the value is the same is then unknown until it is reported again.
     """
 
     def __init__(self, capacity: int) -> None:
@@ -52,7 +52,7 @@ class SlotRing:
     def put(self, time: float, slot: int, value: float) -> Taken:
         """Take a value of source time ``time`` (s UTC); what is not newer than the last one is dropped."""
         if time <= self.time:
-            # Told again after an interruption: it has not changed since.
+            # Reported again after an interruption: it has not changed since.
             self._unknown_from = None
             return Taken.DUPLICATE if time == self.time else Taken.BACKWARD
         if self._unknown_from is not None and slot > self._unknown_from:
@@ -64,7 +64,7 @@ class SlotRing:
         return Taken.NEW
 
     def interrupt(self, slot: int) -> None:
-        """From ``slot`` on the value is unknown until it is told again."""
+        """From ``slot`` on the value is unknown until it is reported again."""
         if self._unknown_from is None and self.newest != NEVER:
             self._unknown_from = max(slot, self.newest + 1)
 

@@ -5,9 +5,9 @@ Time is source time throughout; the clock of this machine only says how old the 
 What is a gap and what is not (``docs/architecture.md`` has the reasons):
 
 * A sample of bad quality is a gap until the next good one.
-* A role that is silent while others of its loop are told has not changed: its last value holds.
-* Silence of the whole loop is a gap where PV and OP are always told together (Modbus, one JSON message).
-  Where they are told when they change (OPC UA), it is one only after ``hold`` seconds.
+* A role that is silent while others of its loop are reported has not changed: its last value holds.
+* Silence of the whole loop is a gap where PV and OP are always reported together (Modbus, one JSON message).
+  Where they are reported when they change (OPC UA), it is one only after ``hold`` seconds.
 * What nobody heard because the connection was gone is a gap, however short.
 """
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 LATEST = 150
 """Samples a role may be behind the others before it counts as silent. A bus may send role after role, and an
-OPC UA server keeps 100 values a node between two notifications unless told otherwise."""
+OPC UA server keeps 100 values a node between two notifications by default."""
 CLOCK_SET_BACK = 60
 """Samples in a row from the past after which the source's clock was set back, and time starts anew."""
 AT_PACE, FEWEST_AT_PACE = 1.0, 5
@@ -42,7 +42,7 @@ LAST_TIME = 1e11
 MOST_MODES = 10
 """Modes that no table knows of which a loop remembers the words."""
 TOLD_TOGETHER = 1.5
-"""Samples without any report that make a gap where all roles are told together."""
+"""Samples without any report that make a gap where all roles are reported together."""
 
 
 @dataclass(slots=True)
@@ -121,7 +121,7 @@ class RollingWindow:
         return self._due()
 
     def interrupt(self) -> None:
-        """The connection is gone: from here on nothing is known until it is told again."""
+        """The connection is gone: from here on nothing is known until it is reported again."""
         after = max(ring.newest for ring in self._rings.values()) + 1
         for ring in self._rings.values():
             ring.interrupt(after)

@@ -29,7 +29,7 @@ def add_all_confirmed(bench: Bench) -> None:
 
 
 def _add_both(bench: Bench, decision: Decision) -> bool:
-    """Add the best effect and a rival that it cannot be told from, if the record holds both.
+    """Add the best effect and a rival that it cannot be distinguished from, if the record holds both.
 
     Returns whether there is such a rival.
     """
@@ -48,7 +48,7 @@ def _add_both(bench: Bench, decision: Decision) -> bool:
 def _drop_idle(bench: Bench) -> None:
     """Take out earlier effects that reduce the held-out error no more, nor make the record far likelier."""
     for name in bench.step.effects[:-1]:
-        bench.trials.tell(f"without {name}", 0, 1)
+        bench.trials.progress(f"without {name}", 0, 1)
         rest = bench.trials.without(bench.step.fit, name)
         losses = {name: bench.step.held_out.losses}
         idle = judge(rest.held_out.losses, losses, {name: bench.effect(name).family}).kind == "none"

@@ -40,7 +40,7 @@ class Bench:
         effects: Sequence[Effect] | None = None,
         extra: Sequence[Effect] = (),
         run: Map = map,
-        tell: Progress = silent,
+        progress: Progress = silent,
     ) -> None:
         """Fit the base.
 
@@ -52,7 +52,7 @@ class Bench:
             effects: Built in and installed; None: ``agent.physics.effects.effects``.
             extra: Effects beside those.
             run: Tries effects, perhaps in parallel.
-            tell: Called with what is tried next.
+            progress: Called with what is tried next.
 
         Raises:
             ValueError: No such base, effect or family, or nothing can be scored on ``validate``.
@@ -66,7 +66,7 @@ class Bench:
         self._steps: list[Step] = []
         self._trials: Trials | None = None
         self._validation = None if validate is None else other_record(validate, self.base)
-        found = opened(window, self.base, run, tell)
+        found = opened(window, self.base, run, progress)
         if isinstance(found, str):
             self.reason = found
             return

@@ -17,17 +17,17 @@ if TYPE_CHECKING:
     from agent.workbench.trial import Tried
 
 
-def opened(window: LoopWindow, base: Base, run: Map, tell: Progress) -> tuple[Trials, Tried] | str:
-    """Return what can be asked of a recording and its base fitted, or in plain words why nothing can be."""
+def opened(window: LoopWindow, base: Base, run: Map, progress: Progress) -> tuple[Trials, Tried] | str:
+    """Return what can be tested on a recording and its base fitted, or in plain words why nothing can be."""
     record = record_of(window, from_start=not base.linear)
     if isinstance(record, str):
         return record
-    tell(base.name, 0, 1)
+    progress(base.name, 0, 1)
     fitted = fit(LoopModel(base), record, record.weight)
     folds = folds_of(record, fitted)
     if isinstance(folds, str):
         return folds
-    trials = Trials(window, record, folds, run, tell)
+    trials = Trials(window, record, folds, run, progress)
     return trials, trials.predicted(fitted)
 
 

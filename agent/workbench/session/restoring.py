@@ -26,10 +26,10 @@ def add_saved(bench: Bench, mapping: object) -> None:
     if model.base != bench.base.name:
         raise ValueError(f"the saved model has the base {model.base}, not {bench.base.name}")
     for name in model.effects:
-        bench.effect(name)  # told before anything is fitted
+        bench.effect(name)  # reported before anything is fitted
     for name in model.effects:
         effect, smaller, record = bench.addable(name), bench.step.fit.model, bench.record
         larger = replace(smaller, effects=(*smaller.effects, effect))
         starts = model.values_of(larger, record.facts)[np.newaxis]
-        bench.trials.tell(name, len(smaller.effects), len(model.effects))
+        bench.trials.progress(name, len(smaller.effects), len(model.effects))
         bench.take(bench.trials.predicted(fit(larger, record, record.weight, starts)), added=name)

@@ -26,14 +26,14 @@ _BANDS = {"S": "s", "J": "j", "FS": "f_s", "FD": "f_d"}
 
 
 def event_fields(
-    names: Names, condition: Condition, told: Mapping[str, JsonValue], longest_shelving: float
+    names: Names, condition: Condition, published: Mapping[str, JsonValue], longest_shelving: float
 ) -> dict[str, ua.Variant]:
     """Return browse path -> value of all fields of a condition.
 
     Args:
         names: Node ids of the server.
         condition: As it is now.
-        told: Fields of the newest publication of this loop; empty before the first.
+        published: Fields of the newest publication of this loop; empty before the first.
         longest_shelving: s.
     """
     loop, now = condition.loop, datetime.now(UTC)
@@ -79,9 +79,9 @@ def event_fields(
         "ShelvingState/UnshelveTime": ua.Variant(1000 * remaining, Kind.Double),
         "SuppressedOrShelved": ua.Variant(condition.shelved or condition.out_of_service, Kind.Boolean),
         "MaxTimeShelved": ua.Variant(1000 * longest_shelving, Kind.Double),
-        **{name: _band(told.get(key)) for name, key in _BANDS.items()},
-        "Verdict": ua.Variant(str(told.get("verdict") or ""), Kind.String),
-        "NE107": ua.Variant(str(told.get("ne107") or ""), Kind.String),
+        **{name: _band(published.get(key)) for name, key in _BANDS.items()},
+        "Verdict": ua.Variant(str(published.get("verdict") or ""), Kind.String),
+        "NE107": ua.Variant(str(published.get("ne107") or ""), Kind.String),
         "ActivationId": ua.Variant(condition.activation or "", Kind.String),
     }
 

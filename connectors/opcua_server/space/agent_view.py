@@ -38,15 +38,15 @@ class AgentView:
                 ua.Variant(ua.get_default_value(kind), kind),
             )
 
-    async def show(self, conditions: Iterable[Condition], orders: int, *, told: bool = True) -> None:
-        """Show where all alarms stand and how many orders were taken; ``told``: a message came just now."""
+    async def show(self, conditions: Iterable[Condition], orders: int, *, published: bool = True) -> None:
+        """Show where all alarms stand and the orders taken; ``published``: a message came just now."""
         all_of_them, now = tuple(conditions), datetime.now(UTC)
         values: dict[str, int | datetime | None] = {
             "Loops": len(all_of_them),
             "ActiveAlarms": sum(condition.active for condition in all_of_them),
             "UnacknowledgedAlarms": sum(not condition.acked for condition in all_of_them),
             "Orders": orders,
-            "LastMessage": now if told else None,
+            "LastMessage": now if published else None,
         }
         for name, value in values.items():
             waits = ua.StatusCode(ua.StatusCodes.BadWaitingForInitialData)

@@ -113,7 +113,7 @@ def test_other_quantifier_has_the_word_alone():
     assert judged(WINDOW, replace(HEALTHY, quick_evidence=None)).verdict == "no_stiction"
 
 
-def test_gaps_and_duplicates_are_told():
+def test_gaps_and_duplicates_are_reported():
     pv = WINDOW.pv.copy()
     pv[10:20] = np.nan
     pv[30] = 1e30

@@ -73,7 +73,7 @@ def test_without_intervals_the_reasons_say_the_numbers():
     assert any("S = 6.6 (33 % of the span of OP) and J = 5.4 to 91 %" in line for line in written)
 
 
-def test_what_the_record_does_not_tell_at_all():
+def test_what_the_record_does_not_report_at_all():
     unknown = replace(StictionEstimate.of(FrictionBands(6.0, 0.6)), identifiable_j=False)
     assert "  J = 5.4 OP units, but not identifiable: the record does not determine it" in lines(
         stiction=unknown
@@ -81,7 +81,7 @@ def test_what_the_record_does_not_tell_at_all():
 
 
 @pytest.mark.parametrize("verdict", ["no_stiction", "not_testable"])
-def test_no_amount_of_stiction_is_told_of_a_valve_that_is_not_blamed(verdict):
+def test_no_amount_of_stiction_is_reported_of_a_valve_that_is_not_blamed(verdict):
     told = list(diagnosis_lines(replace(DIAGNOSIS, verdict=verdict, cause="no_oscillation")))
     assert numbers(told)[1:] == ["  cause: no oscillation"]
 

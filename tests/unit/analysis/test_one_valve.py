@@ -125,7 +125,7 @@ def test_another_quantifier_has_no_evidence_to_share():
     assert judged_together(windows, said) == tuple(said)
 
 
-def test_firm_verdicts_stay_and_are_told_of_the_contrary():
+def test_firm_verdicts_stay_and_are_reported_of_the_contrary():
     told = together([LITTLE] * 6 + [SOUND])
     assert verdicts(told) == ["stiction"] * 6 + ["no_stiction"]
     assert "verdict of this recording stays" in reasons(told[-1])[0]

@@ -55,7 +55,7 @@ def test_two_answers_to_a_step_of_the_set_point_are_two():
     assert not same_event(day(0), day(1))
 
 
-def test_less_than_half_in_common_tells_nothing_unless_dated():
+def test_less_than_half_in_common_reports_nothing_unless_dated():
     window = loop(0)
     assert not same_event(part(window, 0, 450), part(window, 350, N))
 

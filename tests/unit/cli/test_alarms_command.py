@@ -62,7 +62,7 @@ async def agent_on(path):
         await asyncio.wait({task})
 
 
-async def test_a_running_agent_obeys_within_a_second_and_tells_it(path, capsys):
+async def test_a_running_agent_obeys_within_a_second_and_reports_it(path, capsys):
     async with agent_on(path) as (agent, bus):
         words = ["alarms", "acknowledge", "FIC101", "--state", path, "--by", "jane"]
         assert await asyncio.to_thread(slipjump, *words) == 0
@@ -118,11 +118,11 @@ def test_the_configuration_names_the_file(path, capsys):
         (["alarms", "list", "--state", "nowhere.sqlite"], "nowhere.sqlite: is not there"),
     ],
 )
-def test_a_missing_file_is_told_in_one_line(words, fault, capsys):
+def test_a_missing_file_is_reported_in_one_line(words, fault, capsys):
     assert slipjump(*words) == 2
     assert fault in capsys.readouterr().err
 
 
-def test_a_loop_that_is_not_there_is_told_with_those_that_are(path, capsys):
+def test_a_loop_that_is_not_there_is_reported_with_those_that_are(path, capsys):
     assert slipjump("alarms", "acknowledge", "FIC999", "--state", path) == 2
     assert "no loop is called FIC999 (there are: FIC101)" in capsys.readouterr().err

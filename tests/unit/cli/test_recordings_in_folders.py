@@ -14,6 +14,6 @@ def test_a_folder_stands_for_its_recordings_by_name(tmp_path):
     assert names == ["notes.txt", "C.CSV", "a.parquet", "b.csv"]
 
 
-def test_a_folder_without_recordings_is_told(tmp_path):
+def test_a_folder_without_recordings_is_reported(tmp_path):
     with pytest.raises(typer.BadParameter, match="a folder without CSV or Parquet files"):
         in_folders([tmp_path])

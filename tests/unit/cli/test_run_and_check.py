@@ -104,7 +104,7 @@ def test_check_says_what_run_would_do():
 
 
 @pytest.mark.parametrize("command", ["check", "run"])
-def test_all_faults_of_a_file_are_told_one_a_line(plant, command):
+def test_all_faults_of_a_file_are_reported_one_a_line(plant, command):
     content = yaml.safe_load(plant.read_text())
     content["loops"][0]["ts"] = "often"
     content["connections"]["unit1"]["port"] = 0

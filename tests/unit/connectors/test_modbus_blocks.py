@@ -40,7 +40,7 @@ def test_only_what_is_too_far_apart_is_split(last, requests):
     assert len(plan({"pv": tag(0), "op": tag(last)}, 0)) == requests
 
 
-def test_tables_are_asked_one_by_one_and_bits_may_span_more():
+def test_tables_are_requested_one_by_one_and_bits_may_span_more():
     tags = {"pv": tag(0), "op": tag(0, "holding"), "mode": tag(0, "coil"), "sp": tag(1999, "coil")}
     assert {block.table: block.count for block in plan(tags, 0)} == {"input": 2, "holding": 2, "coil": 2000}
 
@@ -50,7 +50,7 @@ def test_overlapping_tags_share_their_registers():
     assert block.values([0x3F80, 0x0000]) == {"pv": 1.0, "mode": 0.0}
 
 
-def test_every_impossible_address_is_told():
+def test_every_impossible_address_is_reported():
     target = ModbusTarget.model_validate(
         {"connection": "x", "active": {"address": 0}, "fields": {"s": {"address": 65536}}}
     )

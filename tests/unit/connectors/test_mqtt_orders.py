@@ -65,7 +65,7 @@ def test_an_order_is_read(payload, order):
         (b" " * 20_000, "longer than"),
     ],
 )
-def test_what_is_no_order_is_counted_and_the_first_is_told(payload, why, caplog):
+def test_what_is_no_order_is_counted_and_the_first_is_reported(payload, why, caplog):
     these = reader()
     for _ in range(3):
         assert read(payload, of=these) is None

@@ -34,7 +34,7 @@ def message(topic, payload):
     return Message(topic, payload, qos=1, retain=False, mid=1, properties=None)
 
 
-async def test_a_topic_the_broker_refuses_is_told_and_the_others_go_on():
+async def test_a_topic_the_broker_refuses_is_reported_and_the_others_go_on():
     tags = {"pv": MqttTag(topic="plant/pv"), "op": MqttTag(topic="secret/op")}
     session = session_of(GrudgingClient(), LoopTags(tags))
     op, pv = [sample async for sample in session.samples()]

@@ -41,7 +41,7 @@ def test_without_a_name_of_its_own_a_client_has_that_of_computer_and_connection(
     assert topics_of("broker", MqttOptions(), {}).status == "slipjump/gate7-broker/status"
 
 
-def test_orders_are_not_taken_unless_asked_for_nor_by_a_guest():
+def test_orders_are_not_taken_unless_requested_nor_by_a_guest():
     assert topics_of("broker", MqttOptions(), {"FIC101": told()}).orders == {}
     guest = MqttOptions(orders=True, client="me").as_guest()
     topics = topics_of("broker", guest, {"FIC101": told()})

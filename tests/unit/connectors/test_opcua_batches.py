@@ -47,12 +47,12 @@ async def test_no_question_is_no_request():
         (Server(5, ua.StatusCodes.BadUserAccessDenied), "permission"),
     ],
 )
-async def test_other_refusals_and_one_question_that_is_too_many_are_told(server, error):
+async def test_other_refusals_and_one_question_that_is_too_many_are_reported(server, error):
     with pytest.raises(ua.UaStatusCodeError, match=error):
         await Batches().ask(server.answer, range(20))
 
 
-async def test_an_answer_too_few_is_told():
+async def test_an_answer_too_few_is_reported():
     async def short(questions):
         return questions[1:]
 

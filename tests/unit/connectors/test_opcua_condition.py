@@ -35,7 +35,7 @@ def test_what_is_retained_is_all_that_somebody_may_want_to_change(state):
     assert condition.acked == (state not in {State.UNACKED_ACTIVE, State.RETURNED_UNACKED})
 
 
-def test_a_message_that_tells_nothing_new_is_no_event():
+def test_a_message_that_reports_nothing_new_is_no_event():
     condition = after("unacked_active")
     assert condition.after(told("FIC101", "unacked_active", "event", at=0.0)) is condition
     assert condition.after(told("FIC101", "unacked_active", at=9.0, s=5.0, verdict="undecided")) is condition
@@ -83,7 +83,7 @@ def test_times_of_change():
         ),
     ],
 )
-def test_what_would_leave_the_server_open_must_be_asked_for(options, fault):
+def test_what_would_leave_the_server_open_must_be_requested(options, fault):
     with pytest.raises(ValidationError, match=fault):
         OpcUaServerOptions.model_validate(options)
 
@@ -98,5 +98,5 @@ def test_what_would_leave_the_server_open_must_be_asked_for(options, fault):
         {"host": "0.0.0.0", "security": SECURITY, "users": {"jane": {"password": SECRET}}},  # noqa: S104
     ],
 )
-def test_what_may_be_asked_for(options):
+def test_what_may_be_requested(options):
     OpcUaServerOptions.model_validate(options)

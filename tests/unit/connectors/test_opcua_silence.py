@@ -14,7 +14,7 @@ def value(number):
 GONE = ua.DataValue(StatusCode=ua.StatusCode(ua.StatusCodes.BadNodeIdUnknown))
 
 
-def test_only_what_was_not_told_between_two_looks_is_silent():
+def test_only_what_was_not_reported_between_two_looks_is_silent():
     silence = Silence()
     for node in ("a", "b"):
         silence.watch(node)
@@ -24,7 +24,7 @@ def test_only_what_was_not_told_between_two_looks_is_silent():
     assert silence.silent() == ["a", "b"]
 
 
-def test_a_value_that_was_told_is_no_loss_however_often_it_is_read():
+def test_a_value_that_was_reported_is_no_loss_however_often_it_is_read():
     silence = Silence()
     silence.watch("a")
     for number in (1.0, math.nan):
@@ -46,7 +46,7 @@ def test_another_value_twice_is_a_loss_and_a_report_between_is_not():
     assert silence.silent() == []
 
 
-def test_a_server_that_never_reads_what_it_tells_is_given_up_and_a_node_that_is_gone_never():
+def test_a_server_that_never_reads_what_it_reports_is_given_up_and_a_node_that_is_gone_never():
     silence = Silence()
     losses = 0
     for _ in range(50):

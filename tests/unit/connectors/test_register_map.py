@@ -69,11 +69,11 @@ def test_a_state_stands_where_the_map_says(order):
         "alarm is active",
         "alarm is active and acknowledged",
         "NE 107 maintenance required",
-        "known: something was told of this loop since the agent started",
+        "known: something was published of this loop since the agent started",
     ]
 
 
-def test_what_was_never_told_is_not_known():
+def test_what_was_never_reported_is_not_known():
     registers = loop_registers(image(), 0)
     assert registers[at.STATUS] == 0
     assert registers[at.QUALITY] == 2

@@ -30,7 +30,7 @@ def test_it_is_read_from_a_file_whose_path_names_a_variable(monkeypatch, tmp_pat
         (Secret(file="/no/such"), "password: /no/such cannot be read: No such file or directory"),
     ],
 )
-def test_one_that_is_not_there_is_told_with_its_option(secret, said):
+def test_one_that_is_not_there_is_reported_with_its_option(secret, said):
     with pytest.raises(AccessDeniedError, match=said):
         secret.read("password")
 
@@ -51,7 +51,7 @@ def test_it_has_one_place(places):
         Secret.model_validate(places)
 
 
-def test_a_missing_authority_and_a_key_alone_are_told(tmp_path):
+def test_a_missing_authority_and_a_key_alone_are_reported(tmp_path):
     with pytest.raises(AccessDeniedError, match=r"tls\.ca: /no/such cannot be read"):
         Tls(ca="/no/such").context()
     (tmp_path / "ca.pem").write_text("no certificate")

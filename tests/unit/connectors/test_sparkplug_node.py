@@ -75,7 +75,7 @@ def test_death_and_birth_of_a_connection_have_the_same_number_and_the_next_has_a
     assert numbers == [*range(256), 0, 1]
 
 
-def test_data_tell_what_has_changed_and_a_birth_tells_all_again():
+def test_data_report_what_has_changed_and_a_birth_reports_all_again():
     gate = node()
     gate.births(NOW)
     payload, metrics = told(tell(gate))
@@ -102,7 +102,7 @@ def test_the_sequence_wraps():
     assert seqs == [n % 256 for n in range(2, 302)]
 
 
-def test_an_event_told_late_is_history_and_changes_nothing_that_stands():
+def test_an_event_reported_late_is_history_and_changes_nothing_that_stands():
     gate = node()
     gate.births(NOW)
     tell(gate, state="acked_active")
@@ -120,7 +120,7 @@ def test_what_is_out_of_service_says_so_in_the_metric_that_a_host_writes():
     assert told(tell(gate, state="out_of_service"))[1][OUT_OF_SERVICE].value is True
 
 
-def test_an_event_that_adds_nothing_to_its_state_is_not_told_and_a_state_always_is():
+def test_an_event_that_adds_nothing_to_its_state_is_not_reported_and_a_state_always_is():
     gate = node()
     gate.births(NOW)
     tell(gate, state="shelved", message_id="1", sequence=8)
@@ -131,7 +131,7 @@ def test_an_event_that_adds_nothing_to_its_state_is_not_told_and_a_state_always_
     assert metrics.keys() == {"Message/Id", "Message/Sequence", "Message/Time"}
 
 
-def test_of_others_nothing_is_told():
+def test_of_others_nothing_is_reported():
     gate = node()
     gate.births(NOW)
     assert gate.data(Publication("FIC999", "state", "1", FIELDS), NOW) is None
@@ -163,7 +163,7 @@ def test_a_command_is_an_order(values, order):
     assert orders("L", written(**values), NOW) == [order]
 
 
-def test_what_is_written_back_to_rest_asks_nothing():
+def test_what_is_written_back_to_rest_requests_nothing():
     values = {"acknowledge": False, "unshelve": False, "shelve_minutes": 0.0, "operator": "jane"}
     assert orders("L", written(**values), NOW) == []
 

@@ -55,7 +55,7 @@ async def commanded(session):
     return [order async for order in session.samples()]
 
 
-async def test_births_that_a_host_asks_for_amid_data_break_no_order():
+async def test_births_that_a_host_requests_amid_data_break_no_order():
     broker = Broker(*[(NCMD, REBORN)] * 20)
     _, session = session_on(broker)
 
@@ -79,7 +79,7 @@ async def test_births_that_a_host_asks_for_amid_data_break_no_order():
     )
 
 
-async def test_what_nobody_asked_for_is_left_aside():
+async def test_what_nobody_requested_is_left_aside():
     """amqtt was seen to send it."""
     broker = Broker(("plant", b"1"), ("spBv1.0/plant/DCMD/other/FIC101", REBORN), (f"{DCMD}9", b"\xff"))
     connector, session = session_on(broker)
@@ -104,7 +104,7 @@ PAYLOADS = st.binary(max_size=100) | COMMANDED | CHANGED | CUT
 
 
 @pytest.mark.parametrize(("_name", "often"), OFTEN, ids=lambda each: each if isinstance(each, str) else "")
-def test_commands_of_anybody_are_obeyed_or_counted_and_the_first_is_told(_name, often, caplog):
+def test_commands_of_anybody_are_obeyed_or_counted_and_the_first_is_reported(_name, often, caplog):
     def unreadable(raw):
         try:
             decode(raw)

@@ -91,7 +91,7 @@ def test_a_folder_that_is_not_to_be_written_is_left_to_numba(monkeypatch):
     assert numba.config.CACHE_DIR == ""
 
 
-def test_compilation_is_told_before_it_starts_and_only_then():
+def test_compilation_is_reported_before_it_starts_and_only_then():
     told = []
     jit.before_compilation(lambda: told.append("compiles"))
     double = numba.njit(lambda x: 2 * x)

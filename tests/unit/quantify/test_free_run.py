@@ -157,7 +157,7 @@ def test_a_record_that_is_the_model_gives_its_parameters_back():
         ),
     ],
 )
-def test_what_cannot_be_measured_is_told_not_raised(op, pv, why):
+def test_what_cannot_be_measured_is_reported_not_raised(op, pv, why):
     found = FREE_RUN.quantify(LoopWindow("x", 0.0, 1.0, op, pv))
     assert found.failure.startswith(why)
     assert (found.decision, found.stiction, found.evidence) == ("not_applicable", None, None)

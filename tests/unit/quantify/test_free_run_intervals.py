@@ -67,7 +67,7 @@ def test_one_basin_identifies_and_no_band_is_below_zero():
     assert (found.f_s.value, found.f_d.value, found.f_d.low) == (2.0, 0.0, 0.0)
 
 
-def test_far_apart_values_of_j_are_told_as_unidentifiable():
+def test_far_apart_values_of_j_are_reported_as_unidentifiable():
     best, other = fitted(1.0, 3.0, 0.2), fitted(1.2, 3.1, 2.5)
     found = stiction_estimate(Found(best, (best, other)), PROBLEM)
     assert found.identifiable_s

@@ -30,7 +30,7 @@ def many(problem, candidate, spread, count=300):
 
 
 @pytest.mark.parametrize("spread", SPREADS)
-def test_scattered_valves_are_possible_and_as_far_off_as_asked(spread):
+def test_scattered_valves_are_possible_and_as_far_off_as_requested(spread):
     problem, candidate = loop_whose_stem_rests_elsewhere_once(0.0)
     valves = many(problem, candidate, spread)
     assert all(in_bounds(valve, problem) for valve in valves)

@@ -36,5 +36,5 @@ def test_threads_share_one_heap_after_it():
     assert heaps("keep_one_heap()") == 1
 
 
-def test_what_the_environment_asks_for_counts():
+def test_what_the_environment_requests_counts():
     assert heaps("keep_one_heap()", MALLOC_ARENA_MAX="3", MALLOC_TRIM_THRESHOLD_="100000") > 1

@@ -115,7 +115,7 @@ async def test_an_agent_remembers_verdicts_and_alarms(tmp_path):
     assert "ALARM unacked active" in table
 
 
-async def test_what_the_disk_does_not_take_waits_bounded_and_is_told_once(tmp_path, monkeypatch, caplog):
+async def test_what_the_disk_does_not_take_waits_bounded_and_is_reported_once(tmp_path, monkeypatch, caplog):
     monkeypatch.setattr(module, "LIMIT", 5)
     monkeypatch.setattr(module, "GATHER", 0.0)
     monkeypatch.setattr(module, "AGAIN", 0.01)
@@ -149,7 +149,7 @@ async def test_what_the_disk_does_not_take_waits_bounded_and_is_told_once(tmp_pa
         (["--state", "plant.sqlite", "--since", "yesterday"], "is not a time like"),
     ],
 )
-def test_what_cannot_be_shown_is_told_in_a_line(path, words, told, monkeypatch, capsys):
+def test_what_cannot_be_shown_is_reported_in_a_line(path, words, told, monkeypatch, capsys):
     opened(path, lambda file: file.write([entry(1)], 0.0))
     monkeypatch.chdir(path.parent)
     with pytest.raises(SystemExit) as ended:

@@ -102,7 +102,7 @@ async def test_a_daemon_at_work_is_healthy_and_its_numbers_say_so():
     assert ("process_resident_memory_bytes",) in value
 
 
-async def test_a_plant_that_is_away_is_told_but_is_no_reason_to_start_anew():
+async def test_a_plant_that_is_away_is_reported_but_is_no_reason_to_start_anew():
     bus = FakeBus(None)
     bus.refuses_connection = True
     agent, port = agent_of(bus), free_port()

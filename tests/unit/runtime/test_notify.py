@@ -18,7 +18,7 @@ def manager(request, tmp_path):
         yield heard, {"NOTIFY_SOCKET": address, "WATCHDOG_USEC": "30000000", "WATCHDOG_PID": str(os.getpid())}
 
 
-def test_it_is_told_all_there_is_to_tell(manager):
+def test_it_is_reported_all_there_is_to_report(manager):
     heard, environment = manager
     service = ServiceManager.of(environment)
     assert service.watchdog == 30.0

@@ -46,7 +46,7 @@ def ordered(*orders, longer=60.0):
         ([ask("out_of_service"), ask("in_service")], State.UNACKED_ACTIVE),
     ],
 )
-def test_an_order_is_obeyed_and_told_on_the_bus(orders, state):
+def test_an_order_is_obeyed_and_reported_on_the_bus(orders, state):
     agent, scada, now = ordered(*orders)
     assert now is state
     assert (agent.orders.taken, agent.orders.refused) == (len(orders), 0)
@@ -70,7 +70,7 @@ def test_an_order_is_obeyed_and_told_on_the_bus(orders, state):
         (ask("unshelve"), "means nothing while it is unacked_active"),
     ],
 )
-def test_an_order_without_sense_is_counted_and_told_once(order, why, caplog):
+def test_an_order_without_sense_is_counted_and_reported_once(order, why, caplog):
     with caplog.at_level(logging.WARNING):
         agent, scada, state = ordered(order, order)
     assert state is State.UNACKED_ACTIVE

@@ -73,7 +73,7 @@ def test_what_should_be_known(role, sample, watched, told):
     assert found == () if told is None else found[0].startswith(told), found
 
 
-def test_durations_are_told_as_people_do():
+def test_durations_are_reported_as_people_do():
     assert [duration(s) for s in (0.01, 100, 600, 9000, 259200)] == [
         "0.0 s",
         "100.0 s",
@@ -96,7 +96,7 @@ def now(role, value, **more):
     return Sample(f"F1.{role}", time.time(), value, **more)
 
 
-async def test_every_tag_and_target_is_told_and_nothing_is_written(monkeypatch):
+async def test_every_tag_and_target_is_reported_and_nothing_is_written(monkeypatch):
     bus = CheckedBus(lambda _: [now("pv", 5.0), now("op", 50.0), now("mode", "MAN"), now("pv", 6.0)])
     of_bus(monkeypatch, bus)
     findings = await probe(settings(), within=30.0, watch=0.05)
@@ -113,7 +113,7 @@ async def test_every_tag_and_target_is_told_and_nothing_is_written(monkeypatch):
     assert bus.open == 0
 
 
-async def test_a_silent_tag_is_told_after_the_deadline(monkeypatch):
+async def test_a_silent_tag_is_reported_after_the_deadline(monkeypatch):
     of_bus(monkeypatch, FakeBus(lambda _: [now("pv", 5.0), now("mode", "AUTO")]))
     findings = await probe(settings(), within=0.1, watch=60.0)
     (silent,) = [each for each in findings if each.problems]
@@ -129,7 +129,7 @@ async def test_a_silent_tag_is_told_after_the_deadline(monkeypatch):
         (AccessDeniedError("check login"), "refused: check login"),
     ],
 )
-async def test_a_connection_that_fails_is_told_once_and_its_tags_briefly(monkeypatch, step, told):
+async def test_a_connection_that_fails_is_reported_once_and_its_tags_briefly(monkeypatch, step, told):
     of_bus(monkeypatch, FakeBus(lambda _: [now("pv", 5.0), step]))
     connection, pv, op, *_ = await probe(settings(), within=30.0)
     assert connection.problems == (told,)

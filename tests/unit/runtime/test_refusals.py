@@ -28,7 +28,7 @@ async def in_store(journal):
     return [each.publication.id for each in (await journal.open()).waiting.values()]
 
 
-async def test_what_was_refused_is_told_after_a_kill(tmp_path):
+async def test_what_was_refused_is_reported_after_a_kill(tmp_path):
     journal, outbox = await restarted(tmp_path / "plant.sqlite")
     for publication in (event(1), state(1), event(2), state(2), state(1, "LIC205")):
         await refused(outbox, publication)

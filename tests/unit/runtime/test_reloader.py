@@ -97,7 +97,7 @@ async def test_a_file_that_is_not_there_for_a_moment_is_waited_for(path, monkeyp
     await played(path, scenario, monkeypatch)
 
 
-async def test_without_leave_only_who_asks_gets_it(path, monkeypatch):
+async def test_without_leave_only_who_requests_gets_it(path, monkeypatch):
     write(path, LOOP, watch=False)
 
     async def scenario(_, agent, asked):

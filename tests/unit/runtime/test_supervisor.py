@@ -47,7 +47,7 @@ def test_time_in_which_a_peer_never_answered_is_not_waited_twice():
     assert attempts(never_answers, 100.0) == pytest.approx([4.0] * 24)
 
 
-def test_a_peer_that_refuses_is_asked_ever_less_often():
+def test_a_peer_that_refuses_is_requested_ever_less_often():
     assert attempts(refuses, 20.0)[:7] == pytest.approx([0.1, 0.2, 0.4, 0.8, 1.6, 3.0, 3.0])
 
 

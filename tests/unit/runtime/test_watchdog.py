@@ -68,7 +68,7 @@ def test_peers_that_are_away_silent_or_refuse_are_no_reason_to_start_anew():
         assert (len(heard), hung) == (90, ())
 
 
-def test_an_attempt_that_never_comes_back_ends_the_signs_of_life_and_is_told_once(caplog):
+def test_an_attempt_that_never_comes_back_ends_the_signs_of_life_and_is_reported_once(caplog):
     bus = StuckBus(stream(["FIC101"], 1000))
 
     def free():

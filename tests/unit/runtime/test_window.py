@@ -28,7 +28,7 @@ def test_a_window_is_due_when_it_is_full_and_then_each_hop():
     np.testing.assert_allclose(windows[1].op, np.arange(20.0, 60.0) / 10)
 
 
-def test_nothing_is_asked_of_the_order_in_which_the_roles_arrive():
+def test_nothing_is_requested_of_the_order_in_which_the_roles_arrive():
     """OPC UA may send twenty values of PV and then twenty of OP."""
     in_time = push_all(RollingWindow(loop_settings()), both(range(100)))
     window, grouped = RollingWindow(loop_settings()), []
@@ -42,7 +42,7 @@ def test_nothing_is_asked_of_the_order_in_which_the_roles_arrive():
         np.testing.assert_array_equal(one.op, other.op)
 
 
-def test_rows_that_all_roles_miss_are_a_gap_where_they_are_told_together():
+def test_rows_that_all_roles_miss_are_a_gap_where_they_are_reported_together():
     (window,) = push_all(RollingWindow(loop_settings()), both([*range(10), *range(13, 40)]))
     assert np.flatnonzero(np.isnan(window.pv)).tolist() == [10, 11, 12]
     assert np.flatnonzero(np.isnan(window.op)).tolist() == [10, 11, 12]
@@ -55,7 +55,7 @@ def test_a_role_that_is_silent_while_another_speaks_holds():
     assert np.isfinite(windows[0].pv).all()
 
 
-def test_where_changes_only_are_told_a_short_silence_is_no_change_and_a_long_one_a_gap():
+def test_where_changes_only_are_reported_a_short_silence_is_no_change_and_a_long_one_a_gap():
     settings = loop_settings(hold=5.0)
     samples = [sample("op", 0, 7.0), *(sample("pv", t, float(t)) for t in [*range(10), *range(14, 20)])]
     samples += [sample("pv", t, float(t)) for t in range(26, 40 + LATEST)]
@@ -82,7 +82,7 @@ def test_a_server_that_waits_for_its_first_value_does_not_set_the_clock():
     assert np.isfinite(window.pv).all()
 
 
-def test_a_bad_value_that_is_not_told_again_stays_missing():
+def test_a_bad_value_that_is_not_reported_again_stays_missing():
     samples = [*both(range(10)), sample("pv", 10, 99.0, Quality.BAD)]
     samples += [sample("op", t, t / 10) for t in range(10, 40 + LATEST)]
     window = push_all(RollingWindow(loop_settings()), samples)[0]
@@ -106,7 +106,7 @@ def test_what_nobody_heard_while_the_connection_was_gone_is_a_gap():
     np.testing.assert_array_equal(window.sp[12:], np.full(28, 50.0))
 
 
-def test_a_set_point_that_is_not_told_again_after_an_interruption_is_unknown():
+def test_a_set_point_that_is_not_reported_again_after_an_interruption_is_unknown():
     rolling = RollingWindow(loop_settings(roles=("pv", "op", "sp")))
     push_all(rolling, [sample("sp", -5, 50.0), *both(range(20))])
     rolling.interrupt()
@@ -168,7 +168,7 @@ def test_mode_says_where_the_loop_was_automatic():
     assert window.automatic.tolist() == [True] * 10 + [False] * 10 + [True] * 10 + [False] * 10
 
 
-def test_roles_that_are_configured_but_never_told_are_unknown():
+def test_roles_that_are_configured_but_never_reported_are_unknown():
     (window,) = push_all(
         RollingWindow(loop_settings(roles=("pv", "op", "sp", "mv", "mode"))), both(range(40))
     )
@@ -246,7 +246,7 @@ def naive_hold(events, n):
     )
 )
 @settings(deadline=None)
-def test_changes_told_one_by_one_give_what_holding_by_hand_gives(changes):
+def test_changes_reported_one_by_one_give_what_holding_by_hand_gives(changes):
     times = itertools.accumulate((gap for _, gap, _ in changes))
     told = [("pv", 0, 0.0), ("op", 0, 0.0)]
     told += [(("pv", "op")[role], t, value) for (role, _, value), t in zip(changes, times, strict=True)]

@@ -51,7 +51,7 @@ def test_sign_flips_are_those_of_scipy():
     assert sign_flip_p(base, other) == pytest.approx(exact.pvalue)
 
 
-def test_an_effect_with_which_the_record_is_likelier_is_not_told_from_the_best():
+def test_an_effect_with_which_the_record_is_likelier_is_not_reported_from_the_best():
     """The best of the free run may be the one that hides more of OP's answer to the load."""
     rng = np.random.default_rng(4)
     base = base_losses(rng)
@@ -180,7 +180,7 @@ def test_the_simulated_null_must_agree():
     assert found.kind == "suggested"
 
 
-def test_what_few_blocks_show_plainly_may_be_told_by_the_innovations():
+def test_what_few_blocks_show_plainly_may_be_reported_by_the_innovations():
     """Four of fourteen blocks: their signs alone have p of at least 1/16."""
     base = np.ones(BLOCKS)
     losses = {"stiction": base.copy(), "sinusoid": base.copy()}

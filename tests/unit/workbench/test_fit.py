@@ -103,7 +103,7 @@ def test_the_held_out_error_of_the_truth_is_the_noise():
     assert out.values.shape == (FOLDS, 2)
 
 
-def test_too_few_stretches_are_told():
+def test_too_few_stretches_are_reported():
     window = made()
     pv = window.pv.copy()
     pv[200:] = np.nan

@@ -80,7 +80,7 @@ def test_a_walk_must_show_in_the_innovations(height, there):
 
 
 @pytest.mark.parametrize(("height", "seen"), [(0.0, False), (1.0, True)])
-def test_a_wave_under_a_wandering_load_is_told_by_its_likelihood(height, seen):
+def test_a_wave_under_a_wandering_load_is_reported_by_its_likelihood(height, seen):
     op, pv = loop(3, slack=0.0)
     load = np.std(pv - answered_more(op, np.ones(N, dtype=bool)))
     wave = height * load * np.sin(2 * np.pi * np.arange(N) / 37.0)
@@ -91,7 +91,7 @@ def test_a_wave_under_a_wandering_load_is_told_by_its_likelihood(height, seen):
 
 
 @pytest.mark.parametrize("slack", [0.0, 0.4])
-def test_the_price_of_a_stems_constants_is_what_the_record_tells_of_them(slack):
+def test_the_price_of_a_stems_constants_is_what_the_record_reports_of_them(slack):
     """Schwarz takes each for told by every sample, and hides a small valve."""
     op, pv = loop(1, slack=slack)
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))

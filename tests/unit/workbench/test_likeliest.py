@@ -64,7 +64,7 @@ def test_what_may_be_chance_or_is_not_strong_is_not_plain():
     assert plain(padded(gain=told(60.0, "gain", once=True))) == set()
 
 
-def test_of_more_candidates_more_is_asked():
+def test_of_more_candidates_more_is_requested():
     evidence = told(VERY_STRONG + PRIOR + 0.1)
     assert is_strong([evidence], COUNT)
     assert not is_strong([evidence], 2 * COUNT)

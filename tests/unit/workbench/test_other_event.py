@@ -59,13 +59,13 @@ def test_another_answer_from_a_level_on_that_op_comes_to_once_is_no_other_gain()
     assert is_only_another_level(*told(GainChange(), op, pv + answered_more(op, op > 0.5)))
 
 
-def test_another_gain_is_told_where_op_moves_at_the_same_levels_before_and_after():
+def test_another_gain_is_reported_where_op_moves_at_the_same_levels_before_and_after():
     op, pv = open_loop((-3, 5, -2, 4, -1, 2, -5, 1, -4, 3))
     assert not is_only_another_level(*told(GainChange(), op, pv + answered_more(op, LATER)))
 
 
 @pytest.mark.parametrize("heights", [[(1000, 3.0)], [(600, 3.0), (1250, -4.0)]])
-def test_a_load_that_steps_is_told_as_one(heights):
+def test_a_load_that_steps_is_reported_as_one(heights):
     op, pv = loop(0, slack=0.0)
     assert not is_another_gain(*told(LoadStepEffect(), op, stepped_pv(pv, *heights)))
 

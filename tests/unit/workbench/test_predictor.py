@@ -122,7 +122,7 @@ def test_a_load_of_long_memory_biases_no_rate():
     assert predicts.space.values(best)[2] == pytest.approx(rate, rel=0.1)
 
 
-def test_the_lesser_of_two_held_out_errors_is_told():
+def test_the_lesser_of_two_held_out_errors_is_reported():
     """Of refits that predict best and of those of the least free-run error."""
     plant = hidden_effect_plant(5201, "sensor_lag")
     record = bare_record(LoopWindow("loop", 0.0, 1.0, plant.op, plant.pv))

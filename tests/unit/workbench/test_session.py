@@ -35,7 +35,7 @@ def test_it_names_the_slack_and_the_error_falls_to_the_noise(bench):
     assert bench.comparison().verdict.kind == "no_failure_visible"
 
 
-def test_the_slack_is_told(bench):
+def test_the_slack_is_reported(bench):
     """How often intervals hold the truth: test_predictor.py, over ten records; here is one of them."""
     band = next(each for each in bench.step.parameters if each.name == "deadband.s")
     assert band.value == pytest.approx(S, abs=0.05)
@@ -97,7 +97,7 @@ def test_drop_undo_save_and_load(bench):
         again.load({"kind": "shopping list"})
 
 
-def test_what_cannot_be_added_or_dropped_is_told(bench):
+def test_what_cannot_be_added_or_dropped_is_reported(bench):
     with pytest.raises(ValueError, match=r"no effect 'slip'; there are .*deadband"):
         bench.add("slip")
     with pytest.raises(ValueError, match="cannot be added to a model with deadband"):
@@ -115,7 +115,7 @@ def test_with_its_family_taken_out_it_does_not_name_another():
     bench = Workbench(
         slack(),
         without=[*FEW, "deadband", "load_step"],
-        tell=lambda what, *_: told.append(what),
+        progress=lambda what, *_: told.append(what),
     )
     bench.auto()
     assert bench.comparison().verdict.kind in {"none_of_the_known", "suggested"}
@@ -145,7 +145,7 @@ def test_a_wave_that_nothing_known_explains_is_a_failure():
     )
 
 
-def test_a_record_that_tells_nothing_has_a_reason_and_all_keys():
+def test_a_record_that_reports_nothing_has_a_reason_and_all_keys():
     still = LoopWindow("still", 0.0, 1.0, np.full(500, 50.0), np.random.default_rng(0).standard_normal(500))
     bench = Workbench(still)
     assert bench.auto() == ()
@@ -173,6 +173,6 @@ def test_a_process_that_integrates_is_none_of_the_known_where_none_may():
     ("told", "words"),
     [(("tau",), "tau ran into the bound"), ((), "a wave in step with OP is left")],
 )
-def test_a_failure_on_no_axis_is_told_in_words(told, words):
+def test_a_failure_on_no_axis_is_reported_in_words(told, words):
     verdict = Verdict("none_of_the_known", at_bound=told)
     assert words in verdict_words(verdict, not_testable("loop", ""))
