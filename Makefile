@@ -2,6 +2,8 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
+# One more than cores: many tests wait for a peer.
+JOBS   ?= $(shell expr $$(nproc 2>/dev/null || echo 2) + 1)
 
 .PHONY: demo test check bench format clean
 .DELETE_ON_ERROR:
@@ -11,7 +13,7 @@ demo: $(VENV)/.installed
 
 test: $(VENV)/.dev
 	@bash tests/system_parts.sh
-	$(BIN)/python -m pytest -m "not bench" -n 2 --dist loadscope
+	$(BIN)/python -m pytest -m "not bench" -n $(JOBS) --dist loadscope
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from agent.report.advice import advice
+from agent.report.diagnosis_text import answers
 from agent.web.ranking import GROUPS, Item, estimate_of, probability_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
+    from agent.analysis.results import IntervalEstimate
     from agent.runtime.loop.pipeline import LoopPipeline
 
 POINTS = 48
@@ -41,6 +43,7 @@ def row_of(item: Item) -> dict[str, Any]:
         "probability": plain(probability_of(diagnosis)),
         "s": None if s is None else {"value": plain(s.value), "low": plain(s.low), "high": plain(s.high)},
         "identifiable": None if found is None else found.identifiable_s,
+        "doubt": "" if found is None or found.identifiable_s else _doubt(found.s),
         "since": plain(item.since),
         "alarm": alarm.state.value,
         "priority": alarm.priority,
@@ -49,6 +52,11 @@ def row_of(item: Item) -> dict[str, Any]:
         "data": status.data,
         "next": next_step(item),
     }
+
+
+def _doubt(s: IntervalEstimate) -> str:
+    """Return the word for an S that the record does not identify, as the text of a diagnosis has it."""
+    return "uncertain" if answers(s) else "not identifiable"
 
 
 def next_step(item: Item) -> str:

@@ -3,7 +3,7 @@ import { dash, number } from "./format.js";
 import { html } from "./html.js";
 
 /** S with its 90 % interval on a scale from 0 to ``widest``, OP units. */
-export function StickBand({ s, widest, identifiable }) {
+export function StickBand({ s, widest, doubt }) {
   if (!s || s.value === null) return html`<span class="quiet">${dash}</span>`;
   const place = (value) => `${(100 * Math.min(Math.max(value, 0) / (widest || 1), 1)).toFixed(1)}%`;
   const known = s.low !== null && s.high !== null;
@@ -12,11 +12,11 @@ export function StickBand({ s, widest, identifiable }) {
     <span class="band-value">${number(s.value)}</span>
     <svg class="band-bar" height="14" aria-hidden="true">
       <line x1="0" x2="100%" y1="7" y2="7" class="scale" />
-      ${known && html`<line x1=${place(s.low)} x2=${place(s.high)} y1="7" y2="7" class=${identifiable === false ? "interval unsure" : "interval"} />
+      ${known && html`<line x1=${place(s.low)} x2=${place(s.high)} y1="7" y2="7" class=${doubt ? "interval unsure" : "interval"} />
         <line x1=${place(s.low)} x2=${place(s.low)} y1="2.5" y2="11.5" class="end" /><line x1=${place(s.high)} x2=${place(s.high)} y1="2.5" y2="11.5" class="end" />`}
       <line x1=${place(s.value)} x2=${place(s.value)} y1="0.5" y2="13.5" class="value" />
     </svg>
-    <span class="band-text">${text}${identifiable === false ? ", not identifiable" : ""}</span>
+    <span class="band-text">${text}${doubt ? `, ${doubt}` : ""}</span>
   </span>`;
 }
 

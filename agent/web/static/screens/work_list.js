@@ -97,7 +97,7 @@ function Row({ row, spark, age, widest }) {
     <th scope="row" class="loop"><a href=${`/loops/${encodeURIComponent(row.loop)}`}>${row.loop}</a><span class="under">${row.connection}</span></th>
     <td class="verdict"><span class=${`verdict-words ${row.group}`}><${Shape} group=${row.group} /> ${row.words}</span>
       ${row.next && html`<span class="under next">${row.next}</span>`}</td>
-    <td data-label="S"><${StickBand} s=${row.s} widest=${widest} identifiable=${row.identifiable} /></td>
+    <td data-label="S"><${StickBand} s=${row.s} widest=${widest} doubt=${row.doubt} /></td>
     <td class="number" data-label="Sticks with">${percent(row.probability)}</td>
     <td class="spark-cell"><${Sparkline} spark=${spark} loop=${row.loop} /></td>
     <td data-label="Alarm"><${AlarmMark} row=${row} /></td>
