@@ -55,17 +55,6 @@ def test_a_valve_that_needs_shots_has_not_converged():
     assert not converged(found_of(problem, candidate, 0.5 * error), problem)
 
 
-@pytest.mark.parametrize(
-    ("by_shots", "error", "clearly"),
-    [(1.0, 1.0, False), (0.85, 0.85, False), (0.75, 1.0, True), (1.0, 0.75, True)],
-)
-def test_a_further_search_is_believed_where_it_needs_clearly_less(by_shots, error, clearly):
-    first, found = (
-        Found(Fitted(e, FOPDT, np.zeros(SIZE)), (), s) for e, s in ((2.0, 2.0), (2 * error, 2 * by_shots))
-    )
-    assert clearly_less(found, first) == clearly
-
-
 def test_what_needs_more_by_shots_changes_nothing():
     problem, candidate = loop_whose_stem_rests_elsewhere_once()
     found = found_of(problem, candidate, by_shots=0.0)
