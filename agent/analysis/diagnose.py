@@ -10,6 +10,7 @@ from agent.analysis.cause import cause_without_stiction, causes_with_stiction
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
 from agent.analysis.evidence.weighing import weigh
 from agent.analysis.gates.rhythm import samples_per_period
+from agent.analysis.indices import performance
 from agent.analysis.innovations import log_likelihood_ratio
 from agent.analysis.quantify import quantifier as quantifier_named
 from agent.analysis.quantify.free_run import LEAST_S
@@ -47,7 +48,10 @@ def diagnose(
     before = 0.0 if seen is None else seen.seconds
     method = quantifier or quantifier_named(DEFAULT_QUANTIFIER)
     diagnosis = _judge(window, look(window) if seen is None else seen, method)
-    return replace(diagnosis, seconds=before + time.perf_counter() - started)
+    found = diagnosis.quantification
+    delay = None if found is None or found.process is None else found.process.delay
+    indices = performance(window, delay)
+    return replace(diagnosis, indices=indices, seconds=before + time.perf_counter() - started)
 
 
 def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -103,6 +104,8 @@ class Diagnosis:
     weighed: Weighed | None = None
     """The evidence of this record alone; None where nothing was fitted."""
     record: RecordSummary | None = None
+    indices: Mapping[str, float | None] = field(default_factory=dict)
+    """Performance indices by name (`agent.analysis.indices`), each in its unit; None where not determined."""
     others: OtherRecordings | None = None
     """None where the recording was judged alone."""
     same_event_as: str | None = None

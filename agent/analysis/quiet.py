@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
+from agent.analysis.indices import performance
 from agent.analysis.results import CauseShare
 
 if TYPE_CHECKING:
@@ -28,4 +29,5 @@ def quiet(window: LoopWindow, seen: Seen) -> Diagnosis:
         quantification=None,
         methods=seen.methods_without_pictures,
         record=RecordSummary.of(window, seen.oscillation),
+        indices=performance(window, None),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from agent.analysis.diagnosis import Diagnosis
+from agent.analysis.indices import INDICES
 from agent.analysis.results import IntervalEstimate, ProcessEstimate, ProcessIntervals, StictionEstimate
 from agent.report.advice import advice
 from agent.report.reasons import reasons
@@ -41,6 +42,7 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
             name: {"verdict": result.verdict, "index": _number(result.index), "reason": result.reason}
             for name, result in diagnosis.methods.items()
         },
+        "indices": {each.name: _number(diagnosis.indices.get(each.name)) for each in INDICES},
         "seconds": _number(diagnosis.seconds),
     }
 

@@ -37,6 +37,7 @@ KEYS = [
     "process",
     "fit",
     "methods",
+    "indices",
     "seconds",
 ]
 HEAVY = "{'numba', 'scipy', 'matplotlib', 'pyarrow', 'asyncua'}"

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from importlib.metadata import version
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 from prometheus_client import CollectorRegistry, Counter, Histogram, ProcessCollector, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, InfoMetricFamily
@@ -12,12 +13,37 @@ from prometheus_client.metrics_core import Metric
 from prometheus_client.registry import Collector
 
 from agent.alarms import Announcement, State
+from agent.analysis.indices import INDICES, PerformanceIndex
 from agent.runtime.loop.pipeline import Judged
 from agent.runtime.operate.status import AgentStatus, ConnectionStatus, LoopStatus
 
 S = TypeVar("S")
 BUCKETS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 """s"""
+
+
+def _band(status: LoopStatus, name: Literal["s", "j"]) -> float | None:
+    """Return S or J of a loop's newest diagnosis; None where it has none."""
+    found = None if status.diagnosis is None else status.diagnosis.quantification
+    if found is None or found.stiction is None:
+        return None
+    return found.stiction.s.value if name == "s" else found.stiction.j.value
+
+
+def _period(status: LoopStatus) -> float | None:
+    seen = None if status.diagnosis is None else status.diagnosis.oscillation
+    return seen.period if seen is not None and seen.detected else None
+
+
+def _index(name: str, status: LoopStatus) -> float | None:
+    return None if status.diagnosis is None else status.diagnosis.indices.get(name)
+
+
+def _help(index: PerformanceIndex) -> str:
+    sentence = index.meaning[0].upper() + index.meaning[1:]
+    return f"{sentence}, {index.unit}" if index.unit else sentence
+
+
 LOOP_GAUGES: tuple[tuple[str, str, Callable[[LoopStatus], float | None]], ...] = (
     ("data_age_seconds", "Time since the newest sample arrived", lambda s: s.data_age),
     ("stale", "1 if no sample arrived for too long", lambda s: s.data == "stale"),
@@ -25,6 +51,19 @@ LOOP_GAUGES: tuple[tuple[str, str, Callable[[LoopStatus], float | None]], ...] =
     ("verdict_age_seconds", "Time since the newest verdict", lambda s: s.verdict_age),
     ("waiting", "1 while a window waits for its verdict", lambda s: s.busy),
     ("alarm_active", "1 while the alarm is active", lambda s: s.alarm.active),
+    (
+        "s",
+        "Stick band plus dead band S by the newest window, OP units",
+        lambda s: _band(s, "s"),
+    ),
+    ("j", "Slip jump J by the newest window, OP units", lambda s: _band(s, "j")),
+    ("period_seconds", "Period of the oscillation in the newest window", _period),
+    (
+        "probability",
+        "Probability that the valve sticks, from the newest window",
+        lambda s: None if s.diagnosis is None else s.diagnosis.probability,
+    ),
+    *((f"index_{each.name}", _help(each), functools.partial(_index, each.name)) for each in INDICES),
 )
 LOOP_COUNTERS: tuple[tuple[str, str, Callable[[LoopStatus], float]], ...] = (
     ("samples", "Samples taken", lambda s: s.samples),

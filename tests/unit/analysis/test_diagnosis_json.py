@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.diagnose import diagnose
+from agent.analysis.indices import INDICES, performance
 from agent.analysis.quantify import QUANTIFIERS
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import IntervalEstimate
@@ -43,6 +44,7 @@ KEYS = {
     "process": {"kind", "gain", "tau_s", "delay_s", "intervals"},
     "fit": {"free_run_percent", "linear_percent"},
     "methods": None,
+    "indices": {each.name for each in INDICES},
     "seconds": None,
 }
 
@@ -130,3 +132,11 @@ def test_no_window_breaks_it(op, pv, op_storms, pv_storms, method):
     assert reasons(found)
     assert 0 <= found.confidence <= 1
     assert_object(diagnosis_json(found, "x.csv"))
+
+
+def test_indices_are_those_of_the_window_with_the_delay_of_the_fit():
+    found = judged(replace(WINDOW, sp=np.full(N, 20.0)), STICKING)
+    assert diagnosis_json(found, "x")["indices"] == pytest.approx(
+        performance(replace(WINDOW, sp=np.full(N, 20.0)), STICKING.process.delay), nan_ok=True
+    )
+    assert found.indices["reversals"] == pytest.approx(120.0, rel=0.1)  # two a period of 60 s
