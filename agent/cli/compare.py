@@ -6,6 +6,7 @@ import json
 import sys
 import threading
 from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -100,6 +101,9 @@ def compare(
             found = bench.comparison()
         except ValueError as error:
             raise typer.BadParameter(str(error)) from error
+        except BrokenProcessPool as error:
+            complain(f"{recording}: not compared: a process was ended, for want of memory or by somebody")
+            raise typer.Exit(BAD_INPUT) from error
     written = [True]
     if save is not None:
         written.append(_save(bench, save))

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from connectors.recording import ReadOptions
 
 
+DIED = "not diagnosed: its process was ended, for want of memory or by somebody"
+
+
 class Acting(StrEnum):
     """Which way a controller acts."""
 
@@ -199,12 +202,13 @@ def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
         announce_compilation(threading.Event())
         yield from map(work_out, tasks)
         return
-    from agent.runtime.loop.process_pool import CONTEXT, process_pool
+    from agent.runtime.loop.process_pool import CONTEXT, results_of
 
     import_before_start(CONTEXT, ["agent.analysis.diagnose"])
-    told = CONTEXT.Event()
-    with process_pool(workers, announce_compilation, told) as pool:
-        yield from pool.map(work_out, tasks)
+    announced = CONTEXT.Event()
+    found = results_of(work_out, tasks, workers, announce_compilation, announced)
+    for task, answer in zip(tasks, found, strict=True):
+        yield Answer(task, None, (f"{task.path}: {DIED}",)) if answer is None else answer
 
 
 @contextmanager

@@ -5,14 +5,55 @@ from __future__ import annotations
 import multiprocessing
 import os
 import threading
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from typing import Any
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any, TypeVar
 
 from agent.runtime.capabilities import cores, start_method
 
 CONTEXT: Any = multiprocessing.get_context(start_method())
 """Workers come from a process that has no threads, event loop or sockets; a plain fork would copy ours."""
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+def results_of(
+    function: Callable[[T], R],
+    tasks: Sequence[T],
+    workers: int,
+    ready: Callable[..., object] | None = None,
+    *args: object,
+) -> Iterator[R | None]:
+    """Yield the result of each task in order; None where its process died (out of memory, or killed).
+
+    Nobody knows which task a dead process worked on. Those that may have run are repeated one by one, each in
+    a process of its own; the others go on together.
+
+    Args:
+        function: Module-level; what it returns is never None.
+        tasks: Its arguments.
+        workers: How many processes.
+        ready: As of ``process_pool``.
+        args: As of ``process_pool``.
+    """
+    waiting, alone = deque(tasks), 0
+    while waiting:
+        batch = [waiting[0]] if alone else [*waiting]
+        with process_pool(1 if alone else workers, ready, *args) as pool:
+            for future in [pool.submit(function, task) for task in batch]:
+                try:
+                    result: R | None = future.result()
+                except BrokenProcessPool:
+                    if not alone:
+                        alone = min(len(waiting), workers + 1)  # a pool hands out one task ahead
+                        break
+                    result = None
+                waiting.popleft()
+                alone = max(alone - 1, 0)
+                yield result
 
 
 def process_pool(
