@@ -130,8 +130,8 @@ class Agent:
 
         ``ready`` is called as soon as all tasks are started.
         """
-        await self._wiring.resume()
         try:
+            await self._wiring.resume()
             async with Crew() as crew:
                 self._crew = crew
                 for health, work in self._beside:

@@ -34,8 +34,10 @@ async def plant(folder):
         path.write_text("# ours\n" + yaml.safe_dump(content))
         path.chmod(0o640)
         agent = Agent(load_settings(path), InlineExecutor())
-        work = asyncio.create_task(agent.run())
+        ready = asyncio.Event()
+        work = asyncio.create_task(agent.run(ready.set))
         try:
+            await ready.wait()
             app = application([configure.screen(Configuration(path, agent))], Access())
             async with client(app) as web:
                 yield path, agent, server, web, await csrf(web)
