@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Literal, Protocol, runtime_checkable
+from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 WITHDRAWN = "withdrawn"
 """Kind of a publication that ends all others of its subject."""
@@ -24,12 +24,24 @@ class Quality(IntEnum):
     BAD = 2
 
 
+class LoopRole(NamedTuple):
+    """Which value of which loop a sample is."""
+
+    loop: str
+    """Name of the loop."""
+    role: str
+    """One of pv, op, sp, mv, mode."""
+
+    def __str__(self) -> str:
+        """Return it as messages name it: ``LOOP.ROLE``."""
+        return f"{self.loop}.{self.role}"
+
+
 @dataclass(frozen=True, slots=True)
 class Sample:
     """One value of one tag."""
 
-    tag: str
-    """``LOOP.ROLE``, role one of pv, op, sp, mv, mode."""
+    tag: LoopRole
     time: float
     """Source time, s UTC."""
     value: float | str
@@ -42,17 +54,17 @@ class Sample:
 
     @classmethod
     def measured(
-        cls, tag: str, time: float, value: float | str, quality: Quality = Quality.GOOD, code: int = 0
+        cls, tag: LoopRole, time: float, value: float | str, quality: Quality = Quality.GOOD, code: int = 0
     ) -> Sample:
         """Make a sample of what a source sent; text (but for modes), NaN and infinity count as missing."""
-        if isinstance(value, str) and not tag.endswith(".mode"):
+        if isinstance(value, str) and tag.role != "mode":
             return cls.missing(tag, time, code, f"the text {value[:40]!r} where a number belongs")
         if isinstance(value, float | int) and not math.isfinite(value):
             return cls.missing(tag, time, code, f"{value} where a number belongs")
         return cls(tag, time, value, quality, code)
 
     @classmethod
-    def missing(cls, tag: str, time: float, code: int = 0, why: str = "") -> Sample:
+    def missing(cls, tag: LoopRole, time: float, code: int = 0, why: str = "") -> Sample:
         """Make the sample that says: here a value is missing."""
         return cls(tag, time, math.nan, Quality.BAD, code, why)
 

@@ -139,7 +139,7 @@ class Wiring:
             return [each for each in self.pipelines.values() if each.settings.connection == name]
 
         def deliver(sample: Sample) -> None:
-            pipeline = self.pipelines.get(sample.tag.rpartition(".")[0])
+            pipeline = self.pipelines.get(sample.tag.loop)
             if pipeline is not None:
                 pipeline.push(sample, asyncio.get_running_loop().time())
 

@@ -6,7 +6,7 @@ import asyncio
 import math
 from collections.abc import Mapping
 
-from connectors.base import Quality
+from connectors.base import LoopRole, Quality
 from connectors.checks.peer import LOOPS, ROLES, Peer, PeerFactory
 from connectors.checks.proxy import SLICES, FaultProxy
 from connectors.checks.session import Kind, Reader, connector_to, expect, require
@@ -50,9 +50,9 @@ async def put_rows(peer: Peer, reader: Reader, first: int, count: int) -> None:
     last = START + first + count - 1
     for loop in LOOPS:
         for role in ROLES:
-            tag = f"{loop}.{role}"
+            tag = LoopRole(loop, role)
 
-            def has_last(tag: str = tag) -> bool:
+            def has_last(tag: LoopRole = tag) -> bool:
                 return any(abs(sample.time - last) < _CLOCK for sample in reader.of(tag))
 
             await expect(has_last, f"{tag}: the sample of {last - START:g} s was not read")
@@ -62,7 +62,7 @@ def require_rows(peer: Peer, reader: Reader, first: int, count: int) -> None:
     """Require every value of these rows once, at its time and with its quality."""
     for loop in LOOPS:
         for role in ROLES:
-            tag = f"{loop}.{role}"
+            tag = LoopRole(loop, role)
             samples = [each for each in reader.of(tag) if each.time > START + first - 0.5]
             times = [each.time for each in samples]
             wanted = [START + k for k in range(first, first + count)]

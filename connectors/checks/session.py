@@ -8,7 +8,16 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from typing import Any, Self
 
-from connectors.base import ConnectionLostError, Connector, JsonValue, Order, Publication, Sample, Session
+from connectors.base import (
+    ConnectionLostError,
+    Connector,
+    JsonValue,
+    LoopRole,
+    Order,
+    Publication,
+    Sample,
+    Session,
+)
 from connectors.checks.peer import LOOPS, Peer
 from connectors.kind import ConnectorKind
 from connectors.options import LoopTags
@@ -46,7 +55,7 @@ class Reader:
         """Return the time of the newest sample of a loop, s UTC."""
         return self._newest.get(loop)
 
-    def of(self, tag: str) -> list[Sample]:
+    def of(self, tag: LoopRole) -> list[Sample]:
         """Return the samples of a tag in their order."""
         return [sample for sample in self.samples if sample.tag == tag]
 
@@ -82,7 +91,7 @@ class Reader:
                     self.orders.append(sample)
                     continue
                 self.samples.append(sample)
-                self._newest[sample.tag.split(".", maxsplit=1)[0]] = sample.time
+                self._newest[sample.tag.loop] = sample.time
 
 
 async def until(condition: Callable[[], object], within: float = DEADLINE) -> None:

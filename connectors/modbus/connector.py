@@ -11,6 +11,7 @@ from contextlib import asynccontextmanager
 from connectors.base import (
     ConfigError,
     JsonValue,
+    LoopRole,
     Publication,
     RefusedError,
     Sample,
@@ -157,9 +158,11 @@ class LoopPoller:
                 return []
             self._last_time = arrival = source_time
         refused.pop("time", None)
-        tag = self._loop + "."
-        return [Sample.measured(tag + role, arrival, value) for role, value in values.items()] + [
-            Sample.missing(tag + role, arrival, error.code, str(error)) for role, error in refused.items()
+        return [
+            Sample.measured(LoopRole(self._loop, role), arrival, value) for role, value in values.items()
+        ] + [
+            Sample.missing(LoopRole(self._loop, role), arrival, error.code, str(error))
+            for role, error in refused.items()
         ]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from connectors.base import Quality, Sample
+from connectors.base import LoopRole, Quality, Sample
 from connectors.mqtt.options import MqttTag
 from connectors.mqtt.payload import JsonTree, MalformedPayloadError, bare, field, parse, seconds, value
 from connectors.mqtt.topics import MqttLoops
@@ -13,25 +13,25 @@ from connectors.mqtt.topics import MqttLoops
 
 def readers_of(loops: MqttLoops) -> dict[str, TopicReader]:
     """Return topic -> what reads the messages there."""
-    tags: dict[str, dict[str, MqttTag]] = {}
+    tags: dict[str, dict[LoopRole, MqttTag]] = {}
     for name, loop in loops.items():
         for role, tag in loop.tags.items():
-            tags.setdefault(tag.topic, {})[f"{name}.{role}"] = tag
+            tags.setdefault(tag.topic, {})[LoopRole(name, role)] = tag
     return {topic: TopicReader(each) for topic, each in tags.items()}
 
 
 class TopicReader:
     """All tags that one topic carries."""
 
-    def __init__(self, tags: Mapping[str, MqttTag]) -> None:
+    def __init__(self, tags: Mapping[LoopRole, MqttTag]) -> None:
         self._tags = tags
         self._newest = math.nan
         self.malformed = 0
         """Messages of which some tag could not be read."""
 
     @property
-    def names(self) -> Iterable[str]:
-        """Of the tags, LOOP.ROLE."""
+    def names(self) -> Iterable[LoopRole]:
+        """Of the tags."""
         return self._tags
 
     def samples(self, payload: bytes, arrival: float, *, retained: bool) -> Sequence[Sample]:
@@ -60,18 +60,20 @@ class TopicReader:
         return samples
 
     def _sample(
-        self, name: str, tag: MqttTag, tree: JsonTree, payload: bytes, arrival: float, *, retained: bool
+        self, name: LoopRole, tag: MqttTag, tree: JsonTree, payload: bytes, arrival: float, *, retained: bool
     ) -> Sample:
         at, quality = arrival, Quality.UNCERTAIN if retained else Quality.GOOD
         if tag.time_field is not None:
             at, quality = seconds(field(tree, tag.time_field)), Quality.GOOD
             self._newest = at
         found = bare(payload) if tag.field is None else value(field(tree, tag.field))
-        if isinstance(found, str) and not name.endswith(".mode"):
+        if isinstance(found, str) and name.role != "mode":
             raise MalformedPayloadError(f"the text {found[:40]!r} where a number belongs")
         return Sample.measured(name, at, found, quality)
 
-    def _unreadable(self, name: str, tag: MqttTag, arrival: float, error: MalformedPayloadError) -> Sample:
+    def _unreadable(
+        self, name: LoopRole, tag: MqttTag, arrival: float, error: MalformedPayloadError
+    ) -> Sample:
         return Sample.missing(name, self._fallback(tag, arrival), why=f"the message has {error}")
 
     def _fallback(self, tag: MqttTag, arrival: float) -> float:

@@ -14,6 +14,7 @@ from connectors.base import (
     AccessDeniedError,
     ConnectionLostError,
     JsonValue,
+    LoopRole,
     Publication,
     RefusedError,
     Sample,
@@ -64,10 +65,10 @@ class OpcUaSession:
         self._options = options
         self._loops = loops
         self._types: dict[str, ua.VariantType] = {}
-        self._tags: dict[str, list[str]] = {}
+        self._tags: dict[str, list[LoopRole]] = {}
         for name, loop in loops.items():
             for role, tag in loop.tags.items():
-                self._tags.setdefault(tag.node, []).append(f"{name}.{role}")
+                self._tags.setdefault(tag.node, []).append(LoopRole(name, role))
 
     async def samples(self) -> AsyncIterator[Sample]:
         """Yield every change.

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 
 from asyncua import ua
 
-from connectors.base import JsonValue, Quality, Sample
+from connectors.base import JsonValue, LoopRole, Quality, Sample
 
 _INTEGERS = {
     ua.VariantType.SByte: (-(2**7), 2**7 - 1),
@@ -34,7 +34,7 @@ def is_waiting(data: ua.DataValue) -> bool:
     return data.StatusCode is not None and data.StatusCode.value == ua.StatusCodes.BadWaitingForInitialData
 
 
-def sample(tag: str, data: ua.DataValue) -> Sample:
+def sample(tag: LoopRole, data: ua.DataValue) -> Sample:
     """Return the sample that a server sent for ``tag``.
 
     Its time is the source's; a server that has none gives its own, and one without a clock gets the time of

@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping
 from contextlib import asynccontextmanager
 
-from connectors.base import ConnectionLostError, Sample
+from connectors.base import ConnectionLostError, LoopRole, Sample
 from connectors.cancellation import obey_cancellation
 from connectors.kind import ConnectorKind
 from connectors.options import LoopTags, Options, Port, Seconds, Target
@@ -99,7 +99,7 @@ class ToySession:
                 for role, tag in self.connector.loops[row["loop"]].tags.items():
                     value = row[tag.field]
                     value = math.nan if value is None else value
-                    yield Sample.measured(f"{row['loop']}.{role}", row["time"], value)
+                    yield Sample.measured(LoopRole(row["loop"], role), row["time"], value)
 
     async def publish(self, publication):
         if publication.kind != "state" or publication.subject not in self.connector.loops:
@@ -245,7 +245,7 @@ class Stubborn(ToyConnector):
                     raise
                 continue
             if "time" in row:
-                yield Sample.missing(f"{row['loop']}.pv", row["time"])
+                yield Sample.missing(LoopRole(row["loop"], "pv"), row["time"])
 
 
 class Deaf(ToyConnector):

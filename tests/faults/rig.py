@@ -16,7 +16,7 @@ from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AlarmSettings, ConnectionSettings, WindowSettings, settings_of
 from agent.settings.load import connectors_of
-from connectors.base import Sample
+from connectors.base import LoopRole, Sample
 from connectors.checks.proxy import FaultProxy
 from connectors.options import Options
 from simulators.servers.modbus import ModbusServer
@@ -155,7 +155,7 @@ class Beat:
         while True:
             at = time.time()
             for role, value in truth(at).items():
-                yield Sample(f"FIC900.{role}", at, value)
+                yield Sample(LoopRole("FIC900", role), at, value)
             await asyncio.sleep(TS)
 
     async def publish(self, _):

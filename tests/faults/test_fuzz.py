@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from agent.analysis.gates.record import too_short
 from agent.runtime.loop.window import RollingWindow
 from agent.settings.load import load_settings, settings_of
-from connectors.base import ConfigError, Quality
+from connectors.base import ConfigError, LoopRole, Quality
 from connectors.modbus.codec import decode, register_count
 from connectors.modbus.options import ModbusTag
 from connectors.mqtt.connector import MqttSession
@@ -56,7 +56,7 @@ NASTY = (
     b" " * 10_000_000,
     b'"' + b"\\u0000" * 1000 + b'"',
 )
-TAGS = {f"FIC101.{role}": MqttTag(topic="x", field=role, time_field="t") for role in ("pv", "op")}
+TAGS = {LoopRole("FIC101", role): MqttTag(topic="x", field=role, time_field="t") for role in ("pv", "op")}
 
 
 def malformed(payload):
@@ -118,7 +118,7 @@ class Client:
 
 
 async def test_what_cannot_be_read_is_logged_once_and_counted(caplog):
-    loops = {"FIC101": LoopTags({role: TAGS[f"FIC101.{role}"] for role in ("pv", "op")})}
+    loops = {"FIC101": LoopTags({role: TAGS[LoopRole("FIC101", role)] for role in ("pv", "op")})}
     topics = Topics({}, {}, None, "slipjump")
     readers = readers_of(loops)
     session = MqttSession(Client(NASTY * 20), readers, topics, OrderReader({}))
@@ -180,7 +180,7 @@ def test_no_value_of_opc_ua_is_more_than_it_is(_name, often):
             server,
         )
         is_waiting(data)
-        for tag in ("FIC101.pv", "FIC101.mode"):
+        for tag in (LoopRole("FIC101", "pv"), LoopRole("FIC101", "mode")):
             got = sample(tag, data)
             assert math.isfinite(got.time)
             if got.quality is not Quality.BAD:

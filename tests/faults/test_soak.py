@@ -18,7 +18,7 @@ from agent.analysis.stiction.he_curve_fit import HeCurveFit
 from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, Settings
-from connectors.base import ConnectionLostError, Quality, Sample
+from connectors.base import ConnectionLostError, LoopRole, Quality, Sample
 from connectors.options import Options, Target
 from tests.unit.runtime.agents import virtual
 from tests.unit.runtime.loops import START, loop_settings
@@ -167,8 +167,8 @@ class Transport:
         at = START + now + self._offset
         for loop in self.plant.loops:
             op, pv = self.plant.values(loop, now)
-            yield Sample(f"{loop}.pv", at, pv)
-            yield Sample(f"{loop}.op", at, op)
+            yield Sample(LoopRole(loop, "pv"), at, pv)
+            yield Sample(LoopRole(loop, "op"), at, op)
 
 
 def diagnose(window, _seen=None):

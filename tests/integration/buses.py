@@ -5,7 +5,7 @@ import contextlib
 import math
 import socket
 
-from connectors.base import Quality
+from connectors.base import LoopRole, Quality
 from connectors.checks import Reader
 from connectors.checks.session import until
 from connectors.kinds import KINDS, LoopTags
@@ -118,7 +118,7 @@ async def played(server, connector, sources):
 def assert_same(reading, source, *, single=False):
     """Every value of every row, at its time, with its quality; ``single``: to the precision of float32."""
     for role in next(source.rows()).values:
-        samples = reading.of(f"{source.loop}.{role}")
+        samples = reading.of(LoopRole(source.loop, role))
         assert len(samples) == len(list(source.rows())), role
         for sample, row in zip(samples, source.rows(), strict=True):
             assert abs(sample.time - row.time) < 1e-5

@@ -10,7 +10,7 @@ from pymodbus.client import AsyncModbusTcpClient
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
-from connectors.base import Publication, Quality, RefusedError
+from connectors.base import LoopRole, Publication, Quality, RefusedError
 from connectors.checks import Reader
 from connectors.checks.session import until
 from connectors.modbus.codec import decode
@@ -73,8 +73,8 @@ async def test_all_tags_of_a_loop_come_in_one_request_and_have_one_time():
             await until(lambda: len(reading.samples) >= 4)
         assert set(device.requests) == {(3, 10, 11)}
     pv, op = reading.samples[:2]
-    assert (pv.tag, pv.value) == ("FIC101.pv", pytest.approx(1.5, abs=1e-3))
-    assert (op.tag, op.value) == ("FIC101.op", 50.0)
+    assert (pv.tag, pv.value) == (LoopRole("FIC101", "pv"), pytest.approx(1.5, abs=1e-3))
+    assert (op.tag, op.value) == (LoopRole("FIC101", "op"), 50.0)
     assert pv.time == op.time == pytest.approx(time.time(), abs=30)
     assert reading.samples[2].time > pv.time
 
@@ -93,18 +93,20 @@ async def test_an_illegal_address_is_a_bad_value_with_the_code_and_spares_the_ot
         outside = {"table": "holding", "address": 70, "type": "int16"}
         connector = connector_of(device.connection(address_base=1), [loop(pv=PV, op=OP, sp=outside)])
         async with connector.session() as session, Reader(session) as reading:
-            await until(lambda: any(sample.quality is Quality.GOOD for sample in reading.of("FIC101.pv")))
-            await until(lambda: len(reading.of("FIC101.sp")) >= 3)
-    assert all((s.quality, s.code) == (Quality.BAD, 2) for s in reading.of("FIC101.sp"))
-    assert [sample.quality for sample in reading.of("FIC101.pv")].count(Quality.BAD) == 1
+            await until(
+                lambda: any(sample.quality is Quality.GOOD for sample in reading.of(LoopRole("FIC101", "pv")))
+            )
+            await until(lambda: len(reading.of(LoopRole("FIC101", "sp"))) >= 3)
+    assert all((s.quality, s.code) == (Quality.BAD, 2) for s in reading.of(LoopRole("FIC101", "sp")))
+    assert [sample.quality for sample in reading.of(LoopRole("FIC101", "pv"))].count(Quality.BAD) == 1
 
 
 async def test_a_coil_is_a_mode():
     async with Device() as device:
         connector = connector_of(device.connection(), [loop(pv=PV, mode={"table": "coil", "address": 3})])
         async with connector.session() as session, Reader(session) as reading:
-            await until(lambda: reading.of("FIC101.mode"))
-    assert reading.of("FIC101.mode")[0].value == 1.0
+            await until(lambda: reading.of(LoopRole("FIC101", "mode")))
+    assert reading.of(LoopRole("FIC101", "mode"))[0].value == 1.0
 
 
 async def test_a_source_time_seen_before_is_no_new_sample_and_none_is_no_sample():

@@ -7,7 +7,7 @@ import struct
 import pytest
 from buses import connector_of
 
-from connectors.base import ConnectionLostError, Quality
+from connectors.base import ConnectionLostError, LoopRole, Quality
 from connectors.checks import Reader
 from connectors.checks.session import until
 from connectors.modbus import block_reader, parking
@@ -87,7 +87,7 @@ async def lost(connector):
 
 
 def good(reading, loop):
-    return [sample for sample in reading.of(f"{loop}.pv") if sample.quality is Quality.GOOD]
+    return [sample for sample in reading.of(LoopRole(loop, "pv")) if sample.quality is Quality.GOOD]
 
 
 async def test_a_silent_block_is_requested_apart_while_the_others_are_read(caplog):
@@ -97,7 +97,7 @@ async def test_a_silent_block_is_requested_apart_while_the_others_are_read(caplo
             async with device.connector().session() as session, Reader(session) as reading:
                 await until(lambda: device.asked.count(100) >= 4)
                 polls = len(good(reading, "FIC101"))
-                missing = reading.of("FIC102.pv")
+                missing = reading.of(LoopRole("FIC102", "pv"))
                 assert {sample.why for sample in missing} == {"no answer within 0.2 s"}
                 assert polls > 2 * device.asked.count(100)
                 device.silent = set()
@@ -127,7 +127,9 @@ async def test_a_block_that_holds_up_its_connection_is_left_out_of_the_next():
         connector = device.connector()
         await lost(connector)
         async with connector.session() as session, Reader(session) as reading:
-            await until(lambda: len(good(reading, "FIC101")) >= 20 and len(reading.of("FIC102.pv")) >= 20)
+            await until(
+                lambda: len(good(reading, "FIC101")) >= 20 and len(reading.of(LoopRole("FIC102", "pv"))) >= 20
+            )
             assert good(reading, "FIC102") == []
             device.slow = set()
             await until(lambda: good(reading, "FIC102"))
@@ -148,7 +150,7 @@ async def test_a_unit_that_its_gateway_cannot_reach_is_requested_now_and_then():
         device.unreachable = True
         async with device.connector().session() as session, Reader(session) as reading:
             await until(lambda: len(device.asked) >= 3)
-            bad = reading.of("FIC102.pv")
+            bad = reading.of(LoopRole("FIC102", "pv"))
             assert {(sample.quality, sample.code) for sample in bad} == {(Quality.BAD, UNREACHABLE)}
             assert len(bad) > 2 * len(device.asked)
             device.unreachable = False

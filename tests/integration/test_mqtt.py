@@ -8,7 +8,7 @@ import pytest
 from aiomqtt import Client
 from buses import assert_same, connector_of, connector_to, mosquitto_broker, played, wave
 
-from connectors.base import ConnectionLostError, Publication, Quality
+from connectors.base import ConnectionLostError, LoopRole, Publication, Quality
 from connectors.checks import Reader
 from connectors.checks.session import until
 from simulators.servers.broker import embedded_broker
@@ -86,15 +86,19 @@ async def test_bare_numbers_and_garbage(caplog):
             Client("127.0.0.1", port) as plant,
         ):
             await plant.publish("plant/pv", "1.5", qos=1, retain=True)
-            await until(lambda: reading.of("FIC101.pv"))
+            await until(lambda: reading.of(LoopRole("FIC101", "pv")))
             await plant.publish("plant/op", b"\xff\xff", qos=1)
             await plant.publish("plant/op", b"\xff", qos=1)
             await plant.publish("plant/op", "50", qos=1)
             await plant.publish("plant/mode", "CAS", qos=1)
             await until(lambda: len(reading.samples) >= 5)
-    assert [sample.value for sample in reading.of("FIC101.pv")][:1] == [1.5]
-    assert [sample.quality for sample in reading.of("FIC101.op")] == [Quality.BAD, Quality.BAD, Quality.GOOD]
-    assert reading.of("FIC101.mode")[0].value == "CAS"
+    assert [sample.value for sample in reading.of(LoopRole("FIC101", "pv"))][:1] == [1.5]
+    assert [sample.quality for sample in reading.of(LoopRole("FIC101", "op"))] == [
+        Quality.BAD,
+        Quality.BAD,
+        Quality.GOOD,
+    ]
+    assert reading.of(LoopRole("FIC101", "mode"))[0].value == "CAS"
     assert [record.message for record in caplog.records if record.name.startswith("connectors")] == [
         "topic plant/op: a message cannot be read as configured"
     ]

@@ -6,7 +6,7 @@ import pytest
 from asyncua import Client, ua
 from buses import START, connector_of, connector_to, wave
 
-from connectors.base import ConnectionLostError, Publication, Quality, RefusedError
+from connectors.base import ConnectionLostError, LoopRole, Publication, Quality, RefusedError
 from connectors.checks import Reader
 from connectors.checks.session import until
 from simulators.plant import Row
@@ -27,9 +27,11 @@ async def test_a_value_measured_again_counts_though_it_is_the_same():
         async with connector_to(server, ["FIC101"]).session() as session, Reader(session) as reading:
             for i in range(5):
                 await server.put("FIC101", Row(START + i, {"pv": 1.0, "op": 50.0, "mode": "AUTO"}))
-                await until(lambda: reading.of("FIC101.op"))  # from the first on, it is subscribed
-            await until(lambda: len(reading.of("FIC101.op")) == 5)
-        assert {sample.value for sample in reading.of("FIC101.op")} == {50.0}
+                await until(
+                    lambda: reading.of(LoopRole("FIC101", "op"))
+                )  # from the first on, it is subscribed
+            await until(lambda: len(reading.of(LoopRole("FIC101", "op"))) == 5)
+        assert {sample.value for sample in reading.of(LoopRole("FIC101", "op"))} == {50.0}
 
 
 async def test_a_bad_status_is_a_bad_value_with_its_code():
@@ -37,9 +39,9 @@ async def test_a_bad_status_is_a_bad_value_with_its_code():
         async with connector_to(server, ["FIC101"]).session() as session, Reader(session) as reading:
             await server.put("FIC101", Row(START, {"pv": math.nan, "op": 1.0, "mode": "MAN"}))
             await until(lambda: len(reading.samples) == 3)
-        (pv,) = reading.of("FIC101.pv")
+        (pv,) = reading.of(LoopRole("FIC101", "pv"))
         assert (pv.quality, pv.code, pv.time) == (Quality.BAD, ua.StatusCodes.BadSensorFailure, START)
-        assert reading.of("FIC101.mode")[0].value == "MAN"
+        assert reading.of(LoopRole("FIC101", "mode"))[0].value == "MAN"
 
 
 async def test_an_unknown_node_is_reported_once_and_found_when_it_comes():
@@ -48,15 +50,15 @@ async def test_an_unknown_node_is_reported_once_and_found_when_it_comes():
         entry["tags"]["sp"] = {"node": "ns=2;s=FIC101.LATE"}
         connector = connector_of({**server.connection_settings(), "retry": 0.05}, [entry])
         async with connector.session() as session, Reader(session) as reading:
-            await until(lambda: reading.of("FIC101.sp"))
+            await until(lambda: reading.of(LoopRole("FIC101", "sp")))
             await server.put("FIC101", next(wave("FIC101", 1).rows()))
-            await until(lambda: reading.of("FIC101.pv"))
-            (told,) = reading.of("FIC101.sp")
+            await until(lambda: reading.of(LoopRole("FIC101", "pv")))
+            (told,) = reading.of(LoopRole("FIC101", "sp"))
             assert (told.quality, told.code) == (Quality.BAD, ua.StatusCodes.BadNodeIdUnknown)
             node = ua.NodeId.from_string("ns=2;s=FIC101.LATE")
             await server._server.nodes.objects.add_variable(node, "2:LATE", 7.0)
-            await until(lambda: len(reading.of("FIC101.sp")) > 1)
-        assert [sample.value for sample in reading.of("FIC101.sp")[1:]] == [7.0]
+            await until(lambda: len(reading.of(LoopRole("FIC101", "sp"))) > 1)
+        assert [sample.value for sample in reading.of(LoopRole("FIC101", "sp"))[1:]] == [7.0]
 
 
 async def test_a_server_that_answers_but_no_longer_publishes_is_reported():
@@ -119,18 +121,18 @@ async def test_a_node_that_is_made_anew_is_found_and_spares_the_others():
         async with connector.session() as session, Reader(session) as reading:
             rows = wave("FIC101", 1000, roles=("pv", "op", "mode")).rows()
             await server.put("FIC101", next(rows))
-            await until(lambda: reading.of("FIC101.pv"))
+            await until(lambda: reading.of(LoopRole("FIC101", "pv")))
             node = ua.NodeId.from_string("ns=2;s=FIC101.PV")
             aspace = server._server.iserver.aspace
             for handle, (watched, _) in list(aspace._handle_to_attribute_map.items()):
                 if watched == node:  # as in a server that forgets
                     aspace.delete_datachange_callback(handle)
             await server._server.delete_nodes([server._server.get_node(node)])
-            await until(lambda: reading.of("FIC101.pv")[-1].quality is Quality.BAD)
-            assert reading.of("FIC101.pv")[-1].code == ua.StatusCodes.BadNodeIdUnknown
+            await until(lambda: reading.of(LoopRole("FIC101", "pv"))[-1].quality is Quality.BAD)
+            assert reading.of(LoopRole("FIC101", "pv"))[-1].code == ua.StatusCodes.BadNodeIdUnknown
             await server._server.nodes.objects.add_variable(node, "2:PV", 7.0)
-            await until(lambda: reading.of("FIC101.pv")[-1].value == 7.0)
-            assert len(reading.of("FIC101.op")) == 1  # nothing was opened anew
+            await until(lambda: reading.of(LoopRole("FIC101", "pv"))[-1].value == 7.0)
+            assert len(reading.of(LoopRole("FIC101", "op"))) == 1  # nothing was opened anew
 
 
 async def test_a_node_that_the_server_forgot_to_report_is_watched_anew():
@@ -141,11 +143,11 @@ async def test_a_node_that_the_server_forgot_to_report_is_watched_anew():
         async with connector.session() as session, Reader(session) as reading:
             first, second = wave("FIC101", 2, roles=("pv", "op", "mode")).rows()
             await server.put("FIC101", first)
-            await until(lambda: reading.of("FIC101.pv"))
+            await until(lambda: reading.of(LoopRole("FIC101", "pv")))
             aspace = server._server.iserver.aspace
             for handle, (watched, _) in list(aspace._handle_to_attribute_map.items()):
                 if watched == ua.NodeId.from_string("ns=2;s=FIC101.PV"):
                     aspace.delete_datachange_callback(handle)
             await server.put("FIC101", second)
-            await until(lambda: reading.of("FIC101.pv")[-1].time == second.time)
-            assert [sample.value for sample in reading.of("FIC101.pv")] == [0.0, 1.0]
+            await until(lambda: reading.of(LoopRole("FIC101", "pv"))[-1].time == second.time)
+            assert [sample.value for sample in reading.of(LoopRole("FIC101", "pv"))] == [0.0, 1.0]

@@ -15,6 +15,7 @@ from connectors.base import (
     ChecksTargets,
     ConnectionLostError,
     Connector,
+    LoopRole,
     Order,
     Session,
 )
@@ -58,8 +59,8 @@ class _Probe:
         self._connector = connector
         self._within = within
         self._watch = watch
-        self._tags: Mapping[str, tuple[LoopSettings, str]] = {
-            f"{loop.name}.{role}": (loop, role)
+        self._tags: Mapping[LoopRole, tuple[LoopSettings, str]] = {
+            LoopRole(loop.name, role): (loop, role)
             for loop in settings.loops
             if loop.connection == connector.name
             for role in loop.roles
@@ -67,7 +68,7 @@ class _Probe:
         self._published = [
             loop.name for loop in settings.loops if any(t.connection == connector.name for t in loop.publish)
         ]
-        self._readings: dict[str, Reading] = {}
+        self._readings: dict[LoopRole, Reading] = {}
         self._targets: list[Finding] = []
         self._complete = False
         """Whether every tag has sent a value."""
@@ -130,7 +131,7 @@ class _Probe:
         remark = "cannot be checked without publishing"
         return [Finding("target", name, loop, remarks=(remark,)) for loop in self._published]
 
-    def _tag(self, tag: str, missing: str) -> Finding:
+    def _tag(self, tag: LoopRole, missing: str) -> Finding:
         loop, role = self._tags[tag]
         reading = self._readings.get(tag)
         if reading is None:

@@ -91,7 +91,7 @@ class RollingWindow:
 
     def push(self, sample: Sample, arrival: float) -> LoopWindow | None:
         """Take a sample that arrived at ``arrival`` (monotonic, s); return the window if one is due now."""
-        role = sample.tag.rpartition(".")[2]
+        role = sample.tag.role
         ring = self._rings.get(role)
         if ring is None or not abs(sample.time) <= LAST_TIME:  # nor NaN
             return None
@@ -175,7 +175,7 @@ class RollingWindow:
     def _value(self, sample: Sample) -> float:
         if sample.quality is Quality.BAD:
             return math.nan
-        if sample.tag.endswith(".mode"):
+        if sample.tag.role == "mode":
             means = self._settings.mode_means(sample.value)
             if means is None and len(self._unknown_modes) < MOST_MODES:
                 self._unknown_modes.add(str(sample.value))

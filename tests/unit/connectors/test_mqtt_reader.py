@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from connectors.base import Quality
+from connectors.base import LoopRole, Quality
 from connectors.mqtt.options import MqttTag
 from connectors.mqtt.payload import MalformedPayloadError, seconds
 from connectors.mqtt.reader import TopicReader
@@ -19,12 +19,15 @@ ARRIVAL = 1000.0
 def reader(**fields):
     """A reader of one JSON topic with source times in ``t``; role -> path."""
     return TopicReader(
-        {f"FIC101.{role}": MqttTag(topic="x", field=path, time_field="t") for role, path in fields.items()}
+        {
+            LoopRole("FIC101", role): MqttTag(topic="x", field=path, time_field="t")
+            for role, path in fields.items()
+        }
     )
 
 
 def bare_reader(role="pv"):
-    return TopicReader({f"FIC101.{role}": MqttTag(topic="x")})
+    return TopicReader({LoopRole("FIC101", role): MqttTag(topic="x")})
 
 
 def read(reader, message, *, retained=False):

@@ -5,7 +5,7 @@ import math
 
 from aiomqtt import Message
 
-from connectors.base import Quality
+from connectors.base import LoopRole, Quality
 from connectors.mqtt.client import Inbox
 from connectors.mqtt.connector import MqttConnector, MqttSession
 from connectors.mqtt.options import MqttOptions, MqttTag
@@ -38,9 +38,9 @@ async def test_a_topic_the_broker_refuses_is_reported_and_the_others_go_on():
     tags = {"pv": MqttTag(topic="plant/pv"), "op": MqttTag(topic="secret/op")}
     session = session_of(GrudgingClient(), LoopTags(tags))
     op, pv = [sample async for sample in session.samples()]
-    assert (op.tag, op.quality, op.code) == ("FIC101.op", Quality.BAD, 0x80)
+    assert (op.tag, op.quality, op.code) == (LoopRole("FIC101", "op"), Quality.BAD, 0x80)
     assert math.isnan(op.value)
-    assert (pv.tag, pv.value) == ("FIC101.pv", 1.5)
+    assert (pv.tag, pv.value) == (LoopRole("FIC101", "pv"), 1.5)
 
 
 async def test_a_full_inbox_drops_what_is_new_and_says_so_once(caplog):

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 import pytest
 from asyncua import ua
 
-from connectors.base import Quality
+from connectors.base import LoopRole, Quality
 from connectors.opcua.values import is_waiting, sample, variant
 
 SOURCE = datetime(2023, 11, 14, 22, 13, 20, tzinfo=UTC)
@@ -33,12 +33,12 @@ def test_status_becomes_quality_and_the_code_stays(status, quality):
 
 
 def test_the_servers_time_stands_in_for_the_sources():
-    assert sample("FIC101.pv", value(1.0, ServerTimestamp=SOURCE)).time == 1.7e9
+    assert sample(LoopRole("FIC101", "pv"), value(1.0, ServerTimestamp=SOURCE)).time == 1.7e9
 
 
 @pytest.mark.parametrize(("number", "kind"), [(3, Kind.Int16), (True, Kind.Boolean), (3.0, Kind.Float)])
 def test_every_number_is_a_float(number, kind):
-    got = sample("FIC101.pv", value(number, kind))
+    got = sample(LoopRole("FIC101", "pv"), value(number, kind))
     assert got.value == float(number)
     assert isinstance(got.value, float)
 
@@ -53,13 +53,13 @@ def test_every_number_is_a_float(number, kind):
     ],
 )
 def test_what_is_no_number_is_missing(data):
-    got = sample("FIC101.pv", data)
+    got = sample(LoopRole("FIC101", "pv"), data)
     assert math.isnan(got.value)
     assert got.quality is Quality.BAD
 
 
 def test_a_mode_may_be_text():
-    assert sample("FIC101.mode", value("CAS", Kind.String)).value == "CAS"
+    assert sample(LoopRole("FIC101", "mode"), value("CAS", Kind.String)).value == "CAS"
 
 
 def test_a_node_that_waits_has_no_value_yet():

@@ -1,7 +1,7 @@
 """Loops and samples for the tests of the runtime."""
 
 from agent.settings import AlarmSettings, LoopSettings, WindowSettings
-from connectors.base import Quality, Sample
+from connectors.base import LoopRole, Quality, Sample
 from connectors.options import Options
 
 START = 1.7e9
@@ -22,7 +22,7 @@ def loop_settings(name="FIC101", roles=("pv", "op"), ts=1.0, seconds=40.0, hop=0
 
 
 def sample(role, time, value, quality=Quality.GOOD, loop="FIC101"):
-    return Sample(f"{loop}.{role}", START + time, value, quality)
+    return Sample(LoopRole(loop, role), START + time, value, quality)
 
 
 def push_all(window, samples):

@@ -10,7 +10,7 @@ from agent.runtime.commission import probe as probing
 from agent.runtime.commission.plausibility import Reading, duration, problems, remarks
 from agent.runtime.commission.probe import probe
 from agent.settings import settings_of
-from connectors.base import AccessDeniedError, ConnectionLostError, Quality, Sample, TargetReport
+from connectors.base import AccessDeniedError, ConnectionLostError, LoopRole, Quality, Sample, TargetReport
 from tests.unit.runtime.fake_bus import FakeBus
 
 NOW = 1_700_000_000.0
@@ -24,7 +24,7 @@ def settings(**more):
 
 
 def reading(value, *, role="pv", age=0.0, quality=Quality.GOOD, first=None, **more):
-    sample = Sample.measured(f"F1.{role}", NOW - age, value, quality, **more)
+    sample = Sample.measured(LoopRole("F1", role), NOW - age, value, quality, **more)
     one = Reading(replace(sample, value=value if first is None else first), NOW, sample)
     return (
         one if first is None else Reading(sample, NOW, sample).followed_by(replace(sample, value=first), NOW)
@@ -93,7 +93,7 @@ def of_bus(monkeypatch, bus):
 
 
 def now(role, value, **more):
-    return Sample(f"F1.{role}", time.time(), value, **more)
+    return Sample(LoopRole("F1", role), time.time(), value, **more)
 
 
 async def test_every_tag_and_target_is_reported_and_nothing_is_written(monkeypatch):
