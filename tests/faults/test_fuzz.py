@@ -185,7 +185,7 @@ def test_no_value_of_opc_ua_is_more_than_it_is(_name, often):
             assert math.isfinite(got.time)
             if got.quality is not Quality.BAD:
                 assert status is None or status >> 30 < 2
-                is_text = tag.endswith("mode") and isinstance(value[1], str)
+                is_text = tag.role == "mode" and isinstance(value[1], str)
                 assert isinstance(got.value, str) if is_text else math.isfinite(got.value)
 
     each()

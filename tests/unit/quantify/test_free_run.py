@@ -100,7 +100,7 @@ def test_an_integrating_loop_has_no_time_constant():
     assert found.decision == "stiction"
 
 
-@pytest.mark.parametrize(("order", "kind"), [(1, "fopdt"), (2, "sopdt")])
+@pytest.mark.parametrize(("order", "kind"), [pytest.param(1, "fopdt", marks=pytest.mark.bench), (2, "sopdt")])
 def test_a_given_delay_and_order_are_kept(order, kind):
     _, window = plant("tic302_second_order")
     process = FREE_RUN.quantify(window.with_hints(LoopHints(delay=5, order=order, integrating=False))).process
@@ -109,6 +109,7 @@ def test_a_given_delay_and_order_are_kept(order, kind):
     assert process.kind == kind
 
 
+@pytest.mark.bench  # a search of 6 s
 def test_a_gain_of_the_wrong_sign_is_refused():
     _, window = plant("pic401_direct_stick_slip")
     right, wrong = (FREE_RUN.quantify(window.with_hints(LoopHints(acting=a))) for a in ("direct", "reverse"))

@@ -127,6 +127,7 @@ def test_a_little_less_changes_nothing(asked, monkeypatch):
     assert searched_by_samples(found, window, problem) is found
 
 
+@pytest.mark.bench  # a search of 8 s
 def test_it_finds_the_valve():
     window, right, _ = slow_loop()
     problem, fine = pose(window), pose(window, FINE)

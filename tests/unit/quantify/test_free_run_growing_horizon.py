@@ -112,6 +112,7 @@ def test_those_that_begin_around_others_have_other_stems():
     assert (came.structures == FOPDT).all()
 
 
+@pytest.mark.bench  # a search of 5 s
 def test_nowhere_to_go_is_no_answer(monkeypatch):
     problem, _ = loop_whose_stem_rests_elsewhere_once(0.0)
     monkeypatch.setattr(growing_horizon, "refine", lambda *_: [])
