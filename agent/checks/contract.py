@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from agent.physics.foreign import file_of
 
 
 class ContractError(AssertionError):
@@ -76,14 +77,6 @@ def demand(
         applies: As ``Check.applies``.
     """
     return lambda run: Check(family, sentence, run, applies)
-
-
-def file_of(member: object) -> str:
-    """Return the file of a member's class; its module where it has none."""
-    try:
-        return inspect.getfile(type(member))
-    except (TypeError, OSError):
-        return type(member).__module__
 
 
 @contextmanager

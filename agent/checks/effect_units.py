@@ -44,7 +44,14 @@ def op_in_other_units(effect: Effect) -> None:
         if applies(effect, base):
             gain = OP_FACTOR if base.linear else 1.0
             with where(f"on {base.name}"):
-                _same(LoopModel(base, (effect,)), scaled, OP_FACTOR * OP, OP_POWER, OP_FACTOR, gain)
+                _same(
+                    LoopModel(base, (effect,), unguarded=True),
+                    scaled,
+                    OP_FACTOR * OP,
+                    OP_POWER,
+                    OP_FACTOR,
+                    gain,
+                )
 
 
 @demand("effect", "must give the same in other units of time")
@@ -60,7 +67,7 @@ def time_in_other_units(effect: Effect) -> None:
         if applies(effect, base):
             gain = TIME_FACTOR if base.name == "integrator" else 1.0
             with where(f"on {base.name}"):
-                _same(LoopModel(base, (effect,)), scaled, OP, SECOND_POWER, TIME_FACTOR, gain)
+                _same(LoopModel(base, (effect,), unguarded=True), scaled, OP, SECOND_POWER, TIME_FACTOR, gain)
 
 
 def _same(

@@ -41,7 +41,7 @@ def models_of(effect: Effect) -> Iterator[tuple[str, LoopModel]]:
     found = [base for base in BASES if applies(effect, base)]
     require(found, f"its bases {effect.bases!r} name none of {', '.join(base.name for base in BASES)}")
     for base in found:
-        yield f"on {base.name}", LoopModel(base, (effect,))
+        yield f"on {base.name}", LoopModel(base, (effect,), unguarded=True)
 
 
 def is_removable(effect: Effect) -> bool:

@@ -5,14 +5,18 @@ An effect that cannot be imported or breaks its contract must not stop the work 
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
+from pathlib import Path
 
-from agent.checks.contract import ContractError, file_of
+from agent.checks.contract import ContractError
 from agent.checks.effects import LOADED
 from agent.physics.effect import Effect
 from agent.physics.effects import EFFECTS, ENTRY_POINTS
+from agent.physics.foreign import file_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,11 +29,16 @@ class Usable:
     """A line for each that does not: effect, file, and what its contract demands."""
 
 
-def usable_effects() -> Usable:
-    """Return the effects built in and those of installed packages that pass the checks ``effects.LOADED``."""
+def usable_effects(files: Iterable[str] = ()) -> Usable:
+    """Return the effects built in, of installed packages and of files that pass ``effects.LOADED``.
+
+    Args:
+        files: ``plant_effects.py:SplitRange``, a class in a file. Its folder joins the places from which
+            Python imports, so that the processes that fit find it too.
+    """
     known = {each.name: each for each in EFFECTS}
     left_out = []
-    for entry in entry_points(group=ENTRY_POINTS):
+    for entry in (*entry_points(group=ENTRY_POINTS), *map(_entry_of_file, files)):
         try:
             effect = _loaded(entry)
         except ContractError as error:
@@ -41,6 +50,15 @@ def usable_effects() -> Usable:
             continue
         known[effect.name] = effect
     return Usable(tuple(known.values()), tuple(left_out))
+
+
+def _entry_of_file(file: str) -> EntryPoint:
+    """Return a file and its class as an entry point of an installed package would have them."""
+    path, _, name = file.rpartition(":")
+    folder = str(Path(path).resolve().parent)
+    if folder not in sys.path:
+        sys.path.insert(0, folder)
+    return EntryPoint(name, f"{Path(path).stem}:{name}", ENTRY_POINTS)
 
 
 def _loaded(entry: EntryPoint) -> Effect:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import json
 import sys
-import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,14 +14,14 @@ import typer
 
 from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
-from agent.cli.common.compilation import announce_compilation
 from agent.cli.common.errors import BAD_INPUT, complain
+from agent.cli.comparing.hooks import pool_of_cores, progress_on_terminal
+from agent.cli.comparing.outputs import mapping_of, save_model, write_report
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
     from agent.physics.effect import Effect
     from agent.workbench.comparison import Comparison
-    from agent.workbench.hooks import Map, Progress
     from agent.workbench.session import Workbench
     from connectors.recording import ReadOptions
 
@@ -54,6 +53,12 @@ def compare(
         Names | None,
         typer.Option(metavar="EFFECT", help="Do not try this effect or family; repeatable."),
     ] = None,
+    effect: Annotated[
+        Names | None,
+        typer.Option(
+            metavar="FILE.py:CLASS", help="An effect of your own in a file: docs/howto/own_effect.md."
+        ),
+    ] = None,
     auto: Annotated[bool, typer.Option("--auto", help="Add what is confirmed, until nothing is.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
     report: Annotated[
@@ -61,6 +66,13 @@ def compare(
     ] = None,
     save: Annotated[
         Path | None, typer.Option(metavar="MODEL.yaml", help="Write the last model to this file.")
+    ] = None,
+    guided: Annotated[
+        bool | None,
+        typer.Option(
+            "--guided/--no-guided",
+            help="A conversation, step by step; the default on a terminal where no step is named.",
+        ),
     ] = None,
     time: option.Time = "time",
     op: option.Op = "OP",
@@ -83,13 +95,19 @@ def compare(
 
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
     options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping, modes)
-    effects = _effects()
+    effects = _effects(effect or ())
     _check_names(base, [*(add or ()), *(drop or ())], effects)
     window = _window(recording, options, loop)
     other = None if validate is None else _window(validate, options, loop)
+    if _is_guided(guided, named=bool(load or add or drop or auto or as_json or report or save)):
+        from agent.cli.comparing.guide import Question, guide
+
+        files = tuple(each for each in (recording, validate, mapping) if each is not None)
+        guide(Question(window, base, other, tuple(without or ()), effects, files, repr((options, loop))))
+        return
     with ExitStack() as stack:
-        progress = stack.enter_context(_progress())
-        run = stack.enter_context(_pool())
+        progress = stack.enter_context(progress_on_terminal())
+        run = stack.enter_context(pool_of_cores())
         from agent.workbench.session import Workbench
 
         try:
@@ -104,29 +122,57 @@ def compare(
         except BrokenProcessPool as error:
             complain(f"{recording}: not compared: a process was ended, for want of memory or by somebody")
             raise typer.Exit(BAD_INPUT) from error
-    written = [True]
-    if save is not None:
-        written.append(_save(bench, save))
-    if report is not None:
-        written.append(_report(bench, found, report))
-    if as_json:
-        from agent.report.comparison_json import comparison_json
-
-        text = json.dumps(comparison_json(found, recording.name), allow_nan=False)
-    else:
-        from agent.report.comparison_text import comparison_lines
-
-        text = "\n".join(comparison_lines(found))
-    print(text, flush=True)  # noqa: T201 - this is the command's output
-    if not all(written):
+    done = _deliver(bench, found, save, report)
+    print(_text(found, recording.name if as_json else None), flush=True)  # noqa: T201 - the command's output
+    if not done:
         raise typer.Exit(BAD_INPUT)
 
 
-def _effects() -> tuple[Effect, ...]:
+def _deliver(bench: Workbench, found: Comparison, save: Path | None, report: Path | None) -> bool:
+    """Name the effects that failed in a fit and write the files; return whether they could be written."""
+    for line in () if bench.reason is not None else bench.trials.left_out.values():
+        complain(f"{line}; it is left out")
+    written = [True]
+    if save is not None:
+        written.append(save_model(bench, save))
+    if report is not None:
+        written.append(write_report(bench, found, report))
+    return all(written)
+
+
+def _text(found: Comparison, recording: str | None) -> str:
+    """Return a comparison as JSON where the name of its file is given, else in words."""
+    if recording is None:
+        from agent.report.comparison_text import comparison_lines
+
+        return "\n".join(comparison_lines(found))
+    from agent.report.comparison_json import comparison_json
+
+    return json.dumps(comparison_json(found, recording), allow_nan=False)
+
+
+def _is_guided(guided: bool | None, *, named: bool) -> bool:  # noqa: FBT001 - an option of three values
+    """Return whether to talk: where it was chosen, or on a terminal where no step is ``named``.
+
+    Raises:
+        BadParameter: It was chosen, and steps are named.
+    """
+    if guided and named:
+        raise typer.BadParameter("the conversation takes no steps or files as options", param_hint="--guided")
+    terminal = sys.stdin.isatty() and sys.stdout.isatty()
+    return bool(guided) or (guided is None and not named and terminal)
+
+
+def _effects(files: Iterable[str]) -> tuple[Effect, ...]:
     """Return the effects that may be tried; name each installed one that is left out, and why."""
     from agent.checks.plug_ins import usable_effects
 
-    found = usable_effects()
+    for file in files:
+        path = Path(file.rpartition(":")[0])
+        if path.suffix != ".py" or not path.is_file():
+            words = f"{file}: expected FILE.py:CLASS, of a file that exists"
+            raise typer.BadParameter(words, param_hint="--effect")
+    found = usable_effects(files)
     for line in found.left_out:
         complain(line)
     return found.effects
@@ -154,97 +200,10 @@ def _window(path: Path, options: ReadOptions, loop: str | None) -> LoopWindow:
 def _steps(bench: Workbench, load: Path | None, add: Iterable[str], drop: Iterable[str]) -> None:
     if load is not None:
         try:
-            bench.load(_mapping(load))
+            bench.load(mapping_of(load))
         except ValueError as error:
             raise ValueError(f"{load}: {error}") from error
     for name in add:
         bench.add(name)
     for name in drop:
         bench.drop(name)
-
-
-def _mapping(path: Path) -> object:
-    """Return what a YAML file holds.
-
-    Raises:
-        ValueError: it cannot be read.
-    """
-    import yaml
-
-    try:
-        return yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ValueError(" ".join(str(error).split())) from error
-
-
-def _save(bench: Workbench, path: Path) -> bool:
-    """Write the last model; return whether it could be written."""
-    import yaml
-
-    if bench.reason is not None:
-        complain(f"{path}: not written: the recording is not testable")
-        return True
-    return _write(path, yaml.safe_dump(bench.save(), sort_keys=False))
-
-
-def _report(bench: Workbench, found: Comparison, path: Path) -> bool:
-    """Write the page; return whether it could be written."""
-    from agent.plots.workbench.comparison_figures import comparison_figures
-    from agent.plots.workbench.report import report_html
-
-    return _write(path, report_html(found, comparison_figures(bench, found)))
-
-
-def _write(path: Path, text: str) -> bool:
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        complain(f"{path}: cannot be written: {error.strerror}")
-        return False
-    return True
-
-
-@contextmanager
-def _pool() -> Iterator[Map]:
-    """Yield a map that works on all cores."""
-    from agent.runtime.capabilities import cores, import_before_start
-
-    workers = cores()
-    if workers == 1:
-        announce_compilation(threading.Event())
-        yield map
-        return
-    from agent.runtime.loop.process_pool import CONTEXT, process_pool
-
-    import_before_start(CONTEXT, ["agent.workbench.session"])
-    told = CONTEXT.Event()
-    announce_compilation(told)
-    with process_pool(workers, announce_compilation, told) as pool:
-        yield pool.map
-
-
-@contextmanager
-def _progress() -> Iterator[Progress]:
-    """Name on a terminal's stderr what is being tried."""
-    from agent.workbench.hooks import silent
-
-    if not sys.stderr.isatty():
-        yield silent
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (
-        TextColumn("trying {task.description:24}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, redirect_stdout=False, transient=True) as progress:
-        work = progress.add_task("", total=1)
-
-        def shown(what: str, done: int, of: int, /) -> None:
-            progress.update(work, description=what.replace("_", " "), completed=done, total=of)
-
-        yield shown

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
+
+from agent.physics.foreign import array_of, result_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,6 +36,8 @@ class LoopModel:
 
     base: Base
     effects: tuple[Effect, ...] = ()
+    unguarded: bool = False
+    """What effects of others return is not checked: the checks of their contract look at it themselves."""
 
     def parameters(self, facts: Facts) -> tuple[tuple[str, Parameter], ...]:
         """Return all that is searched with its full name: ``delay`` of the base, ``stiction.s`` of an effect.
@@ -52,7 +57,7 @@ class LoopModel:
             own = len(effect.parameters(facts))
             pairs.append((effect, slice(at, at + own)))
             at += own
-        return Layout(self.base, facts.ts, slice(0, count), tuple(pairs))
+        return Layout(self.base, facts.ts, slice(0, count), tuple(pairs), self.unguarded)
 
     def position(self, op: FloatArray, values: FloatArray, facts: Facts) -> FloatArray:
         """Return the valve position, OP units, (n,), from OP without gaps, (n,)."""
@@ -74,6 +79,8 @@ class Layout:
     """Values of the base."""
     effects: tuple[tuple[Effect, slice], ...]
     """Each with its values."""
+    unguarded: bool = False
+    """As in ``LoopModel``."""
 
     def position(self, op: FloatArray, values: FloatArray) -> FloatArray:
         """Return the valve position, OP units, (n,), from OP without gaps, (n,).
@@ -83,7 +90,8 @@ class Layout:
         position = op
         valve = [pair for pair in self.effects if pair[0].stage == "valve"]
         for effect, own in sorted(valve, key=lambda pair: _place(pair[0])):
-            position = cast("ValveEffect", effect).apply(position, values[own], self.ts)
+            move = partial(cast("ValveEffect", effect).apply, position, values[own], self.ts)
+            position = move() if self.unguarded else array_of(effect, len(op), move)
         return position
 
     def response(self, position: FloatArray, values: FloatArray) -> FloatArray:
@@ -91,12 +99,13 @@ class Layout:
         process = self.base.process(values[self.own])
         for effect, own in self.effects:
             if effect.stage == "process":
-                change = cast("ProcessEffect[object]", effect).change
-                process = change(process, values[own])  # type: ignore[assignment]
+                alter = partial(cast("ProcessEffect[object]", effect).change, process, values[own])
+                process = alter() if self.unguarded else result_of(effect, alter)  # type: ignore[assignment]
         response = process.respond(position, self.ts)
         for effect, own in self.effects:
             if effect.stage == "sensor":
-                response = cast("SensorEffect", effect).apply(response, values[own], self.ts)
+                measure = partial(cast("SensorEffect", effect).apply, response, values[own], self.ts)
+                response = measure() if self.unguarded else array_of(effect, len(position), measure)
         return response
 
     def columns(self, op: FloatArray, values: FloatArray) -> FloatArray:
@@ -115,10 +124,12 @@ class Layout:
         if not disturbances:
             return []
         time = np.asarray(self.ts * np.arange(len(response)), dtype=np.float64)
-        return [
-            (effect, cast("DisturbanceEffect", effect).columns(time, response, values[own]))
-            for effect, own in disturbances
-        ]
+        found = []
+        for effect, own in disturbances:
+            add = partial(cast("DisturbanceEffect", effect).columns, time, response, values[own])
+            columns = add() if self.unguarded else array_of(effect, len(response), add)
+            found.append((effect, columns))
+        return found
 
 
 def _place(effect: Effect) -> int:

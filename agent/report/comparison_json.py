@@ -67,6 +67,7 @@ def _candidate(each: Candidate) -> dict[str, object]:
         "low": _number(each.low),
         "high": _number(each.high),
         "p": _number(each.p),
+        "objection": each.objection,
     }
 
 

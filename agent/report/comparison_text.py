@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from agent.workbench.residual.axis_effects import FAMILIES_ON
 from agent.workbench.residual.state_dependence import LEVEL
 
 if TYPE_CHECKING:
@@ -39,15 +40,23 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
         yield f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g}){bound}"
     yield "where this model fails: share of the residual, p"
     for panel in found.where_it_fails[:PANELS]:
-        yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.3g}"
+        made_by = f"  made by: {causes_words(panel.axis)}" if panel.p < LEVEL else ""
+        yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.3g}{made_by}"
     for line in found.lines[:PANELS]:
         yield f"  a wave of {1 / line.frequency:.4g} s comes from outside: it keeps its own time"
     if found.candidates:
         yield "what would lower the held-out squared error"
     for tried in found.candidates[:CANDIDATES]:
         interval = f"({tried.low:.1f} to {tried.high:.1f})"
-        yield f"  {tried.effect:28}{tried.error_reduction_percent:>9.1f} %  {interval}  p = {tried.p:.3g}"
+        rejected = f"  rejected: {tried.objection}" if tried.surprises else ""
+        percent = f"{tried.error_reduction_percent:>9.1f} %"
+        yield f"  {tried.effect:28}{percent}  {interval}  p = {tried.p:.3g}{rejected}"
     yield f"verdict: {verdict_words(found.verdict, found)}"
+
+
+def causes_words(axis: str) -> str:
+    """Return the families of effects that make a residual follow an axis, in words."""
+    return ", ".join(each.replace("_", " ") for each in FAMILIES_ON[axis])
 
 
 def step_name(step: Step) -> str:
@@ -62,6 +71,8 @@ def step_name(step: Step) -> str:
 def verdict_words(verdict: Verdict, found: Comparison) -> str:
     """Return a verdict on the newest model as a sentence without its stop."""
     others = " or ".join(verdict.indistinguishable)
+    if verdict.kind == "not_testable":
+        return str(found.reason)
     if verdict.kind == "confirmed":
         return f"{verdict.effect} is missing"
     if verdict.kind == "family":
@@ -88,7 +99,8 @@ def _where(verdict: Verdict, found: Comparison) -> str:
     """Return where the newest model fails most clearly."""
     worst = found.where_it_fails[0] if found.where_it_fails else None
     if worst is not None and worst.p < LEVEL:
-        return f"{100 * worst.share:.0f} % of the residual goes with {worst.axis.replace('_', ' ')}"
+        axis = worst.axis.replace("_", " ")
+        return f"the model fails with {axis} (p = {worst.p:.2g}, {100 * worst.share:.0f} % of the residual)"
     if found.lines:
         return f"a wave of {1 / found.lines[0].frequency:.4g} s from outside is left in the residual"
     if verdict.at_bound:

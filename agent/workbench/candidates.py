@@ -11,6 +11,7 @@ from agent.workbench.decision import LEAST_PERCENT, Decision, judge
 from agent.workbench.doubts import Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.likeliest import is_strong, outdone, plain
+from agent.workbench.objections import ANSWERS, BY_CHANCE, NOT_LOWER, UNLIKELY
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.state_dependence import LEVEL as FOLLOWED
 from agent.workbench.residual.state_dependence import resolves, state_dependence
@@ -73,24 +74,28 @@ def judged(
     found = {name: evidence_of(smaller, each, record, len(models)) for name, each in models.items()}
     enough = (1 - LEAST_PERCENT / 100) * smaller.fit.error
     lowers = {name: found[name] for name, each in models.items() if each.fit.error <= enough}
-    null_p = {name: 1.0 for name in models if name not in lowers or not found[name].more}
+    rejected = {name: NOT_LOWER for name in models if name not in lowers}
+    by_chance = {name: each.by_chance for name, each in found.items() if name not in rejected}
+    once = {name for name, each in found.items() if each.once}
+    rejected.update({name: BY_CHANCE for name in once if by_chance.get(name, 0.0) >= 1})
+    rejected.update({name: ANSWERS for name in models if not found[name].more})
     doubts = Doubts(smaller, models, found, null_p_of, both_needed)
     clear: set[str] = set()
     if smaller.predicts is not None:
-        null_p.update(dict.fromkeys(outdone(found), 1.0))
-        clear = {name for name in plain(found) - null_p.keys() if doubts.is_complete(name)}
+        rejected.update(dict.fromkeys(outdone(found), UNLIKELY))
+        clear = {name for name in plain(found) - rejected.keys() if doubts.is_complete(name)}
     judge_by = partial(
         judge,
         smaller.held_out.losses,
         {name: each.held_out.losses for name, each in models.items()},
         {name: each.family for name, each in found.items()},
         at_bound=[name for name, each in models.items() if own_at_bound(each.fit)],
-        by_chance={name: each.by_chance for name, each in lowers.items()},
-        once={name for name, each in found.items() if each.once},
+        by_chance=by_chance,
+        once=once,
         likelier={name: each.criterion for name, each in lowers.items()},
         clear=clear,
     )
-    decision = _undoubted(judge_by, doubts, null_p)
+    decision = _undoubted(judge_by, doubts, rejected)
     if decision.effect is not None and smaller.predicts is not None:
         alike = [found[each] for each in (decision.effect, *decision.indistinguishable)]
         if not is_strong(alike, len(models)):
@@ -98,10 +103,11 @@ def judged(
     return AllTried(decision, models)
 
 
-def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts, null_p: dict[str, float]) -> Decision:
-    """Return the decision that stands when all doubts of its effect and its rivals were asked."""
+def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts, rejected: Mapping[str, str]) -> Decision:
+    """Return the decision that stands after all doubts of its effect and its rivals."""
+    null_p = dict.fromkeys(rejected, 1.0)
     while True:
-        decision = judge_by(null_p=null_p)
+        decision = judge_by(null_p=null_p, objections={**rejected, **doubts.objections})
         effect = decision.effect
         if effect is None:
             return decision

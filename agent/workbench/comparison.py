@@ -15,12 +15,23 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
+class StepEvidence:
+    """What led to a step: what was known of the model before it."""
+
+    where_it_fails: tuple[Failure, ...] = ()
+    candidates: tuple[Candidate, ...] = ()
+    """Empty where not all were tried."""
+
+
+@dataclass(frozen=True, slots=True)
 class Comparison:
     """The staircase, and what is said of its newest model."""
 
     loop: str
     steps: tuple[Step, ...]
-    """Empty where the recording is not testable."""
+    """Empty where no model can be fitted to the recording."""
+    evidence: tuple[StepEvidence, ...]
+    """Of each step; empty for the base and for an effect that was taken out."""
     where_it_fails: tuple[Failure, ...]
     """The largest share first."""
     lines: tuple[Line, ...]
@@ -34,9 +45,11 @@ class Comparison:
     """Smallest reduction of the held-out error that would have been confirmed; None: the held-out
     blocks are too few to confirm any."""
     reason: str | None
-    """In plain words why the recording is not testable."""
+    """In plain words why the recording is not testable, or not informative; None where it is."""
+    unseen: tuple[str, ...]
+    """What this comparison could not have seen, one statement each."""
 
 
 def not_testable(loop: str, reason: str) -> Comparison:
     """Return what there is to say of a recording that shows nothing."""
-    return Comparison(loop, (), (), (), (), Verdict("not_testable"), None, None, reason)
+    return Comparison(loop, (), (), (), (), (), Verdict("not_testable"), None, None, reason, ())

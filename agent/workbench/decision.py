@@ -42,6 +42,13 @@ class Candidate:
     high: float
     p: float
     """That it reduces nothing: adjusted for all candidates, and not below that of the simulated null."""
+    objection: str | None = None
+    """In words what rejects it, however small ``p`` is; None where nothing does."""
+
+    @property
+    def surprises(self) -> bool:
+        """Whether it seems large enough to be confirmed, so that what rejects it must be stated."""
+        return self.objection is not None and _is_large(self.error_reduction_percent, self.low)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +82,7 @@ def judge(
     once: Collection[str] = (),
     likelier: Mapping[str, float] | None = None,
     clear: Collection[str] = (),
+    objections: Mapping[str, str] | None = None,
     rng: np.random.Generator | None = None,
 ) -> Decision:
     """Judge candidates by their held-out errors.
@@ -101,6 +109,7 @@ def judge(
         likelier: How much likelier the record is with a candidate (``Evidence.criterion``).
         clear: Candidates that the innovations tell so plainly that the interval may hold zero: what acts in a
             few strokes leaves it wide.
+        objections: Candidates that something rejects whatever their p, and what; none is confirmed.
         rng: Of the bootstrap; None: always the same draws.
     """
     draws = np.random.default_rng(0) if rng is None else rng
@@ -112,18 +121,19 @@ def judge(
     adjusted.update(dict.fromkeys(once, 1.0))
     for effect, chance in (by_chance or {}).items():
         adjusted[effect] = min(adjusted[effect], chance)
-    ranked = []
+    ranked, rejected, null = [], objections or {}, null_p or {}
     for effect, mine in own.items():
-        found = reduction(base, mine, draws)
-        p_all = max(adjusted[effect], (null_p or {}).get(effect, 0.0))
-        ranked.append(Candidate(effect, families[effect], found.percent, found.low, found.high, p_all))
+        found, objection = reduction(base, mine, draws), rejected.get(effect)
+        p_all = max(adjusted[effect], null.get(effect, 0.0) if objection is None else 0.0)
+        numbers = found.percent, found.low, found.high, p_all
+        ranked.append(Candidate(effect, families[effect], *numbers, objection))
     ranked.sort(key=lambda each: -each.error_reduction_percent)
     large = [
         each
         for each in ranked
         if _is_large(each.error_reduction_percent, np.inf if each.effect in clear else each.low)
     ]
-    confirmed = [each for each in large if each.p < LEVEL]
+    confirmed = [each for each in large if each.p < LEVEL and each.objection is None]
     if confirmed:
         best = confirmed[0]
         least = own[best.effect]

@@ -10,6 +10,7 @@ from agent.workbench.coincidence import LEVEL as COINCIDENT
 from agent.workbench.coincidence import coincidence_p
 from agent.workbench.fit import contributions
 from agent.workbench.likeliest import is_strong, less_likely
+from agent.workbench.objections import OTHER_EVENT, SLOW_NOISE, STANDS_FOR_ANOTHER, UNLIKELY, WAVE
 from agent.workbench.other_event import is_another_gain, is_only_another_level
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.line_spectrum import CERTAIN_PART, line_spectrum
@@ -40,6 +41,8 @@ class Doubts:
     """How likely the effect of a fit seems to explain as much where it is not there."""
     both_needed: Callable[[str, str], bool]
     """Whether the record is far likelier with two of the effects than with either, and they explain it."""
+    objections: dict[str, str] = field(default_factory=dict)
+    """What rejects an effect, in words; ``of`` fills it."""
     _asked: set[str] = field(default_factory=set)
     _told: dict[str, Mapping[str, Dependence]] = field(default_factory=dict)
 
@@ -57,14 +60,12 @@ class Doubts:
         rivals = (effect, *decision.rivals)
         new = [each for each in rivals if each not in self._asked | null_p.keys()]
         self._asked.update(new)
-        doubts = {
-            each: 1.0
-            for each in new
-            if self._stands_for_another(each) or self._stands_for_a_wave(each) or self._is_slow_noise(each)
-        }
+        words = {each: self._objection(each) for each in new}
+        doubts = self._rejected({each: word for each, word in words.items() if word is not None})
         for each in new:
             if self._is_another_event(each):
-                doubts.update(dict.fromkeys((each, *self._outdone_by_event(each)), 1.0))
+                less = dict.fromkeys(self._outdone_by_event(each), UNLIKELY)
+                doubts.update(self._rejected({each: OTHER_EVENT, **less}))
         # Asked before rivals are compared: under a load that wanders the record may be likelier with what did
         # not happen than with what did.
         once = [each for each in new if self.found[each].once and each not in doubts]
@@ -80,7 +81,7 @@ class Doubts:
                 doubts[likeliest] = self.null_p_of(self.models[likeliest].fit)
                 if doubts[likeliest] >= LEVEL:
                     return doubts
-            return doubts | dict.fromkeys(unlikely, 1.0)
+            return doubts | self._rejected(dict.fromkeys(unlikely, UNLIKELY))
         if decision.kind != "suggested" and effect not in null_p.keys() | doubts.keys():
             doubts[effect] = self.null_p_of(self.models[effect].fit)
         return doubts
@@ -88,6 +89,19 @@ class Doubts:
     def is_complete(self, name: str) -> bool:
         """Return whether no axis tells any more that the model fails, with an effect."""
         return self.models[name].predicts is not None and not fails(self._dependence(name))
+
+    def _rejected(self, words: Mapping[str, str]) -> dict[str, float]:
+        """Keep what rejects each effect, and return p of each: 1."""
+        self.objections.update(words)
+        return dict.fromkeys(words, 1.0)
+
+    def _objection(self, name: str) -> str | None:
+        """Return what of the residual rejects an effect; None where nothing does."""
+        if self._stands_for_another(name):
+            return STANDS_FOR_ANOTHER
+        if self._stands_for_a_wave(name):
+            return WAVE
+        return SLOW_NOISE if self._is_slow_noise(name) else None
 
     def _stands_for_another(self, name: str) -> bool:
         """Whether what made the smaller model fail is still there with an effect, and no other explains it.

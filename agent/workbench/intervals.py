@@ -52,6 +52,8 @@ class FittedParameter:
     high: float
     at_bound: bool = False
     """It ran into a bound of the search, and may lie beyond."""
+    of_record: bool = False
+    """It belongs to this record, not to the loop, like the first valve position."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +117,15 @@ def _within(space: Space, best: FloatArray, half: FloatArray) -> tuple[FittedPar
     values, low, high = (space.values(at) for at in (best, best - half[0], best + half[1]))
     stopped = space.at_bound(values)
     return tuple(
-        FittedParameter(name, parameter.unit, float(value), float(lowest), float(highest), name in stopped)
+        FittedParameter(
+            name,
+            parameter.unit,
+            float(value),
+            float(lowest),
+            float(highest),
+            at_bound=name in stopped,
+            of_record=parameter.of_record,
+        )
         for name, parameter, value, lowest, highest in zip(
             space.names, space.parameters, values, low, high, strict=True
         )

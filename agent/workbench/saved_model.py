@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Facts
     from agent.physics.loop_model import LoopModel
-    from agent.workbench.fit import Fit
+    from agent.workbench.intervals import FittedParameter
 
 KIND = "slipjump model"
 
@@ -41,15 +41,14 @@ class SavedModel:
         return np.array([self.values[name] for name in names])
 
 
-def saved(loop: str, fitted: Fit, facts: Facts) -> dict[str, object]:
-    """Return a fitted model as a mapping of plain values."""
-    names = [name for name, _ in fitted.model.parameters(facts)]
+def saved(loop: str, model: LoopModel, parameters: Iterable[FittedParameter]) -> dict[str, object]:
+    """Return a model as a mapping of plain values: those that are printed, inside their intervals."""
     return {
         "kind": KIND,
         "loop": loop,
-        "base": fitted.model.base.name,
-        "effects": [each.name for each in fitted.model.effects],
-        "parameters": dict(zip(names, map(float, fitted.values), strict=True)),
+        "base": model.base.name,
+        "effects": [each.name for each in model.effects],
+        "parameters": {each.name: each.value for each in parameters},
     }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from agent.physics.effect import SpottedEffect
 from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.physics.foreign import EffectError
 from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
 from agent.workbench.instant_order import largest_first
@@ -69,6 +70,22 @@ def screened(trial: Trial) -> Screen:
     """Scan the values of the effect; it tells which effects to try first, and where each should begin."""
     points, error = nested_scan(trial.smaller, _larger(trial), trial.record, _starts(trial))
     return Screen(points, error)
+
+
+def screened_or_failed(trial: Trial) -> Screen | EffectError:
+    """Return ``screened``, or how an effect that others wrote failed: it costs its own trial only."""
+    try:
+        return screened(trial)
+    except EffectError as error:
+        return error
+
+
+def tried_or_failed(trial: Trial) -> Tried | EffectError:
+    """Return ``tried``, or how an effect that others wrote failed."""
+    try:
+        return tried(trial)
+    except EffectError as error:
+        return error
 
 
 def tried(trial: Trial) -> Tried:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.physics.foreign import EffectError
 from agent.workbench.candidates import AllTried, judged
 from agent.workbench.decision import judge
 from agent.workbench.event_scan import instant_p, instants_seen
@@ -19,7 +20,7 @@ from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
 from agent.workbench.prediction_search import with_valve_anew
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.simulated_null import simulated_null_p
-from agent.workbench.trial import Trial, Tried, predicted, screened, tried
+from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
 from agent.workbench.valve_starts import ValveStart, valve_starts
 
 if TYPE_CHECKING:
@@ -46,6 +47,8 @@ class Trials:
     run: Map
     """Tries effects, perhaps in parallel."""
     progress: Progress
+    left_out: dict[str, str] = field(default_factory=dict)
+    """Effects that others wrote and that failed in a fit -> how, with file and contract."""
     _valves: tuple[ValveStart, ...] | None = None
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
 
@@ -140,7 +143,8 @@ class Trials:
         return instants_seen(*smaller.predicts, effect)
 
     def _tried(self, smaller: Step, effects: Sequence[Effect]) -> dict[str, Tried]:
-        """Try effects, the most promising first."""
+        """Try effects, the most promising first; one that fails is left out from then on."""
+        effects = [each for each in effects if each.name not in self.left_out]
         if self._valves is None and any(isinstance(each, HysteresisEffect) for each in effects):
             self.progress("sticking valves", 0, len(effects))
             self._valves = valve_starts(self.window)
@@ -148,10 +152,24 @@ class Trials:
         trials = [
             replace(self._trial(smaller, each), instants=self._instants(smaller, each)) for each in effects
         ]
-        ordered = sorted(zip(self.run(screened, trials), trials, strict=True), key=lambda pair: pair[0].error)
-        names = [each.effect.name for _, each in ordered]
+        looks = []
+        for trial, look in zip(trials, self.run(screened_or_failed, trials), strict=True):
+            if isinstance(look, EffectError):
+                self.left_out[trial.effect.name] = str(look)
+            else:
+                looks.append(replace(trial, screen=look))
+        looks.sort(key=_seen_error)
+        names = [each.effect.name for each in looks]
         models = {}
-        for done, found in enumerate(self.run(tried, [replace(t, screen=s) for s, t in ordered])):
-            models[names[done]] = found
+        for done, found in enumerate(self.run(tried_or_failed, looks)):
+            if isinstance(found, EffectError):
+                self.left_out[names[done]] = str(found)
+            else:
+                models[names[done]] = found
             self.progress(names[min(done + 1, len(names) - 1)], done + 1, len(names))
-        return {each.name: models[each.name] for each in effects}
+        return {each.name: models[each.name] for each in effects if each.name in models}
+
+
+def _seen_error(trial: Trial) -> float:
+    """Return the error of a trial's quick look."""
+    return np.inf if trial.screen is None else trial.screen.error

@@ -34,6 +34,7 @@ def executed(page, recordings, folder, *, long):
     programs = folder / ".bin"
     programs.mkdir()
     environment = os.environ | {"SLIPJUMP_DATA": str(recordings), "PYTHONPATH": str(ROOT), "COLUMNS": "200"}
+    environment["SLIPJUMP_SESSIONS"] = str(programs / "sessions")
     environment["PATH"] = f"{shim(programs)}:{environment['PATH']}"
     wrong = [
         each for block in RUNNABLE[page] if long or not block.long for each in run(block, folder, environment)

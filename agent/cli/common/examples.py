@@ -11,6 +11,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
         "slipjump diagnose export.csv --loop FIC101 --delay 17s  (one loop of many, its dead time known)",
     ),
     "compare": (
+        "slipjump compare FIC101.csv  (on a terminal: a conversation, step by step; the session is kept)",
         "slipjump compare FIC101.csv --auto  (add the effects that the record confirms)",
         "slipjump compare FIC101.csv --add deadband --report FIC101.html  (one effect, and a page)",
     ),

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Mapping
 from html import escape
 from io import BytesIO
 from typing import TYPE_CHECKING
 
-from agent.report.comparison_text import step_name, verdict_words
+from agent.report.comparison_text import CANDIDATES, causes_words, step_name, verdict_words
+from agent.report.headline import capital, headline
+from agent.workbench.residual.state_dependence import LEVEL
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Sequence
 
     from matplotlib.figure import Figure
 
-    from agent.workbench.comparison import Comparison
+    from agent.workbench.comparison import Comparison, StepEvidence
+    from agent.workbench.step import Step, VerdictKind
 
 DPI = 110
 CAPTIONS = {
@@ -43,6 +47,15 @@ CAPTIONS = {
     ),
 }
 """What each picture shows, under its name of ``comparison_figures``."""
+KINDS: Mapping[VerdictKind, str] = {
+    "confirmed": "the record confirms it",
+    "family": "the record confirms its family",
+    "suggested": "the record suggests it, no more",
+    "none_of_the_known": "the record does not confirm it",
+    "no_failure_visible": "the record does not confirm it",
+    "not_testable": "the record cannot show it",
+}
+"""What led to a step, in words."""
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #22303f; max-width: 1080px; margin: 2em auto; }
 img { width: 100%; height: auto; }
@@ -57,26 +70,27 @@ th:first-child, td:first-child { text-align: left; }
 
 
 def report_html(found: Comparison, figures: Mapping[str, Figure]) -> str:
-    """Return the page.
+    """Return the page: what was found first, each step with its evidence, and what could not have been seen.
 
     Args:
         found: What the session found.
         figures: Pictures by their names in ``comparison_figures``; others are shown without a caption.
     """
     title = escape(f"{found.loop}: what is missing in the model")
-    parts = [f"<h1>{title}</h1>"]
+    parts = [f"<h1>{title}</h1>", f'<p class="verdict">{escape(capital(headline(found)))}.</p>']
     if found.steps:
         parts += _text(found)
-    else:
-        parts.append(f'<p class="verdict">Not testable: {escape(found.reason or "")}</p>')
     parts += [_picture(name, figure) for name, figure in figures.items()]
+    if found.unseen:
+        parts.append("<h2>What could not have been seen</h2>")
+        parts.append("<ul>" + "".join(f"<li>{escape(each)}</li>" for each in found.unseen) + "</ul>")
     head = f'<meta charset="utf-8"><title>{title}</title><style>{STYLE}</style>'
     body = "\n".join(parts)
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{body}\n</body></html>\n'
 
 
 def _text(found: Comparison) -> Iterable[str]:
-    yield f'<p class="verdict">Verdict: {escape(verdict_words(found.verdict, found))}.</p>'
+    yield f"<p>The last model: {escape(verdict_words(found.verdict, found))}.</p>"
     yield "<h2>How far the error falls</h2>"
     steps = [
         (
@@ -92,12 +106,48 @@ def _text(found: Comparison) -> Iterable[str]:
     if found.noise_floor is not None:
         low, high = _number(found.noise_floor.low), _number(found.noise_floor.high)
         yield f"<p>RMSE is in PV units. No model can reach less than between {low} and {high}.</p>"
+    for number, (step, evidence) in enumerate(zip(found.steps, found.evidence, strict=True)):
+        if number:
+            yield f"<h2>Step {number}: {escape(step_name(step))}</h2>"
+            yield from _step(step, evidence)
     yield "<h2>Parameters of the last model</h2>"
     rows = [
         (each.name, _number(each.value), f"{_number(each.low)} to {_number(each.high)}", each.unit)
         for each in found.steps[-1].parameters
     ]
     yield _table(("parameter", "value", "90 % interval", "unit"), rows)
+
+
+def _step(step: Step, evidence: StepEvidence) -> Iterable[str]:
+    """Yield what led to a step."""
+    if step.dropped is not None:
+        yield f"<p>{escape(step.dropped)} was taken out and everything fitted again.</p>"
+        return
+    failing = [each for each in evidence.where_it_fails if each.p < LEVEL]
+    if failing:
+        worst = failing[0]
+        axis, share = escape(worst.axis.replace("_", " ")), f"{100 * worst.share:.0f}"
+        causes = escape(causes_words(worst.axis))
+        yield (
+            f"<p>The model before failed with {axis}: {share} % of the residual, p = {worst.p:.2g}. "
+            f"Such a pattern is made by: {causes}.</p>"
+        )
+    rows = [
+        (
+            each.effect,
+            f"{each.error_reduction_percent:.1f}",
+            f"{each.low:.1f} to {each.high:.1f}",
+            f"{each.p:.2g}",
+            each.objection or "" if each.surprises else "",
+        )
+        for each in evidence.candidates[:CANDIDATES]
+    ]
+    if rows:
+        yield _table(("tried", "held-out squared error lower by, %", "90 %", "p", "rejected since"), rows)
+    if step.verdict is not None:
+        others = " or ".join(step.verdict.indistinguishable)
+        beside = f"; this record cannot distinguish it from {others}" if others else ""
+        yield f"<p>{escape(str(step.added))}: {KINDS[step.verdict.kind]}{escape(beside)}.</p>"
 
 
 def _number(value: float | None) -> str:

@@ -29,6 +29,8 @@ UNITS = {
     "set_point": "PV",
 }
 """Of each axis."""
+OF_TIME = frozenset({"time", "time_of_day"})
+"""Axes that do not depend on OP."""
 LEAST_PART_OF_SPAN = 0.01
 """Part of OP's span that a reversal must exceed as well as the noise, which a coarse resolution may hide."""
 RATE_PART = 0.05

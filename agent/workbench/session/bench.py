@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from agent.physics.effects import effects as known_effects
@@ -64,6 +65,8 @@ class Bench:
         self.reason: str | None = None
         """In plain words why the recording is not testable; None where it is."""
         self._steps: list[Step] = []
+        self._made: dict[tuple[object, ...], Step] = {}
+        self._failures: dict[tuple[object, ...], tuple[Failure, ...]] = {}
         self._trials: Trials | None = None
         self._validation = None if validate is None else other_record(validate, self.base)
         found = opened(window, self.base, run, progress)
@@ -72,6 +75,11 @@ class Bench:
             return
         self._trials, base_alone = found
         self.take(base_alone)
+
+    def use_hooks(self, run: Map, progress: Progress) -> None:
+        """Work and report by other hooks from now on; what was tried is shared."""
+        if self._trials is not None:
+            self._trials = replace(self._trials, run=run, progress=progress)
 
     @property
     def trials(self) -> Trials:
@@ -116,7 +124,14 @@ class Bench:
 
     def where_it_fails(self) -> tuple[Failure, ...]:
         """Return the residual of the newest model against each physical axis, the largest share first."""
-        return views.failures(self.step, self.trials)
+        return self.failures_of(self.step)
+
+    def failures_of(self, step: Step) -> tuple[Failure, ...]:
+        """Return the same of any step of this session; it is computed once."""
+        key = step.effects, step.rmse_fit
+        if key not in self._failures:
+            self._failures[key] = views.failures(step, self.trials)
+        return self._failures[key]
 
     def lines(self) -> LineSpectrum | None:
         """Return the spectrum of the residual of the newest model, with its lines; None where it has none."""
@@ -147,11 +162,17 @@ class Bench:
             ValueError: No such effect; it is in the model, or does not apply to the base.
         """
         effect = self.addable(name)
+        again = self._made.get(self._path(name, None))
+        if again is not None:
+            self._steps.append(again)
+            return again
         found = self.trials.known(self.step)
         if found is None or name not in found.models:
             model = self.step.fit.model
             family = [each for each in missing(model, self.library) if each.family == effect.family]
             found = self.trials.judged_on(self.step, family if effect in family else [*family, effect])
+        if name in self.trials.left_out:
+            raise ValueError(self.trials.left_out[name])
         verdict = verdict_of(self.step, found, self.where_it_fails(), self.lines(), self.record.facts)
         larger = self.trials.with_valve_anew(found.models[name])
         return self.take(larger, naming(verdict, name), added=name)
@@ -179,6 +200,10 @@ class Bench:
             raise ValueError(
                 f"the model has no {name}; it has {', '.join(self.step.effects) or 'no effects'}"
             )
+        again = self._made.get(self._path(None, name))
+        if again is not None:
+            self._steps.append(again)
+            return again
         return self.take(self.trials.without(self.step.fit, name), dropped=name)
 
     def undo(self) -> Step:
@@ -202,8 +227,13 @@ class Bench:
     ) -> Step:
         """Make a model that was tried the newest step, and return it."""
         step = step_of(found, self.record, self._validation, verdict, added=added, dropped=dropped)
+        self._made[self._path(added, dropped)] = step
         self._steps.append(step)
         return step
+
+    def _path(self, added: str | None, dropped: str | None) -> tuple[object, ...]:
+        """Return the way from the base to a next step: who goes it again gets the same step, not refitted."""
+        return (*((each.added, each.dropped) for each in self._steps), (added, dropped))
 
     def save(self) -> dict[str, object]:
         """Return the newest model as a mapping of plain values, for YAML or JSON.
@@ -211,4 +241,4 @@ class Bench:
         Raises:
             ValueError: The recording is not testable.
         """
-        return saved(self.window.loop, self.step.fit, self.record.facts)
+        return saved(self.window.loop, self.step.fit.model, self.step.parameters)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from agent.workbench.candidates import verdict_of
-from agent.workbench.comparison import Comparison, not_testable
+from agent.workbench.comparison import Comparison, StepEvidence, not_testable
+from agent.workbench.explained import explained_by_op, is_informative, not_informative_words
 from agent.workbench.residual.power import smallest_reduction
+from agent.workbench.session.unseen import unseen
 from agent.workbench.session.views import floor
+from agent.workbench.step import Verdict
 
 if TYPE_CHECKING:
     from agent.workbench.session.bench import Bench
@@ -27,14 +31,34 @@ def compared(bench: Bench) -> Comparison:
     if candidates:
         best = tried.models[candidates[0].effect].held_out.losses
         smallest = smallest_reduction(losses, best, len(candidates), rng)
+    verdict = verdict_of(bench.step, tried, fails, spectrum, bench.record.facts)
+    explained, reason = explained_by_op(bench.step, bench.trials), None
+    waves = spectrum is not None and bool(spectrum.certain)
+    if verdict.effect is None and not waves and not is_informative(explained, fails):
+        verdict, reason = Verdict("not_testable"), not_informative_words(explained)
     return Comparison(
         loop=bench.window.loop,
         steps=bench.staircase(),
+        evidence=_evidence(bench),
         where_it_fails=fails,
         lines=() if spectrum is None else spectrum.from_outside,
         candidates=candidates,
-        verdict=verdict_of(bench.step, tried, fails, spectrum, bench.record.facts),
+        verdict=verdict,
         noise_floor=floor(bench.step, bench.trials, rng),
         smallest_percent=smallest,
-        reason=None,
+        reason=reason,
+        unseen=unseen(bench, smallest),
     )
+
+
+def _evidence(bench: Bench) -> tuple[StepEvidence, ...]:
+    """Return for each step what was known of the model before it."""
+    found = [StepEvidence()]
+    for before, step in pairwise(bench.staircase()):
+        known = bench.trials.known(before)
+        if step.added is None:
+            found.append(StepEvidence())
+        else:
+            tried = () if known is None else known.decision.candidates
+            found.append(StepEvidence(bench.failures_of(before), tried))
+    return tuple(found)

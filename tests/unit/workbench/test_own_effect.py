@@ -10,11 +10,13 @@ from importlib.metadata import EntryPoint
 
 import numpy as np
 import pytest
+from loops import slack
 
 from agent.checks import checks_of, plug_ins
 from agent.cli import main
 from agent.physics import effects as registry
 from agent.physics.effects import EFFECTS, effects
+from agent.workbench.session import Workbench
 from tests.conftest import ROOT
 
 PAGE = (ROOT / "docs" / "howto" / "own_effect.md").read_text(encoding="utf-8")
@@ -175,6 +177,68 @@ def test_compare_names_what_it_leaves_out_and_does_not_know_it(offers, capsys, t
     assert "effect split_range" in left_out
     assert "left out" in left_out
     assert "no effect 'split_range'" in unknown
+
+
+NAN_IN_A_FIT = OWN.replace(
+    "at, ratio = values\n",
+    "at, ratio = values\n        if len(position) == 800:\n            return position * np.nan\n",
+)
+RAISES_IN_A_FIT = NAN_IN_A_FIT.replace("return position * np.nan", "raise ZeroDivisionError('of mine')")
+SHORT_IN_A_FIT = NAN_IN_A_FIT.replace("return position * np.nan", "return position[1:]")
+
+
+@pytest.mark.parametrize(
+    ("text", "demanded"),
+    [
+        (NAN_IN_A_FIT, "must return finite numbers within all its bounds"),
+        (RAISES_IN_A_FIT, "must not raise; it raised ZeroDivisionError: of mine"),
+        (SHORT_IN_A_FIT, "must return 800 samples; it returned (799,)"),
+    ],
+    ids=["nan", "raises", "short"],
+)
+def test_an_effect_that_fails_in_the_middle_of_a_fit_is_left_out_in_one_line(tmp_path, text, demanded):
+    name = f"own_{demanded.split()[1]}_{len(text)}"
+    (tmp_path / f"{name}.py").write_text(text, encoding="utf-8")
+    found = plug_ins.usable_effects([f"{tmp_path / name}.py:Own"])
+    assert found.left_out == ()
+    few = [each.name for each in EFFECTS if each.name != "deadband"]
+    bench = Workbench(slack(), without=few, effects=found.effects)
+    assert [each.effect for each in bench.candidates().candidates] == ["deadband"]
+    (line,) = bench.trials.left_out.values()
+    assert line.startswith(f"effect split_range ({tmp_path / name}.py) ")
+    assert demanded in line
+    assert any("it was left out" in each for each in bench.comparison().unseen)
+    with pytest.raises(ValueError, match="effect split_range"):
+        bench.add("split_range")
+
+
+@pytest.mark.bench
+def test_the_conversation_of_the_page_finds_the_effect_in_its_file(written):
+    scenario = ROOT / "config" / "scenarios" / "workbench" / "wb104.yaml"
+    code = "from agent.cli import main; main()"
+    run(written, "-c", code, "simulate", str(scenario), "-o", "WB104.csv")
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            code,
+            "compare",
+            "WB104.csv",
+            "--guided",
+            "--effect",
+            "plant_effects.py:SplitRange",
+        ],
+        input="add split_range\nquit\n",
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=written,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "SLIPJUMP_SESSIONS": str(written / "sessions")},
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "+ split_range" in done.stdout
+    assert "found: split range at " in done.stdout
 
 
 @pytest.mark.parametrize("check", checks_of("effects"), ids=lambda check: check.name)

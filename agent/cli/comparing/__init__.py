@@ -1,0 +1,1 @@
+"""COMPARE: what the command shares with its conversation on a terminal, whose session is kept and resumed."""
