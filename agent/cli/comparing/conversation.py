@@ -157,7 +157,7 @@ class Conversation:
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class Word:
     """What a word does."""
 
     example: str
@@ -165,19 +165,17 @@ class Command:
     act: Callable[[Conversation, str], None]
 
 
-COMMANDS: Mapping[str, Command] = {
-    "add": Command("add stiction", "adds an effect by its name and fits everything again", Conversation.add),
-    "drop": Command("drop stiction", "takes an effect out of the model", Conversation.drop),
-    "undo": Command(
-        "undo", "goes back one step; the step is kept and costs nothing again", Conversation.undo
-    ),
-    "auto": Command("auto", "adds what is confirmed until nothing more is", Conversation.auto),
-    "where": Command("where op_level", "shows the residual against another axis", Conversation.where),
-    "show": Command("show", "shows the newest model again", Conversation.show),
-    "report": Command("report FIC101.html", "writes a page with all steps and pictures", Conversation.report),
-    "save": Command("save FIC101.yaml", "writes the model, for compare --load", Conversation.save),
-    "help": Command("help", "lists the commands, as ? does", Conversation.help),
-    "?": Command("?", "lists the commands", Conversation.help),
+COMMANDS: Mapping[str, Word] = {
+    "add": Word("add stiction", "adds an effect by its name and fits everything again", Conversation.add),
+    "drop": Word("drop stiction", "takes an effect out of the model", Conversation.drop),
+    "undo": Word("undo", "goes back one step; the step is kept and costs nothing again", Conversation.undo),
+    "auto": Word("auto", "adds what is confirmed until nothing more is", Conversation.auto),
+    "where": Word("where op_level", "shows the residual against another axis", Conversation.where),
+    "show": Word("show", "shows the newest model again", Conversation.show),
+    "report": Word("report FIC101.html", "writes a page with all steps and pictures", Conversation.report),
+    "save": Word("save FIC101.yaml", "writes the model, for compare --load", Conversation.save),
+    "help": Word("help", "lists the commands, as ? does", Conversation.help),
+    "?": Word("?", "lists the commands", Conversation.help),
 }
 
 
