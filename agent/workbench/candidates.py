@@ -8,10 +8,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from agent.workbench.decision import LEAST_PERCENT, Decision, judge
-from agent.workbench.doubts import Doubts
+from agent.workbench.doubts import ANSWERS, BY_CHANCE, NOT_LOWER, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.likeliest import is_strong, outdone, plain
-from agent.workbench.objections import ANSWERS, BY_CHANCE, NOT_LOWER, UNLIKELY
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.state_dependence import LEVEL as FOLLOWED
 from agent.workbench.residual.state_dependence import resolves, state_dependence

@@ -10,7 +10,6 @@ from agent.workbench.coincidence import LEVEL as COINCIDENT
 from agent.workbench.coincidence import coincidence_p
 from agent.workbench.fit import contributions
 from agent.workbench.likeliest import is_strong, less_likely
-from agent.workbench.objections import OTHER_EVENT, SLOW_NOISE, STANDS_FOR_ANOTHER, UNLIKELY, WAVE
 from agent.workbench.other_event import is_another_gain, is_only_another_level
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.line_spectrum import CERTAIN_PART, line_spectrum
@@ -27,6 +26,17 @@ if TYPE_CHECKING:
     from agent.workbench.residual.state_dependence import Dependence
     from agent.workbench.step import Step
     from agent.workbench.trial import Tried
+
+
+NOT_LOWER = "it does not lower the error where it was fitted"
+ANSWERS = "the innovations do not fall: it repeats what the controller does"
+UNLIKELY = "the record is far more likely with another effect"
+STANDS_FOR_ANOTHER = "with it the model still fails as before: it stands for another cause"
+WAVE = "it leaves a wave from outside that is most of the residual"
+SLOW_NOISE = "slow noise makes such a wave as well"
+BY_CHANCE = "the innovations show no such event: one as large appears by chance"
+OTHER_EVENT = "what happened was of another kind"
+"""What rejects an effect although it lowers the held-out error, in words for the user."""
 
 
 @dataclass(slots=True)

@@ -9,8 +9,8 @@ import numpy as np
 
 from agent.workbench.candidates import verdict_of
 from agent.workbench.comparison import Comparison, StepEvidence, not_testable
-from agent.workbench.explained import explained_by_op, is_informative, not_informative_words
 from agent.workbench.residual.power import smallest_reduction
+from agent.workbench.session.explained import explained_by_op, is_informative, not_informative_words
 from agent.workbench.session.unseen import unseen
 from agent.workbench.session.views import floor
 from agent.workbench.step import Verdict
