@@ -173,6 +173,11 @@ class Quantification:
     sticking: SimulatedModel | None = None
     """The model that sticks where the chosen one does not, for a verdict that others decide."""
 
+    @property
+    def s(self) -> IntervalEstimate | None:
+        """Return S, OP units; None where nothing was estimated."""
+        return None if self.stiction is None else self.stiction.s
+
 
 @dataclass(frozen=True, slots=True)
 class MethodResult:

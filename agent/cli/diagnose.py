@@ -3,11 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -16,20 +11,18 @@ import typer
 
 from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
-from agent.cli.common.answer import Answer, Task
-from agent.cli.common.compilation import announce_compilation
+from agent.cli.common.answer import Task
 from agent.cli.common.delay import delay_of
 from agent.cli.common.errors import BAD_INPUT, complain
 from agent.cli.common.one_valve import together, valves
-from agent.cli.common.pictures import draw, picture_files
+from agent.cli.common.pictures import picture_files
+from agent.cli.diagnosing.fleet import Fleet
+from agent.cli.diagnosing.work import answers, progress_of
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.quantify import Quantifier
     from connectors.recording import ReadOptions
-
-
-DIED = "not diagnosed: its process was ended, for want of memory or by somebody"
 
 
 class Acting(StrEnum):
@@ -85,6 +78,14 @@ def diagnose(
             "explain the record; NAME-profile.png, S against delay and J, where they are estimated.",
         ),
     ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Write all valves to FILE.html, FILE.pdf or FILE.csv: the most urgent first, with small "
+            "pictures, why and what to do next, and the quality of the records.",
+        ),
+    ] = None,
     time: option.Time = "time",
     op: option.Op = "OP",
     pv: option.Pv = "PV",
@@ -122,19 +123,36 @@ def diagnose(
     entries = [each for path in option.in_folders(recordings) for each in _loops(path, options, loop)]
     names = [path if name is None else path.with_name(f"{name}.csv") for path, name in entries]
     valve = valves(names, each=each, one_valve=one_valve)
+    fleet = Fleet(names, valve, report)
     pictures = picture_files(names, plot)
     tasks = [
-        Task(path, columns, hints, method, picture, options, name, known, shared=valve.count(of) > 1)
+        Task(
+            path,
+            columns,
+            hints,
+            method,
+            picture,
+            options,
+            name,
+            known,
+            shared=valve.count(of) > 1,
+            small_picture=report is not None,
+        )
         for (path, name), picture, of in zip(entries, pictures, valve, strict=True)
     ]
     failed = False
-    with _progress(len(tasks)) as advance:
-        for answer in together(_answers(tasks, advance), valve):
+    with progress_of(len(tasks)) as advance:
+        for place, answer in enumerate(together(answers(tasks, advance), valve)):
             failed |= bool(answer.faults)
             for fault in answer.faults:
                 complain(fault)
             if answer.diagnosis is not None:
                 _say(answer.diagnosis, answer.task.path, as_json=as_json)
+                fleet.add(place, answer)
+    if not as_json:
+        for line in fleet.table():
+            print(line, flush=True)  # noqa: T201 - this is the command's output
+    failed |= not fleet.write()
     if failed:
         raise typer.Exit(BAD_INPUT)
 
@@ -153,25 +171,6 @@ def _loops(path: Path, options: ReadOptions, loop: str | None) -> list[tuple[Pat
     return [(path, None)] if len(names) == 1 else [(path, name) for name in names]
 
 
-def work_out(task: Task) -> Answer:
-    """Read, diagnose and draw one recording; runs in a process of the pool."""
-    from agent.analysis.diagnose import diagnose as judge
-    from connectors.base import ConfigError
-    from connectors.recording import read_recording
-
-    try:
-        window = option.window_of(
-            read_recording(task.path, task.columns, task.options, task.loop), task.hints
-        )
-    except ConfigError as error:
-        return Answer(task, None, tuple(error.faults))
-    if task.delay is not None:
-        window = window.with_hints(replace(task.hints, delay=task.delay.at(window.ts)))
-    diagnosis = judge(window, quantifier=task.quantifier)
-    faults = () if task.picture is None else draw(window, diagnosis, task.picture)
-    return Answer(task, diagnosis, faults, window if task.shared else None)
-
-
 def _method(name: str) -> Quantifier:
     from agent.analysis.quantify import quantifier
 
@@ -185,55 +184,6 @@ def _shares_evidence(quantifier: Quantifier) -> bool:
     from agent.analysis.diagnose import DEFAULT_QUANTIFIER
 
     return quantifier.name == DEFAULT_QUANTIFIER
-
-
-def _answers(tasks: Sequence[Task], advance: Callable[[], None]) -> Iterator[Answer]:
-    """Yield the answers in the order of the tasks, worked out on all cores; call ``advance`` at each."""
-    for answer in _worked_out(tasks):
-        advance()
-        yield answer
-
-
-def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
-    from agent.runtime.capabilities import cores, import_before_start
-
-    workers = min(len(tasks), cores())
-    if workers == 1:
-        announce_compilation(threading.Event())
-        yield from map(work_out, tasks)
-        return
-    from agent.runtime.loop.process_pool import CONTEXT, results_of
-
-    import_before_start(CONTEXT, ["agent.analysis.diagnose"])
-    announced = CONTEXT.Event()
-    found = results_of(work_out, tasks, workers, announce_compilation, announced)
-    for task, answer in zip(tasks, found, strict=True):
-        yield Answer(task, None, (f"{task.path}: {DIED}",)) if answer is None else answer
-
-
-@contextmanager
-def _progress(total: int) -> Iterator[Callable[[], None]]:
-    """Show on a terminal's stderr that something is done; many results on a terminal show it themselves."""
-    if not sys.stderr.isatty() or (total > 1 and sys.stdout.isatty()):
-        yield lambda: None
-        return
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        SpinnerColumn,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    many = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    columns = (TextColumn("diagnosing"), *(many if total > 1 else (SpinnerColumn(), TimeElapsedColumn())))
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, redirect_stdout=False, transient=total == 1) as progress:
-        work = progress.add_task("", total=total)
-        yield lambda: progress.advance(work) if total > 1 else progress.stop()
 
 
 def _say(diagnosis: Diagnosis, path: Path, *, as_json: bool) -> None:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from agent.analysis.quantify.valves.error_map import ALIKE
 from agent.plots.axes import MODEL, tidy
+from agent.report.numbers import band_words
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
@@ -49,7 +50,9 @@ def contour_figure(loop: str, errors: ErrorMap, found: Quantification | None = N
     panels[0].set_ylabel("f_S (OP units)")
     label = "squared error of lee2008 over the least"
     figure.colorbar(COLOURS, ax=panels, ticks=LEVELS, format="%g", label=label)
-    figure.suptitle(f"{loop}: {_words(errors)}", x=0.01, ha="left", fontsize=11)
+    figure.suptitle(
+        f"{loop}: {_words(errors, None if found is None else found.stiction)}", x=0.01, ha="left", fontsize=11
+    )
     return figure
 
 
@@ -87,7 +90,10 @@ def _draw_estimate(axes: Axes, quantifier: str, found: StictionEstimate) -> None
     axes.fill(*outline, fill=False, edgecolor=MODEL, linewidth=1.4, label="90 % intervals of S and J")
 
 
-def _words(errors: ErrorMap) -> str:
+def _words(errors: ErrorMap, found: StictionEstimate | None) -> str:
+    """Return the title: the estimate, where there is one, in the numbers of the text; else the map's best."""
+    if found is not None:
+        return f"{band_words('S', found.s)}, {band_words('J', found.j)} OP units, on the map of lee2008"
     kind, bands = errors.best
     layer = errors.kinds.index(kind)
     count, ends = len(errors.basins(layer)), [f"{s:.3g}" for s in errors.s_of_basins(layer)]

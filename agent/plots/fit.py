@@ -8,8 +8,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from agent.analysis.record.interesting_stretch import interesting_stretch
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
 from agent.plots.time_units import time_of
+from agent.report.numbers import band_words, percent_words
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
@@ -29,24 +31,32 @@ def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
     pv_axes = figure.add_subplot(grid[0, 0])
     op_axes = figure.add_subplot(grid[1, 0], sharex=pv_axes)
     plane = figure.add_subplot(grid[:, 1])
+    period = None if diagnosis.oscillation is None else diagnosis.oscillation.period
+    shown = interesting_stretch(window, period)
     time, unit = time_of(len(window), window.ts)
+    time = time[shown]
     found = diagnosis.quantification
-    model_pv = None if found is None else found.model_pv
+    model_pv = None if found is None or found.model_pv is None else found.model_pv[shown]
     valve = None if found is None else _valve(window, found)
+    op, pv = window.op[shown], window.pv[shown]
 
     if window.sp is not None:
-        pv_axes.plot(time, window.sp, color=SET_POINT, linewidth=1.0, label="SP")
-    pv_axes.plot(time, window.pv, color=MEASURED, linewidth=1.1, label="PV measured")
+        pv_axes.plot(time, window.sp[shown], color=SET_POINT, linewidth=1.0, label="SP")
+    pv_axes.plot(time, pv, color=MEASURED, linewidth=1.1, label="PV measured")
     if model_pv is not None:
         pv_axes.plot(
-            time, model_pv, color=MODEL, linewidth=1.1, label=f"PV of the model{_fit(window, model_pv)}"
+            time,
+            model_pv,
+            color=MODEL,
+            linewidth=1.1,
+            label=f"PV of the model{_fit(diagnosis, sticks=valve is not None)}",
         )
-    op_axes.plot(time, window.op, color=MEASURED, linewidth=1.1, label="OP measured")
+    op_axes.plot(time, op, color=MEASURED, linewidth=1.1, label="OP measured")
     if valve is not None:
-        op_axes.plot(time, valve, color=VALVE, linewidth=1.1, label="valve position of the model")
-    plane.plot(window.op, window.pv, color=MEASURED, linewidth=0.6, alpha=0.7, label="measured")
+        op_axes.plot(time, valve[shown], color=VALVE, linewidth=1.1, label="valve position of the model")
+    plane.plot(op, pv, color=MEASURED, linewidth=0.6, alpha=0.7, label="measured")
     if model_pv is not None:
-        plane.plot(window.op, model_pv, color=MODEL, linewidth=0.6, alpha=0.8, label="model")
+        plane.plot(op, model_pv, color=MODEL, linewidth=0.6, alpha=0.8, label="model")
 
     pv_axes.set_ylabel("PV (PV units)")
     pv_axes.tick_params(labelbottom=False)
@@ -59,7 +69,8 @@ def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
         tidy(axes)
         legend_above(axes)
     figure.align_ylabels((pv_axes, op_axes))
-    figure.suptitle(_title(diagnosis), x=0.01, ha="left", fontsize=12)
+    part = "" if len(time) == len(window) else f",  shown: {time[0]:.4g} to {time[-1]:.4g} {unit}"
+    figure.suptitle(f"{_title(diagnosis)}{part}", x=0.01, ha="left", fontsize=12)
     return figure
 
 
@@ -71,18 +82,20 @@ def _valve(window: LoopWindow, found: Quantification) -> FloatArray | None:
     return None if np.array_equal(found.model_mv[known], window.op[known]) else found.model_mv
 
 
-def _fit(window: LoopWindow, model_pv: FloatArray) -> str:
-    rest = window.pv - model_pv
-    known = np.isfinite(rest)
-    spread = np.std(window.pv[known])
-    return f" (fit {100 * (1 - np.sqrt(np.mean(rest[known] ** 2)) / spread):.1f} %)" if spread > 0 else ""
+def _fit(diagnosis: Diagnosis, *, sticks: bool) -> str:
+    """Return the fit of the model that is drawn, as the text has it."""
+    found = diagnosis.quantification
+    if found is None:
+        return ""
+    percent = found.free_run_percent if sticks else found.linear_percent
+    return "" if percent is None else f" (fit {percent_words(percent)})"
 
 
 def _title(diagnosis: Diagnosis) -> str:
     title = f"{diagnosis.loop}: {diagnosis.verdict.replace('_', ' ')}"
     found = diagnosis.quantification
     if diagnosis.verdict == "stiction" and found is not None and found.stiction is not None:
-        title += f",  S = {found.stiction.s.value:.3g},  J = {found.stiction.j.value:.3g} OP units"
+        title += f",  {band_words('S', found.stiction.s)},  {band_words('J', found.stiction.j)} OP units"
     if diagnosis.oscillation is not None and diagnosis.oscillation.detected:
         title += f",  period {diagnosis.oscillation.period:.4g} s"
     return title

@@ -9,21 +9,23 @@ from matplotlib.figure import Figure
 from scipy import ndimage
 
 from agent.plots.axes import MEASURED, MODEL, VALVE, legend_above, tidy
+from agent.report.numbers import band_words
 
 if TYPE_CHECKING:
-    from agent.analysis.results import Profile
+    from agent.analysis.results import IntervalEstimate, Profile
 
 INSIDE = "#f6d9cc"
 TALLEST = 4.0
 """Height of the upper panel in heights of the limit over the least error: the foot of the curve matters."""
 
 
-def profile_figure(loop: str, profile: Profile) -> Figure:
+def profile_figure(loop: str, profile: Profile, s: IntervalEstimate | None = None) -> Figure:
     """Draw the least error over all else against S, and below it the delay and J that go with each S.
 
     Args:
         loop: Name for the title.
         profile: Where its error is at most ``limit``, S is within the 90 % interval; that is shaded.
+        s: The estimate for the title: its interval has the movement of OP within a sample as well.
     """
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
     upper, delay, j = panels = figure.subplots(3, 1, sharex=True, height_ratios=(1.8, 1.0, 1.0))
@@ -48,7 +50,7 @@ def profile_figure(loop: str, profile: Profile) -> Figure:
     j.set_xlabel("S (OP units)")
     legend_above(upper)
     figure.align_ylabels(panels)
-    figure.suptitle(f"{loop}: {_words(profile, basins)}", x=0.01, ha="left", fontsize=12)
+    figure.suptitle(f"{loop}: {_words(basins, s)}", x=0.01, ha="left", fontsize=12)
     return figure
 
 
@@ -58,9 +60,8 @@ def _basins(profile: Profile) -> list[slice]:
     return [found[0] for found in ndimage.find_objects(labels)]
 
 
-def _words(profile: Profile, basins: list[slice]) -> str:
+def _words(basins: list[slice], s: IntervalEstimate | None) -> str:
     if not basins:
         return "no S within the interval"
-    low, high = profile.s[basins[0]][0], profile.s[basins[-1]][-1]
     count = "one basin" if len(basins) == 1 else f"{len(basins)} basins"
-    return f"S of all models that fit: {low:.3g} to {high:.3g} OP units, {count}"
+    return f"{count} of models that fit" if s is None else f"{band_words('S', s)} OP units, {count}"

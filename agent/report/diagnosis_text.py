@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from agent.report.advice import advice
+from agent.report.numbers import interval_words
 from agent.report.reasons import reasons
 
 if TYPE_CHECKING:
@@ -62,14 +63,13 @@ def _stiction(stiction: StictionEstimate) -> list[str]:
 
 def estimate_line(name: str, estimate: IntervalEstimate, *, identifiable: bool | None = None) -> str | None:
     """Return a line for a number in OP units; None where nothing is known of how sure it is."""
-    known = estimate.low is not None and estimate.high is not None
-    span = f"{estimate.low:.4g} to {estimate.high:.4g}" if known else ""
-    if identifiable is False and known and answers(estimate):
+    span = interval_words(estimate)
+    if identifiable is False and span and answers(estimate):
         return f"{name} = {estimate.value:.4g} OP units, uncertain: {span}"
     if identifiable is False:
-        allowed = f"the record allows {span}" if known else "the record does not determine it"
+        allowed = f"the record allows {span}" if span else "the record does not determine it"
         return f"{name} = {estimate.value:.4g} OP units, but not identifiable: {allowed}"
-    return f"{name} = {estimate.value:.4g} OP units, 90 % interval {span}" if known else None
+    return f"{name} = {estimate.value:.4g} OP units, 90 % interval {span}" if span else None
 
 
 def answers(estimate: IntervalEstimate) -> bool:

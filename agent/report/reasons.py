@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from agent.analysis.gates.fault import LIMIT_CYCLE, SHAPE
+from agent.report.numbers import percent_words
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis, OtherRecordings, RecordSummary
@@ -153,4 +154,4 @@ def factor(log_odds: float) -> str:
 
 
 def _percent(value: float | None) -> str:
-    return "an unknown part" if value is None else f"{value:.3g} %"
+    return "an unknown part" if value is None else percent_words(value)

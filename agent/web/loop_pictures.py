@@ -88,7 +88,7 @@ def report(window: LoopWindow | None, diagnosis: Diagnosis, now: float) -> str:
     if window is not None:
         figures.append(fit_figure(window, diagnosis))
     if found is not None and found.profile is not None:
-        figures.append(profile_figure(diagnosis.loop, found.profile))
+        figures.append(profile_figure(diagnosis.loop, found.profile, found.s))
     return REPORT.format(
         loop=html.escape(diagnosis.loop),
         verdict=html.escape(diagnosis.verdict.replace("_", " ")),

@@ -11,6 +11,7 @@ from typing import Any
 
 from agent.alarms import Alarm, Announcement
 from agent.report.diagnosis_json import diagnosis_json
+from agent.report.ranking import group_of
 from agent.runtime.agent import Agent
 from agent.runtime.loop.pipeline import Judged
 from agent.runtime.operate.status import AgentStatus
@@ -19,7 +20,7 @@ from agent.runtime.store.history_file import Entry, HistoryFile, history_path
 from agent.runtime.supervisor import Health
 from agent.web.drawing import Drawing
 from agent.web.live import Live
-from agent.web.ranking import Item, area_of, group_of, urgency
+from agent.web.ranking import Item, area_of, urgency
 
 REMEMBERED = 20_000
 """Entries of history that are kept in memory where no file keeps them, of all loops together."""

@@ -27,15 +27,22 @@ def op_noise(op: FloatArray) -> float:
 
 def significant_reversals(op: FloatArray) -> int:
     """Count the turning points of ``op`` (n,) that its noise cannot explain; NaN is left out."""
-    finite = op[np.isfinite(op)]
+    return len(reversal_places(op))
+
+
+def reversal_places(op: FloatArray) -> list[int]:
+    """Return the samples at which ``op`` (n,) is seen to have turned beyond its noise; NaN is left out."""
+    known = np.flatnonzero(np.isfinite(op))
+    finite = op[known]
     if finite.size < 3:
-        return 0
+        return []
     least = max(NOISES * op_noise(finite), PART_OF_SPAN * float(np.ptp(finite)))
     if least == 0:
-        return 0
-    reversals, rising, extreme = 0, None, float(finite[0])
+        return []
+    places: list[int] = []
+    rising, extreme = None, float(finite[0])
     low = high = extreme
-    for value in finite.tolist():
+    for place, value in zip(known.tolist(), finite.tolist(), strict=True):
         if rising is None:
             low, high = min(low, value), max(high, value)
             if high - low > least:
@@ -43,5 +50,6 @@ def significant_reversals(op: FloatArray) -> int:
         elif (value > extreme) == rising:
             extreme = value if value != extreme else extreme
         elif abs(value - extreme) > least:
-            reversals, rising, extreme = reversals + 1, not rising, value
-    return reversals
+            places.append(place)
+            rising, extreme = not rising, value
+    return places

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from agent.analysis.data_quality import DataQuality
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.quantify import Quantifier
     from agent.analysis.record.recording import LoopHints, LoopWindow
     from agent.cli.common.delay import DeadTime
+    from agent.report.thumbnail import Thumbnail
     from connectors.recording import Columns, ReadOptions
 
 
@@ -34,6 +36,8 @@ class Task:
     """Dead time that the user states; None: it is searched."""
     shared: bool = False
     """Whether its valve has other recordings, for which the window is needed again."""
+    small_picture: bool = False
+    """Whether a report shows it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,3 +51,7 @@ class Answer:
     """What went wrong, a line each."""
     window: LoopWindow | None = None
     """Of a recording whose valve has others."""
+    quality: DataQuality | None = None
+    """None where the recording could not be read."""
+    small_picture: Thumbnail | None = None
+    """None where no report shows it."""

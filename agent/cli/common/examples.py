@@ -8,6 +8,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "demo": ("slipjump demo  (seven simulated loops on three buses, and their alarms)",),
     "diagnose": (
         "slipjump diagnose FIC101.csv --plot pictures  (does it stick, how much; with pictures)",
+        "slipjump diagnose plant/ --report plant.html  (all valves, the most urgent first; or .pdf, .csv)",
         "slipjump diagnose export.csv --loop FIC101 --delay 17s  (one loop of many, its dead time known)",
     ),
     "compare": (

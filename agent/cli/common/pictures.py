@@ -32,12 +32,19 @@ def picture_files(recordings: Sequence[Path], folder: Path | None) -> list[Path 
     except OSError as error:
         fault = f"{folder}: cannot be made a folder: {error.strerror}"
         raise typer.BadParameter(fault, param_hint="'--plot'") from error
-    stems = [path.stem for path in recordings]
-    before = [stems[:k].count(stem) for k, stem in enumerate(stems)]
-    return [
-        folder / f"{stem}_{n + 1}.png" if n else folder / f"{stem}.png"
-        for stem, n in zip(stems, before, strict=True)
-    ]
+    taken: set[str] = set()
+    files: list[Path | None] = []
+    for path in recordings:
+        names = (path.stem, *(f"{path.stem}_{number}" for number in range(2, len(recordings) + 2)))
+        free = next(name for name in names if taken.isdisjoint(_stems(name)))
+        taken.update(_stems(free))
+        files.append(folder / f"{free}.png")
+    return files
+
+
+def _stems(name: str) -> set[str]:
+    """Return the stems of all pictures of a recording, in small letters: some file systems see no others."""
+    return {f"{name}{suffix}".lower() for suffix in ("", *SUFFIXES)}
 
 
 def draw(window: LoopWindow, diagnosis: Diagnosis, file: Path) -> tuple[str, ...]:
@@ -46,7 +53,7 @@ def draw(window: LoopWindow, diagnosis: Diagnosis, file: Path) -> tuple[str, ...
     Those that an earlier run left and this one does not draw are removed: they show another analysis.
     """
     faults = []
-    figures = dict(_figures(window, diagnosis))
+    figures = dict(figures_of(window, diagnosis))
     for suffix in ("", *SUFFIXES):
         path, figure = file.with_stem(f"{file.stem}{suffix}"), figures.get(suffix)
         try:
@@ -60,7 +67,7 @@ def draw(window: LoopWindow, diagnosis: Diagnosis, file: Path) -> tuple[str, ...
     return tuple(faults)
 
 
-def _figures(window: LoopWindow, diagnosis: Diagnosis) -> Iterator[tuple[str, Figure]]:
+def figures_of(window: LoopWindow, diagnosis: Diagnosis) -> Iterator[tuple[str, Figure]]:
     """Yield each picture with the suffix of its file's stem."""
     from agent.analysis.quantify.valves.error_map import error_map
     from agent.plots.contour import contour_figure
@@ -74,7 +81,10 @@ def _figures(window: LoopWindow, diagnosis: Diagnosis) -> Iterator[tuple[str, Fi
     if found is not None and errors is not None:
         yield "-contour", contour_figure(diagnosis.loop, errors, found)
     if found is not None and found.profile is not None:
-        yield "-profile", profile_figure(diagnosis.loop, found.profile)
+        yield (
+            "-profile",
+            profile_figure(diagnosis.loop, found.profile, found.s),
+        )
     detectors = detectors_figure(diagnosis.loop, diagnosis.methods)
     if detectors is not None:
         yield "-detectors", detectors

@@ -16,7 +16,7 @@ def draw(axes: Axes, seen: Parallelogram) -> None:
     """Draw the stem over OP, and on top of it where it stands."""
     stem = seen.stuck.stem
     axes.plot(stem.op, stem.position, color=SET_POINT, linewidth=0.7)
-    label = f"stem at rest: S = {seen.s:.3g} OP units" if seen.s else "stands"
+    label = f"stem at rest: S of this method {seen.s:.3g} OP units" if seen.s else "stands"
     for each in seen.stuck.intervals:
         axes.plot(stem.op[each], stem.position[each], color=MODEL, linewidth=1.1, label=label)
         label = "_"  # one entry in the legend is enough

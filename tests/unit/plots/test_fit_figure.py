@@ -45,7 +45,7 @@ def labels(axes):
 def test_measurement_and_model():
     figure = fit_figure(WINDOW, DIAGNOSIS)
     pv, op, plane = figure.axes
-    assert labels(pv) == ["SP", "PV measured", "PV of the model (fit 85.8 %)"]  # 0.1 beside a sine
+    assert labels(pv) == ["SP", "PV measured", "PV of the model (fit 91.2 %)"]  # the number of the text
     assert labels(op) == ["OP measured", "valve position of the model"]
     assert labels(plane) == ["measured", "model"]
     np.testing.assert_array_equal(plane.get_lines()[0].get_xdata(), WINDOW.op)

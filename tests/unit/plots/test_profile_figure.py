@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from agent.analysis.results import Profile
+from agent.analysis.results import IntervalEstimate, Profile
 from agent.plots.profile import profile_figure
 
 S = np.linspace(1.0, 9.0, 81)
@@ -32,13 +32,13 @@ def test_the_curves_over_s():
 
 
 def test_each_basin_is_shaded_and_marked():
-    figure = profile_figure("FIC101", PROFILE)
+    figure = profile_figure("FIC101", PROFILE, IntervalEstimate(3.0, 2.71, 7.23))
     for axes, values in zip(figure.axes, (ERROR, PROFILE.delay, PROFILE.j), strict=True):
         assert shaded(axes) == [(2.8, 3.2), (6.9, 7.1)]
         marks = next(line for line in axes.get_lines() if line.get_label() == "lowest of a basin")
         np.testing.assert_allclose(marks.get_xdata(), [3.0, 7.0])
         np.testing.assert_array_equal(marks.get_ydata(), values[[20, 60]])
-    assert figure.get_suptitle() == "FIC101: S of all models that fit: 2.8 to 7.1 OP units, 2 basins"
+    assert figure.get_suptitle() == "FIC101: S = 3 (2.71 to 7.23) OP units, 2 basins"
 
 
 def test_a_curve_that_nowhere_comes_below_the_limit():

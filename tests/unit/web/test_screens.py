@@ -13,12 +13,13 @@ from starlette.applications import Starlette
 from agent.alarms import Alarm, State
 from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.results import IntervalEstimate, MethodResult, Quantification, StictionEstimate
+from agent.report.ranking import GROUPS, group_of
 from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, HttpSettings, Settings
 from agent.web.plant import Look, Plant
 from agent.web.plant_page import address, plant_page
-from agent.web.ranking import GROUPS, Item, area_of, group_of
+from agent.web.ranking import Item, area_of
 from agent.web.rows import row_of, sparkline_of
 from agent.web.screens.work_list import Wanted, listed, map_of
 from connectors.options import Options

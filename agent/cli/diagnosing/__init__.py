@@ -1,0 +1,1 @@
+"""DIAGNOSE: recordings worked out on all cores, their pictures, table and report."""

@@ -1,0 +1,88 @@
+"""Recordings worked out on all cores, with progress."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+
+from agent.cli.common import recordings as option
+from agent.cli.common.answer import Answer, Task
+from agent.cli.common.compilation import announce_compilation
+from agent.cli.common.pictures import draw
+
+DIED = "not diagnosed: its process was ended, for want of memory or by somebody"
+
+
+def work_out(task: Task) -> Answer:
+    """Read, diagnose and draw one recording; runs in a process of the pool."""
+    from agent.analysis.data_quality import data_quality
+    from agent.analysis.diagnose import diagnose as judge
+    from agent.report.thumbnail import thumbnail
+    from connectors.base import ConfigError
+    from connectors.recording import read_recording
+
+    try:
+        window = option.window_of(
+            read_recording(task.path, task.columns, task.options, task.loop), task.hints
+        )
+    except ConfigError as error:
+        return Answer(task, None, tuple(error.faults))
+    if task.delay is not None:
+        window = window.with_hints(replace(task.hints, delay=task.delay.at(window.ts)))
+    diagnosis = judge(window, quantifier=task.quantifier)
+    faults = () if task.picture is None else draw(window, diagnosis, task.picture)
+    quality = data_quality(window, diagnosis)
+    small = thumbnail(window, diagnosis) if task.small_picture else None
+    return Answer(task, diagnosis, faults, window if task.shared else None, quality, small)
+
+
+def answers(tasks: Sequence[Task], advance: Callable[[], None]) -> Iterator[Answer]:
+    """Yield the answers in the order of the tasks, worked out on all cores; call ``advance`` at each."""
+    for answer in _worked_out(tasks):
+        advance()
+        yield answer
+
+
+def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
+    from agent.runtime.capabilities import cores, import_before_start
+
+    workers = min(len(tasks), cores())
+    if workers == 1:
+        announce_compilation(threading.Event())
+        yield from map(work_out, tasks)
+        return
+    from agent.runtime.loop.process_pool import CONTEXT, results_of
+
+    import_before_start(CONTEXT, ["agent.analysis.diagnose"])
+    announced = CONTEXT.Event()
+    found = results_of(work_out, tasks, workers, announce_compilation, announced)
+    for task, answer in zip(tasks, found, strict=True):
+        yield Answer(task, None, (f"{task.path}: {DIED}",)) if answer is None else answer
+
+
+@contextmanager
+def progress_of(total: int) -> Iterator[Callable[[], None]]:
+    """Show on a terminal's stderr that something is done; many results on a terminal show it themselves."""
+    if not sys.stderr.isatty() or (total > 1 and sys.stdout.isatty()):
+        yield lambda: None
+        return
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        SpinnerColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    many = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (TextColumn("diagnosing"), *(many if total > 1 else (SpinnerColumn(), TimeElapsedColumn())))
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, redirect_stdout=False, transient=total == 1) as progress:
+        work = progress.add_task("", total=total)
+        yield lambda: progress.advance(work) if total > 1 else progress.stop()

@@ -1,0 +1,46 @@
+"""The quality of a record in words, and what to record instead."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from agent.analysis.data_quality import DataQuality, Flaw
+
+UNITS = ((2 * 86400.0, 86400.0, "days"), (2 * 3600.0, 3600.0, "h"), (120.0, 60.0, "min"), (0.0, 1.0, "s"))
+"""Durations from the first number (s) on are printed in units of the second, named by the third."""
+FLAWS: Mapping[Flaw, Callable[[DataQuality], str]] = {
+    "coarse": lambda each: f"only {each.samples_per_period:.1f} samples a period",
+    "compressed": lambda each: f"compressed by the historian by about {each.compression:.0f}",
+    "gaps": lambda each: f"{each.gaps_percent:.1f} % gaps",
+    "manual": lambda each: f"{each.manual_percent:.1f} % not in automatic",
+    "saturated": lambda each: f"OP at a limit{_share(each.at_limit_percent)}",
+    "short": lambda each: f"only {duration_words(each.duration)} long",
+}
+
+
+def _share(percent: float | None) -> str:
+    return "" if percent is None else f" for {percent:.1f} % of the time"
+
+
+def quality_words(quality: DataQuality) -> str:
+    """Return what spoils a verdict, or that nothing does."""
+    return "; ".join(FLAWS[each](quality) for each in quality.flaws) or "good"
+
+
+def record_instead(quality: DataQuality) -> str | None:
+    """Return what to record in place of a record with flaws; None where it has none."""
+    if not quality.flaws:
+        return None
+    each = "every scan" if quality.record_ts is None else f"a sample every {quality.record_ts:.2g} s"
+    raw = ", raw values without compression or means" if {"coarse", "compressed"} & {*quality.flaws} else ""
+    automatic = ", in automatic" if "manual" in quality.flaws else ""
+    limits = ", with OP between its limits" if "saturated" in quality.flaws else ""
+    return f"record {each}{raw}{automatic}{limits}, for at least {duration_words(quality.record_for)}"
+
+
+def duration_words(seconds: float) -> str:
+    """Return a duration with its unit."""
+    scale, unit = next((scale, unit) for least, scale, unit in UNITS if seconds >= least)
+    return f"{seconds / scale:.3g} {unit}"

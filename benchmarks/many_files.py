@@ -1,0 +1,46 @@
+"""Wall time of ``diagnose`` of many files with its table, against the sum of the fits on all cores."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from agent.runtime.capabilities import cores
+from benchmarks.cases.options import Options
+from benchmarks.tables.markdown import table
+from simulators.draws.random_plants import random_plant
+from simulators.plant import rows, simulate
+from simulators.record_file import write_rows
+
+FILES = 31
+SEED = 8300
+"""First of the loops; nothing was set on them."""
+KINDS = ("stiction", "tuning", "none_noise")
+MAIN = "from agent.cli import main; main()"
+
+
+def run(options: Options) -> None:
+    """Print the ratio: 1 is what perfect sharing among the cores would need, start-up and table included."""
+    del options
+    with tempfile.TemporaryDirectory() as folder:
+        files = []
+        for k in range(FILES):
+            scenario = random_plant(SEED + k, KINDS[k % len(KINDS)])
+            file = Path(folder) / f"LOOP{k:02}.csv"
+            write_rows(file, rows(simulate(scenario)))
+            files.append(str(file))
+        subprocess.run([sys.executable, "-c", MAIN, "warm"], check=True, capture_output=True)  # noqa: S603 - our own command
+        words = [sys.executable, "-c", MAIN, "diagnose", *files, "--report", str(Path(folder) / "plant.html")]
+        started = time.perf_counter()
+        subprocess.run(words, check=True, capture_output=True)  # noqa: S603 - our own command
+        wall = time.perf_counter() - started
+        words = [*words[:-2], "--json"]
+        answers = subprocess.run(words, check=True, capture_output=True, text=True).stdout  # noqa: S603 - the same
+    fits = sum(json.loads(line)["seconds"] for line in answers.splitlines())
+    own = (str(FILES), str(cores()), f"{fits:.1f}", f"{wall:.1f}", f"{wall * cores() / fits:.2f}")
+    columns = ("files", "cores", "sum of the fits, s", "wall with table and report, s", "wall x cores / fits")
+    print(table("### `diagnose` of many files", columns, [own]))
