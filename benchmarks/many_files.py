@@ -13,7 +13,7 @@ from agent.runtime.capabilities import cores
 from benchmarks.cases.options import Options
 from benchmarks.tables.markdown import table
 from simulators.draws.random_plants import random_plant
-from simulators.plant import rows, simulate
+from simulators.plant import rows
 from simulators.record_file import write_rows
 
 FILES = 31
@@ -31,7 +31,7 @@ def run(options: Options) -> None:
         for k in range(FILES):
             scenario = random_plant(SEED + k, KINDS[k % len(KINDS)])
             file = Path(folder) / f"LOOP{k:02}.csv"
-            write_rows(file, rows(simulate(scenario)))
+            write_rows(file, rows(scenario))
             files.append(str(file))
         subprocess.run([sys.executable, "-c", MAIN, "warm"], check=True, capture_output=True)  # noqa: S603 - our own command
         words = [sys.executable, "-c", MAIN, "diagnose", *files, "--report", str(Path(folder) / "plant.html")]

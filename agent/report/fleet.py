@@ -23,7 +23,7 @@ FIRM = ("stiction", "no_stiction")
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class RecordFinding:
     """One recording in few numbers: thousands of them stay in memory until all are ranked."""
 
     recording: str
@@ -51,8 +51,8 @@ class ValveRow:
     """One valve: the answer of all its recordings."""
 
     name: str
-    findings: tuple[Finding, ...]
-    lead: Finding
+    findings: tuple[RecordFinding, ...]
+    lead: RecordFinding
     """The recording that speaks for the valve: of the verdict that most have, the surest."""
     group: Group
 
@@ -64,11 +64,11 @@ class ValveRow:
 
 def finding_of(
     recording: str, diagnosis: Diagnosis, quality: DataQuality, thumbnail: Thumbnail | None = None
-) -> Finding:
+) -> RecordFinding:
     """Return the few numbers of a diagnosis that a list of valves needs."""
     found, steps = diagnosis.quantification, advice(diagnosis)
     stiction = None if found is None else found.stiction
-    return Finding(
+    return RecordFinding(
         recording=recording,
         loop=diagnosis.loop,
         verdict=diagnosis.verdict,
@@ -96,7 +96,9 @@ def short_reason(diagnosis: Diagnosis) -> str:
     return next(iter(reasons(diagnosis)), "")
 
 
-def valve_rows(findings: Sequence[Finding], valve: Sequence[int], names: Sequence[str]) -> list[ValveRow]:
+def valve_rows(
+    findings: Sequence[RecordFinding], valve: Sequence[int], names: Sequence[str]
+) -> list[ValveRow]:
     """Return one row for each valve, the most urgent first.
 
     Within a group the more probable comes first, then the one that sticks by more.
@@ -113,7 +115,7 @@ def valve_rows(findings: Sequence[Finding], valve: Sequence[int], names: Sequenc
     return sorted(rows, key=_urgency)
 
 
-def _answer(own: Sequence[Finding]) -> tuple[Finding, Group]:
+def _answer(own: Sequence[RecordFinding]) -> tuple[RecordFinding, Group]:
     """Return the recording that speaks for the valve, and its group: firm verdicts go by majority.
 
     As many for as against sticking: the valve is suspected, no more.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from agent.analysis.record.recording import FloatArray
-    from agent.report.fleet import Finding, ValveRow
+    from agent.report.fleet import RecordFinding, ValveRow
     from agent.report.ranking import Group
     from agent.report.thumbnail import Thumbnail
 
@@ -152,12 +152,12 @@ def _number(value: float | None, form: str) -> str:
     return "" if value is None else format(value, form)
 
 
-def _high(finding: Finding) -> float:
+def _high(finding: RecordFinding) -> float:
     s = finding.s
     return 0.0 if s is None else s.value if s.high is None else s.high
 
 
-def _bar(finding: Finding, largest: float) -> str:
+def _bar(finding: RecordFinding, largest: float) -> str:
     """Return S as a bar with its interval, all on one scale."""
     s = finding.s
     if s is None:

@@ -13,7 +13,7 @@ from agent.report.numbers import value_words
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from agent.report.fleet import Finding, ValveRow
+    from agent.report.fleet import RecordFinding, ValveRow
 
 HEADER = ("", "valve", "records", "verdict", "P", "S (90 %)", "why", "next")
 
@@ -33,12 +33,12 @@ def fleet_lines(rows: Sequence[ValveRow]) -> Iterator[str]:
         yield "  ".join((*columns, row[-1])).rstrip()
 
 
-def stick_band(finding: Finding) -> str:
+def stick_band(finding: RecordFinding) -> str:
     """Return S with its interval in OP units; empty where nothing was estimated."""
     return "" if finding.s is None else value_words(finding.s)
 
 
-def probability_words(finding: Finding) -> str:
+def probability_words(finding: RecordFinding) -> str:
     """Return the probability that the valve sticks; a dash where it is not known."""
     return "-" if finding.probability is None else f"{finding.probability:.2f}"
 

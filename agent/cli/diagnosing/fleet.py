@@ -13,7 +13,7 @@ from agent.cli.common.one_valve import valve_of
 
 if TYPE_CHECKING:
     from agent.cli.common.answer import Answer
-    from agent.report.fleet import Finding, ValveRow
+    from agent.report.fleet import RecordFinding, ValveRow
 
 FORMATS = (".html", ".pdf", ".csv")
 
@@ -38,7 +38,7 @@ class Fleet:
         if report is not None and report.resolve() in {path.resolve() for path in names}:
             raise typer.BadParameter(f"{report}: is one of the recordings", param_hint="'--report'")
         self._names, self._valve, self._report = names, valve, report
-        self._findings: list[tuple[int, Finding]] = []
+        self._findings: list[tuple[int, RecordFinding]] = []
 
     def add(self, place: int, answer: Answer) -> None:
         """Add the answer of a recording that could be read."""
@@ -80,7 +80,7 @@ class Fleet:
             return False
         return True
 
-    def _name(self, place: int, finding: Finding) -> str:
+    def _name(self, place: int, finding: RecordFinding) -> str:
         """Return the name of a valve: the tag that its recordings share, else the loop of its only one."""
         tag = valve_of(self._names[place])
         alone = self._valve.count(self._valve[place]) == 1
