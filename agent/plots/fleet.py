@@ -9,15 +9,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from agent.plots.axes import MEASURED, MODEL, VALVE, tidy
-from agent.report.data_quality_words import duration_words, quality_words
-from agent.report.fleet_text import probability_words, stick_band, what_next, why
+from agent.report.fleet.quality_words import duration_words, quality_words
+from agent.report.fleet.table import probability_words, stick_band, what_next, why
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from matplotlib.axes import Axes
 
-    from agent.report.fleet import ValveRow
+    from agent.report.fleet.rows import ValveRow
 
 A4 = (11.7, 8.3)
 """Landscape, inches."""

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from agent.analysis.quantify import Quantifier
     from agent.analysis.record.recording import LoopHints, LoopWindow
     from agent.cli.common.delay import DeadTime
-    from agent.report.thumbnail import Thumbnail
+    from agent.report.fleet.thumbnail import Thumbnail
     from connectors.recording import Columns, ReadOptions
 
 

@@ -13,7 +13,7 @@ from agent.cli.common.one_valve import valve_of
 
 if TYPE_CHECKING:
     from agent.cli.common.answer import Answer
-    from agent.report.fleet import RecordFinding, ValveRow
+    from agent.report.fleet.rows import RecordFinding, ValveRow
 
 FORMATS = (".html", ".pdf", ".csv")
 
@@ -42,7 +42,7 @@ class Fleet:
 
     def add(self, place: int, answer: Answer) -> None:
         """Add the answer of a recording that could be read."""
-        from agent.report.fleet import finding_of
+        from agent.report.fleet.rows import finding_of
 
         if answer.diagnosis is not None and answer.quality is not None:
             name = answer.task.path.name
@@ -51,7 +51,7 @@ class Fleet:
 
     def table(self) -> Iterator[str]:
         """Yield the table; nothing for one recording alone."""
-        from agent.report.fleet_text import fleet_lines
+        from agent.report.fleet.table import fleet_lines
 
         if len(self._findings) > 1:
             yield ""
@@ -59,7 +59,7 @@ class Fleet:
 
     def rows(self) -> list[ValveRow]:
         """Return the valves, the most urgent first."""
-        from agent.report.fleet import valve_rows
+        from agent.report.fleet.rows import valve_rows
 
         findings = [each for _, each in self._findings]
         valve = [self._valve[place] for place, _ in self._findings]
@@ -91,11 +91,11 @@ def _write(path: Path, rows: Sequence[ValveRow]) -> None:
     title = f"Control valves: {path.stem}"
     match path.suffix.lower():
         case ".html":
-            from agent.report.fleet_html import fleet_html
+            from agent.report.fleet.page import fleet_html
 
             path.write_text(fleet_html(rows, title), encoding="utf-8")
         case ".csv":
-            from agent.report.fleet_text import fleet_csv
+            from agent.report.fleet.table import fleet_csv
 
             path.write_text(fleet_csv(rows), encoding="utf-8")
         case _:

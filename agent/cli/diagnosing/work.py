@@ -20,7 +20,7 @@ def work_out(task: Task) -> Answer:
     """Read, diagnose and draw one recording; runs in a process of the pool."""
     from agent.analysis.data_quality import data_quality
     from agent.analysis.diagnose import diagnose as judge
-    from agent.report.thumbnail import thumbnail
+    from agent.report.fleet.thumbnail import thumbnail
     from connectors.base import ConfigError
     from connectors.recording import read_recording
 

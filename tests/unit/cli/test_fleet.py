@@ -17,11 +17,11 @@ from agent.analysis.results import CauseShare, IntervalEstimate, Oscillation, Qu
 from agent.cli.common.answer import Answer, Task
 from agent.cli.common.pictures import picture_files
 from agent.cli.diagnosing.fleet import Fleet
-from agent.report.data_quality_words import quality_words, record_instead
-from agent.report.fleet import finding_of, valve_rows
-from agent.report.fleet_html import fleet_html
-from agent.report.fleet_text import fleet_csv, fleet_lines
-from agent.report.thumbnail import PIECES, thumbnail
+from agent.report.fleet.page import fleet_html
+from agent.report.fleet.quality_words import quality_words, record_instead
+from agent.report.fleet.rows import finding_of, valve_rows
+from agent.report.fleet.table import fleet_csv, fleet_lines
+from agent.report.fleet.thumbnail import PIECES, thumbnail
 from agent.units import FrictionBands
 from connectors.recording import Columns
 

@@ -11,9 +11,9 @@ from agent.analysis.record.recording import LoopWindow
 from agent.cli.common.pictures import figures_of
 from agent.report.diagnosis_json import diagnosis_json
 from agent.report.diagnosis_text import diagnosis_lines
-from agent.report.fleet import finding_of, valve_rows
-from agent.report.fleet_html import fleet_html
-from agent.report.fleet_text import fleet_csv, fleet_lines
+from agent.report.fleet.page import fleet_html
+from agent.report.fleet.rows import finding_of, valve_rows
+from agent.report.fleet.table import fleet_csv, fleet_lines
 from simulators.plant import simulate
 from simulators.scenario import load_scenario
 from tests.conftest import ROOT

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.indices import INDICES
-from agent.report.data_quality_words import duration_words, quality_words, record_instead
-from agent.report.fleet_text import probability_words, stick_band, what_next, why
+from agent.report.fleet.quality_words import duration_words, quality_words, record_instead
+from agent.report.fleet.table import probability_words, stick_band, what_next, why
 from agent.report.ranking import GROUPS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from agent.analysis.record.recording import FloatArray
-    from agent.report.fleet import RecordFinding, ValveRow
+    from agent.report.fleet.rows import RecordFinding, ValveRow
+    from agent.report.fleet.thumbnail import Thumbnail
     from agent.report.ranking import Group
-    from agent.report.thumbnail import Thumbnail
 
 WIDTH, HEIGHT, GAP = 220, 64, 6
 """Of a small picture, px; OP below PV."""

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from agent.analysis.data_quality import DataQuality
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.results import IntervalEstimate, Verdict
+    from agent.report.fleet.thumbnail import Thumbnail
     from agent.report.ranking import Group
-    from agent.report.thumbnail import Thumbnail
 
 NOTHING_TO_DO = "nothing"
 FIRM = ("stiction", "no_stiction")

@@ -7,13 +7,13 @@ import io
 from typing import TYPE_CHECKING
 
 from agent.analysis.indices import INDICES
-from agent.report.data_quality_words import quality_words, record_instead
+from agent.report.fleet.quality_words import quality_words, record_instead
 from agent.report.numbers import value_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from agent.report.fleet import RecordFinding, ValveRow
+    from agent.report.fleet.rows import RecordFinding, ValveRow
 
 HEADER = ("", "valve", "records", "verdict", "P", "S (90 %)", "why", "next")
 

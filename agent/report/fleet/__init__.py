@@ -1,0 +1,1 @@
+"""FLEET: many recordings as one list of valves, as table, CSV and page."""
