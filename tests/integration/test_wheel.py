@@ -15,6 +15,8 @@ from simulators.plant import rows
 from simulators.record_file import write_rows
 from simulators.scenario import load_scenario
 from tests.conftest import ROOT, missing
+from tests.docs.page import blocks
+from tests.docs.page import run as run_as_printed
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(240)]
 
@@ -110,3 +112,20 @@ def test_demo(installed, tmp_path):
     done = run(installed, "demo", "--seconds", "3", "--no-web", "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert len(json.loads(done.stdout)["loops"]) >= 6
+
+
+@pytest.mark.bench
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("page", ["report", "compare", "own_effect"])
+def test_a_journey_runs_from_the_wheel_as_the_page_prints_it(installed, tmp_path, page):
+    """From an export to the report; from a conversation to a missing effect, and to one of one's own."""
+    text = (ROOT / "docs" / "howto" / f"{page}.md").read_text(encoding="utf-8")
+    (tmp_path / "config").symlink_to(ROOT / "config")
+    source = next((each.text for each in blocks(text) if each.kind == "python"), "")
+    (tmp_path / "plant_effects.py").write_text(source, encoding="utf-8")
+    apart = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL"))}
+    apart |= {"PATH": f"{installed.parent}:{apart['PATH']}", "SLIPJUMP_SESSIONS": str(tmp_path / "sessions")}
+    journey = [each for each in blocks(text) if each.kind == "console"]
+    assert journey
+    wrong = [line for each in journey for line in run_as_printed(each, tmp_path, apart)]
+    assert not wrong, "\n\n".join(wrong)

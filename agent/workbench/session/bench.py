@@ -126,6 +126,10 @@ class Bench:
         """Return the residual of the newest model against each physical axis, the largest share first."""
         return self.failures_of(self.step)
 
+    def against(self, axis: str) -> tuple[FloatArray, FloatArray]:
+        """Return an axis of ``where_it_fails`` and the residual that is tested against it, each (n,)."""
+        return views.against(self.step, self.trials, axis)
+
     def failures_of(self, step: Step) -> tuple[Failure, ...]:
         """Return the same of any step of this session; it is computed once."""
         key = step.effects, step.rmse_fit
@@ -216,6 +220,10 @@ class Bench:
             raise ValueError("there is no step to undo")
         self._steps.pop()
         return self.step
+
+    def restore(self, steps: Iterable[Step]) -> None:
+        """Go back to a staircase of this session."""
+        self._steps = [*steps]
 
     def take(
         self,

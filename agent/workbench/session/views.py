@@ -25,9 +25,17 @@ def failures(step: Step, trials: Trials) -> tuple[Failure, ...]:
     Of the model where it predicts best: where the free run has drifted from the truth, its residual follows
     an axis though nothing is missing, or no longer does though something is.
     """
+    panels = where_it_fails(
+        _left(step, trials.record), axes_of(step, trials), trials.block, np.random.default_rng(0)
+    )
+    return beside(panels, step.estimate.dependence, step.estimate.happened)
+
+
+def axes_of(step: Step, trials: Trials) -> dict[str, FloatArray]:
+    """Return the axes against which the residual of a step is tested, each (n,)."""
     fitted, record = step.fit, trials.record
     moved = any(each.stage == "valve" for each in fitted.model.effects)
-    axes = physical_axes(
+    return physical_axes(
         record.op,
         record.facts.ts,
         record.period,
@@ -35,8 +43,11 @@ def failures(step: Step, trials: Trials) -> tuple[Failure, ...]:
         set_point=trials.window.sp,
         start=trials.window.start,
     )
-    panels = where_it_fails(_left(step, record), axes, trials.block, np.random.default_rng(0))
-    return beside(panels, step.estimate.dependence, step.estimate.happened)
+
+
+def against(step: Step, trials: Trials, axis: str) -> tuple[FloatArray, FloatArray]:
+    """Return an axis and the residual that is tested against it, each (n,), NaN where unknown."""
+    return axes_of(step, trials)[axis], _left(step, trials.record)
 
 
 def lines(step: Step, trials: Trials) -> LineSpectrum | None:
