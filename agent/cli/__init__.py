@@ -27,6 +27,7 @@ from agent.cli.run import run
 from agent.cli.serve import serve
 from agent.cli.simulate import simulate
 from agent.cli.warm import warm
+from agent.cli.workbench import workbench
 from connectors.base import ConfigError
 
 EPILOG = """Examples:
@@ -38,6 +39,8 @@ slipjump diagnose FIC101.csv --plot pictures  (does it stick, how much)
 slipjump diagnose *.csv --op CO --ts 5 --json  (one JSON object a line)
 
 slipjump compare FIC101.csv --auto  (which physical effect is missing)
+
+slipjump workbench FIC101.csv  (the same in the browser, with the mouse)
 
 slipjump replay FIC101.csv --bus mqtt  (a recording through the agent)
 
@@ -66,6 +69,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     demo,
     diagnose,
     compare,
+    workbench,
     import_,
     replay,
     serve,

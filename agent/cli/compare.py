@@ -67,6 +67,9 @@ def compare(
     save: Annotated[
         Path | None, typer.Option(metavar="MODEL.yaml", help="Write the last model to this file.")
     ] = None,
+    page: Annotated[
+        bool, typer.Option("--page", help="Open the workbench in the browser, as slipjump workbench does.")
+    ] = False,
     guided: Annotated[
         bool | None,
         typer.Option(
@@ -97,6 +100,11 @@ def compare(
     options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping, modes)
     effects = _effects(effect or ())
     _check_names(base, [*(add or ()), *(drop or ())], effects)
+    if page:
+        from agent.cli.workbench import open_page
+
+        open_page(recording, base)
+        return
     window = _window(recording, options, loop)
     other = None if validate is None else _window(validate, options, loop)
     if _is_guided(guided, named=bool(load or add or drop or auto or as_json or report or save)):

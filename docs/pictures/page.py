@@ -12,7 +12,10 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -27,6 +30,8 @@ SCENARIOS = (
     "pic402_sinusoid",
     "tic302_second_order",
 )
+HIDDEN, EFFECT = "WB104", "deadband"
+"""Scenario of the workbench, and what it hides."""
 SPEED = 60
 PATIENCE = 400
 """Longest wait for all verdicts, s."""
@@ -35,9 +40,10 @@ SETTLED = "document.querySelectorAll('[data-testid=work-list] [data-loop]:not([d
 
 
 def main() -> None:
-    """Write ``work_list.png`` and ``loop_page.png`` beside this file."""
+    """Write ``work_list.png``, ``loop_page.png`` and ``workbench.png`` beside this file."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        compared(folder)
         config = folder / "plant.yaml"
         serve = ("serve", *SCENARIOS, "--bus", "mqtt", "--speed", str(SPEED), "--config", str(config))
         with started(folder, *serve) as serving:
@@ -59,6 +65,40 @@ def watched(config: Path) -> None:
     config.write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
 
 
+def compared(folder: Path) -> None:
+    """Take the picture of the workbench, with the hidden effect ticked."""
+    scenario = ROOT / "config" / "scenarios" / "workbench" / f"{HIDDEN.lower()}.yaml"
+    started(folder, "simulate", str(scenario), "-o", f"{HIDDEN}.csv").wait()
+    with started(folder, "workbench", "--no-browser") as serving:
+        address = wait_for(serving, "address: ").partition("address: ")[2].strip()
+        with browser_page(1440) as page:
+            page.goto(address)
+            page.set_input_files("[data-testid=upload]", str(folder / f"{HIDDEN}.csv"))
+            page.wait_for_selector(f"[data-effect={EFFECT}] input:not([disabled])", timeout=PATIENCE * 1000)
+            page.locator(f"[data-effect={EFFECT}] input").click()
+            page.wait_for_selector("[data-step='1']", timeout=PATIENCE * 1000)
+            page.wait_for_selector(
+                "[data-effect] input:not(:checked):not([disabled])", timeout=PATIENCE * 1000
+            )
+            page.wait_for_timeout(1000)
+            clip = {"x": 0, "y": 0, "width": 1440, "height": 1400}
+            page.screenshot(path=FOLDER / "workbench.png", clip=clip, full_page=True)
+        serving.terminate()
+
+
+@contextmanager
+def browser_page(width: int) -> Iterator[Any]:
+    """Yield a page of a browser."""
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415
+
+    with sync_playwright() as library:
+        browser = library.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
+        )
+        yield browser.new_context(viewport={"width": width, "height": 800}, device_scale_factor=1).new_page()
+        browser.close()
+
+
 def started(folder: Path, *words: str) -> subprocess.Popen[str]:
     """Start a command of slipjump."""
     return subprocess.Popen(
@@ -74,14 +114,7 @@ def wait_for(process: subprocess.Popen[str], text: str) -> str:
 
 def take(address: str) -> None:
     """Take the pictures when every loop has its verdict."""
-    from playwright.sync_api import sync_playwright  # noqa: PLC0415
-
-    browser_path = shutil.which("chromium")
-    with sync_playwright() as library:
-        browser = library.chromium.launch(
-            executable_path=browser_path, args=["--no-sandbox", "--disable-gpu"]
-        )
-        page = browser.new_context(viewport={"width": 1280, "height": 800}, device_scale_factor=1).new_page()
+    with browser_page(1280) as page:
         page.goto(address)
         deadline = time.monotonic() + PATIENCE
         while page.evaluate(SETTLED) < len(SCENARIOS) or page.locator(".unacked_active").count() < 3:
@@ -97,7 +130,6 @@ def take(address: str) -> None:
             clip={"x": 0, "y": 0, "width": 1280, "height": 1150},
             full_page=True,
         )
-        browser.close()
 
 
 if __name__ == "__main__":

@@ -16,6 +16,10 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
         "slipjump compare FIC101.csv --auto  (add the effects that the record confirms)",
         "slipjump compare FIC101.csv --add deadband --report FIC101.html  (one effect, and a page)",
     ),
+    "workbench": (
+        "slipjump workbench FIC101.csv  (in the browser: see where the model fails, tick the missing effect)",
+        "slipjump workbench --no-browser --port 8080  (prints the address; recordings are uploaded there)",
+    ),
     "import": (
         "slipjump import export.csv --preview  (what was understood)",
         "slipjump import export.csv -o export.yaml  (the same as a file; correct it, give it to --mapping)",

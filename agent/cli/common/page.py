@@ -36,6 +36,9 @@ def serve_page(
     from agent.runtime.supervisor import Health
     from agent.web.plant import Plant
     from agent.web.plant_page import address, plant_page
+    from agent.web.screens import workbench
+    from agent.web.screens.answers import csv_of
+    from agent.web.workbench.sessions import Sessions
 
     metrics, health = Metrics(agent.overview), Health(f"http server on {settings.host} port {settings.port}")
     agent.observe(metrics)
@@ -48,7 +51,13 @@ def serve_page(
             said = True
             say(f"address: {address(settings)}")
 
-    more = []
+    def held(loop: str) -> bytes | None:
+        pipeline = agent.pipelines.get(loop)
+        return None if pipeline is None else csv_of(pipeline).encode()
+
+    sessions = Sessions()
+    agent.accompany(Health("workbench"), sessions.run)
+    more = [workbench.screen(sessions, held)]
     if config is not None:
         from agent.web.configuration import Configuration
         from agent.web.screens import configure

@@ -102,6 +102,14 @@ async def serve(
         if page_of is None
         else page_of(application(overview, metrics, None), settings, token)
     )
+    await serve_app(app, settings.host, settings.port, listens)
+
+
+async def serve_app(app: ASGIApp, host: str, port: int, listens: Callable[[], None]) -> None:
+    """Serve an application until cancelled; ConnectionLostError where the address cannot be had.
+
+    ``listens`` is called when clients can come.
+    """
     server = _Server(
         uvicorn.Config(
             app,
@@ -116,7 +124,7 @@ async def serve(
             timeout_graceful_shutdown=1,
         )
     )
-    with _bound(settings.host, settings.port) as listener:
+    with _bound(host, port) as listener:
         listens()
         work = asyncio.create_task(server.serve(sockets=[listener]), name="http server")
         try:

@@ -23,3 +23,15 @@ def loop_of(plant: Plant, name: str) -> LoopPipeline:
     if pipeline is None:
         raise HTTPException(404, f"no loop is called {name}")
     return pipeline
+
+
+def csv_of(held: LoopPipeline) -> str:
+    """Return the samples that are held of a loop as a recording."""
+    start, columns = held.window.recent()
+    names = {"pv": "PV", "op": "OP", "sp": "SP", "mv": "MV"}
+    roles = [role for role in names if role in columns]
+    lines = [",".join(["time", *(names[role] for role in roles)])]
+    for k, values in enumerate(zip(*(columns[role].tolist() for role in roles), strict=True)):
+        cells = ["" if value != value else repr(value) for value in values]  # noqa: PLR0124 - NaN
+        lines.append(",".join([f"{start + k * held.settings.ts:.3f}", *cells]))
+    return "\n".join(lines) + "\n"

@@ -13,7 +13,7 @@ from agent.web.event_stream import EventStream
 from agent.web.loop_pictures import map_json, method_picture, profile_json, report
 from agent.web.plant import Look, Plant
 from agent.web.rows import numbers, plain, row_of
-from agent.web.screens.answers import loop_of, too_many_pages
+from agent.web.screens.answers import csv_of, loop_of, too_many_pages
 from agent.web.screens.screen import PageScreen
 
 REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'"
@@ -56,15 +56,8 @@ def screen(plant: Plant) -> PageScreen:
     async def window_csv(name: str) -> PlainTextResponse:
         """The same as a recording, for `slipjump diagnose` and `slipjump compare`."""
         held = loop_of(plant, name)
-        start, columns = held.window.recent()
-        names = {"pv": "PV", "op": "OP", "sp": "SP", "mv": "MV"}
-        roles = [role for role in names if role in columns]
-        lines = [",".join(["time", *(names[role] for role in roles)])]
-        for k, values in enumerate(zip(*(columns[role].tolist() for role in roles), strict=True)):
-            cells = ["" if value != value else repr(value) for value in values]  # noqa: PLR0124 - NaN
-            lines.append(",".join([f"{start + k * held.settings.ts:.3f}", *cells]))
         disposition = {"Content-Disposition": 'attachment; filename="window.csv"'}
-        return PlainTextResponse("\n".join(lines) + "\n", media_type="text/csv", headers=disposition)
+        return PlainTextResponse(csv_of(held), media_type="text/csv", headers=disposition)
 
     @router.get("/{name}/model")
     async def model(name: str) -> dict[str, Any]:

@@ -46,7 +46,7 @@ def tree_json(tree: StepTree, recording: str, columns: dict[str, str]) -> dict[s
         "nodes": [_node(tree, each) for each in tree.nodes],
         "current": tree.current,
         "path": _path(tree),
-        "model": _model(tree, node),
+        "model": _model(node),
         "found": None if node.comparison is None else _found(node.comparison),
         "command": _command(recording, node),
         "python": _python(recording, node),
@@ -118,7 +118,7 @@ def _path(tree: StepTree) -> list[int]:
     return path[::-1]
 
 
-def _model(tree: StepTree, node: TreeNode) -> dict[str, Any]:
+def _model(node: TreeNode) -> dict[str, Any]:
     record, step = node.bench.record, node.step
     every = _every(len(record))
     pv = np.where(record.weight > 0, record.pv, np.nan)

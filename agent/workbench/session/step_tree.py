@@ -113,7 +113,7 @@ class StepTree:
         return None if known is None or effect not in known.models else known.models[effect].fit.pv
 
     def leave_out(self, stretch: Stretch) -> None:
-        """Fit everything again without a stretch of the record; raises ValueError where too little is left."""
+        """Fit everything again without a stretch of the record; ValueError where too little is left."""
         node = self.node
         window, left_out = self.window, (*node.left_out, stretch)
         known = np.ones(len(window), dtype=np.bool_)

@@ -35,6 +35,11 @@ export async function send(path, body, method = "POST") {
   return answered(answer);
 }
 
+/** Sends a file as the body. */
+export async function upload(path, file) {
+  return answered(await fetch(path, { method: "POST", headers: { "X-CSRF-Token": session.csrf, "Content-Type": "application/octet-stream" }, body: file }));
+}
+
 async function answered(answer) {
   if (answer.status === 401) location.reload();
   if (answer.ok) return answer.status === 204 ? null : answer.json();
