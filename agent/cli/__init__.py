@@ -17,6 +17,7 @@ from agent.cli.check import check
 from agent.cli.common.errors import BAD_INPUT, complain
 from agent.cli.common.examples import epilog
 from agent.cli.compare import compare
+from agent.cli.comparing.workbench import workbench
 from agent.cli.demo import demo
 from agent.cli.diagnose import diagnose
 from agent.cli.history import history
@@ -27,7 +28,6 @@ from agent.cli.run import run
 from agent.cli.serve import serve
 from agent.cli.simulate import simulate
 from agent.cli.warm import warm
-from agent.cli.workbench import workbench
 from connectors.base import ConfigError
 
 EPILOG = """Examples:

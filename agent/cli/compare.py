@@ -101,7 +101,7 @@ def compare(
     effects = _effects(effect or ())
     _check_names(base, [*(add or ()), *(drop or ())], effects)
     if page:
-        from agent.cli.workbench import open_page
+        from agent.cli.comparing.workbench import open_page
 
         open_page(recording, base)
         return
