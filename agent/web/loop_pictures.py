@@ -2,41 +2,20 @@
 
 from __future__ import annotations
 
-import html
 import io
-from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 from agent.analysis.quantify.valves.error_map import ALIKE, error_map
-from agent.report.diagnosis_text import diagnosis_lines
 from agent.web.rows import numbers
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import MethodResult, Profile
 
 MAP_STEP = 0.02
 """Step of the map, share of the span of OP: the coarser end of what the paper takes."""
-REPORT = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{loop}: {verdict}</title>
-<style>
-body {{ font: 15px/1.5 system-ui, sans-serif; color: #1b2025; }}
-body {{ max-width: 1000px; margin: 2rem auto; padding: 0 1rem; }}
-h1 {{ margin-bottom: 0; }} .quiet {{ color: #535e68; }} svg {{ width: 100%; height: auto; }}
-pre {{ font: inherit; white-space: pre-wrap; }} figure {{ margin: 1.5rem 0; }}
-@media print {{ body {{ margin: 0; }} figure {{ break-inside: avoid; }} }}
-</style></head><body>
-<h1>{loop}: {verdict}</h1>
-<p class="quiet">slipjump, made {made} UTC</p>
-<pre>{text}</pre>
-{figures}
-</body></html>
-"""
 
 
 def profile_json(profile: Profile | None) -> dict[str, Any] | None:
@@ -77,25 +56,6 @@ def method_picture(loop: str, name: str, result: MethodResult) -> str | None:
         return None
     figure.suptitle("")
     return svg(figure)
-
-
-def report(window: LoopWindow | None, diagnosis: Diagnosis, now: float) -> str:
-    """Return the diagnosis with its pictures as one page that needs no other file."""
-    from agent.plots.fit import fit_figure  # noqa: PLC0415
-    from agent.plots.profile import profile_figure  # noqa: PLC0415
-
-    found, figures = diagnosis.quantification, []
-    if window is not None:
-        figures.append(fit_figure(window, diagnosis))
-    if found is not None and found.profile is not None:
-        figures.append(profile_figure(diagnosis.loop, found.profile, found.s))
-    return REPORT.format(
-        loop=html.escape(diagnosis.loop),
-        verdict=html.escape(diagnosis.verdict.replace("_", " ")),
-        made=f"{datetime.fromtimestamp(now, UTC):%Y-%m-%d %H:%M}",
-        text=html.escape("\n".join(line.strip() for line in list(diagnosis_lines(diagnosis))[1:])),
-        figures="\n".join(f"<figure>{svg(figure)}</figure>" for figure in figures),
-    )
 
 
 def svg(figure: Figure) -> str:

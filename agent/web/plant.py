@@ -19,6 +19,7 @@ from agent.runtime.store.database import StoreError
 from agent.runtime.store.history_file import Entry, HistoryFile, history_path
 from agent.runtime.supervisor import Health
 from agent.web.drawing import Drawing
+from agent.web.judgement import KEY, Judgement, PersonalJudgement, standing
 from agent.web.live import Live
 from agent.web.ranking import Item, area_of, urgency
 
@@ -55,6 +56,8 @@ class Plant:
         self.clock = clock
         self.live: Live[Look] = Live(self.look)
         self.drawing = Drawing()
+        self.judgements = _kept_judgements(agent)
+        """Of people, by loop."""
         self._since: dict[str, tuple[str, float]] = {}
         self._entries: deque[Entry] = deque(maxlen=REMEMBERED)
         agent.observe(self)
@@ -85,14 +88,22 @@ class Plant:
         found = []
         for each in status.loops:
             pipeline = pipelines[each.loop]
-            group = group_of(each.diagnosis)
+            judgement = self.judgements.get(each.loop)
+            group = group_of(each.diagnosis) if judgement is None else judgement.group
             area = area_of(each.loop, pipeline.settings.variables)
-            found.append(
-                Item(each, pipeline.alarm, group, area, self._since_of(each.loop, pipeline.alarm), 0)
-            )
+            since = self._since_of(each.loop, pipeline.alarm)
+            found.append(Item(each, pipeline.alarm, group, area, since, 0, judgement))
         found.sort(key=lambda item: (*urgency(item.status, item.alarm, item.group), item.status.loop))
         items = tuple(replace(item, spot=spot) for spot, item in enumerate(found))
         return Look(self.clock(), items, status, {item.status.loop: item for item in items})
+
+    def judge(self, loop: str, said: PersonalJudgement) -> None:
+        """Keep what a person says of a valve, or withdraw it."""
+        content = {KEY: said.judgement, "by": said.by.strip(), "comment": said.comment}
+        self.note(loop, {"action": f"judged: {said.judgement}", **content})
+        entry = Entry(self.clock(), loop, "note", content)
+        self.judgements.pop(loop, None)
+        self.judgements |= standing([entry])
 
     def note(self, loop: str, content: dict[str, Any]) -> None:
         """Keep what a person decided about a loop."""
@@ -126,3 +137,18 @@ class Plant:
         if alarm.state.active and alarm.id is not None:
             return float(alarm.id.rpartition("/")[2])
         return None if known is None else known[1]
+
+
+def _kept_judgements(agent: Agent) -> dict[str, Judgement]:
+    """Return what people said before the agent was started again; none where nothing was kept."""
+    state = agent.settings.agent.state
+    if state is None or agent.history is None or not history_path(state).exists():
+        return {}
+    try:
+        file = HistoryFile(history_path(state), create=False)
+    except StoreError:
+        return {}
+    try:
+        return standing(file.notes())
+    finally:
+        file.close()

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.report.ranking import Group
     from agent.runtime.operate.status import LoopStatus
+    from agent.web.judgement import Judgement
 
 PRIORITIES = {"critical": 0, "high": 1, "medium": 2, "low": 3}
 
@@ -31,6 +32,8 @@ class Item:
     """Time from which the verdict is as it is, s UTC."""
     spot: int
     """Place in the ranking, 0 first."""
+    judgement: Judgement | None = None
+    """Of a person, in place of the verdict; None: there is none."""
 
     @property
     def stale(self) -> bool:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.analysis.results import IntervalEstimate
     from agent.runtime.loop.pipeline import LoopPipeline
+    from agent.web.judgement import Judgement
 
 POINTS = 48
 """Of a sparkline."""
@@ -52,6 +53,16 @@ def row_of(item: Item) -> dict[str, Any]:
         "until": plain(alarm.until),
         "data": status.data,
         "next": next_step(item),
+        "judgement": None if item.judgement is None else _judgement(item.judgement),
+    }
+
+
+def _judgement(each: Judgement) -> dict[str, Any]:
+    return {
+        "judgement": each.judgement,
+        "by": each.by,
+        "comment": each.comment,
+        "time": plain(each.time),
     }
 
 

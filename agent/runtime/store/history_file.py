@@ -102,6 +102,14 @@ class HistoryFile:
             ).fetchall()
         return tuple(Entry(time, name, kind, json.loads(text)) for time, name, kind, text in reversed(rows))
 
+    def notes(self) -> tuple[Entry, ...]:
+        """Return what people decided, the oldest first."""
+        with self._database.transaction("DEFERRED") as database:
+            rows = database.execute(
+                "SELECT time, loop, content FROM entry WHERE kind = 'note' ORDER BY time, number"
+            ).fetchall()
+        return tuple(Entry(time, name, "note", json.loads(text)) for time, name, text in rows)
+
     def _used(self) -> int:
         """Bytes of the file that hold something."""
         with self._database.reading() as database:

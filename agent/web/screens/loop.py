@@ -10,7 +10,9 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from agent.report.diagnosis_json import diagnosis_json
 from agent.web.decisions import OperatorDecision, decide
 from agent.web.event_stream import EventStream
-from agent.web.loop_pictures import map_json, method_picture, profile_json, report
+from agent.web.judgement import PersonalJudgement
+from agent.web.loop_pictures import map_json, method_picture, profile_json
+from agent.web.loop_print import figure_svg, report, work_order
 from agent.web.plant import Look, Plant
 from agent.web.rows import numbers, plain, row_of
 from agent.web.screens.answers import csv_of, loop_of, too_many_pages
@@ -133,6 +135,35 @@ def screen(plant: Plant) -> PageScreen:
         if problem is not None:
             raise HTTPException(409, f"{decision.action} of {name}: {problem}")
         return row_of(plant.look().by_name[name])
+
+    @router.post("/{name}/judgement")
+    async def judgement(name: str, said: PersonalJudgement) -> dict[str, Any]:
+        """Say that a valve sticks or is sound in place of the verdict, or withdraw that; the alarm stays."""
+        loop_of(plant, name)
+        plant.judge(name, said)
+        return row_of(plant.look().by_name[name])
+
+    @router.get("/{name}/work-order", response_class=HTMLResponse)
+    async def ordered(name: str) -> HTMLResponse:
+        """A work order for the workshop, to be printed: finding, picture, S, proposed test, lines to sign."""
+        held = loop_of(plant, name)
+        if held.diagnosis is None:
+            raise HTTPException(404, "there is no verdict on this loop yet")
+        key = ("work order", name, held.judged_at)
+        text = await plant.drawing.calculated(key, work_order, held.fitted, held.diagnosis, plant.clock())
+        return HTMLResponse(text, headers={"Content-Security-Policy": REPORT_POLICY})
+
+    @router.get("/{name}/figure.svg", response_class=Response)
+    async def figure(name: str) -> Response:
+        """The judged window with its model as a picture."""
+        held = loop_of(plant, name)
+        seen, diagnosis = held.fitted, held.diagnosis
+        if seen is None or diagnosis is None:
+            raise HTTPException(404, "the newest window of this loop got no model")
+        drawn = await plant.drawing.calculated(("figure", name, seen.start), figure_svg, seen, diagnosis)
+        disposition = {"Content-Disposition": 'attachment; filename="figure.svg"'}
+        headers = {"Content-Security-Policy": REPORT_POLICY, **disposition}
+        return Response(drawn, media_type="image/svg+xml", headers=headers)
 
     return PageScreen("loop", "", "/loops/{name}", router)
 

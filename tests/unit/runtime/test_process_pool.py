@@ -2,12 +2,12 @@
 
 import os
 import signal
-import sys
 from pathlib import Path
 
 import pytest
 
 from agent.cli.common.answer import Task
+from agent.cli.diagnosing import work
 from agent.runtime.loop.process_pool import results_of
 
 
@@ -31,6 +31,6 @@ def test_diagnose_names_the_file_and_goes_on(monkeypatch):
     tasks = [Task(Path(name), None, None, None, None) for name in ("a.csv", "b.csv")]
     monkeypatch.setattr("agent.runtime.capabilities.cores", lambda: 2)
     monkeypatch.setattr("agent.runtime.loop.process_pool.results_of", lambda *_: iter([None, "answer"]))
-    died, answer = sys.modules["agent.cli.diagnose"]._worked_out(tasks)
+    died, answer = work._worked_out(tasks)
     assert died.faults == ("a.csv: not diagnosed: its process was ended, for want of memory or by somebody",)
     assert (died.diagnosis, answer) == (None, "answer")

@@ -28,6 +28,24 @@ export function Decision({ row, id, decided }) {
       setBusy(false);
     }
   };
+  const judge = async (judgement) => {
+    if (!by.trim() || !comment.trim()) {
+      say({ fault: true, text: "Enter your name and, as the comment, why: a judgement is signed and has a reason." });
+      return;
+    }
+    setBusy(true);
+    try {
+      keepWho(by.trim());
+      await send(`/api/loops/${encodeURIComponent(row.loop)}/judgement`, { judgement, by: by.trim(), comment });
+      say({ fault: false, text: "Kept. The work list shows it; the alarm stays as it is." });
+      setComment("");
+      decided?.();
+    } catch (error) {
+      say({ fault: true, text: error.message });
+    } finally {
+      setBusy(false);
+    }
+  };
   const unacknowledged = row.alarm === "unacked_active" || row.alarm === "returned_unacked";
   const silenced = row.alarm === "shelved" || row.alarm === "out_of_service";
   return html`<div class="decision">
@@ -42,6 +60,10 @@ export function Decision({ row, id, decided }) {
     </div>
     ${row.alarm !== "out_of_service" && html`<div class="buttons"><label class="field">Hours<input type="number" min="0.1" max="8760" step="any" value=${hours} onInput=${(event) => setHours(event.target.value)} size="5" /></label>
       <button type="button" disabled=${busy || !(Number(hours) > 0)} onClick=${() => order("shelve", { hours: Number(hours) })} class="low">${silenced ? "Shelve anew" : "Shelve"}</button></div>`}
+    <div class="buttons"><span class="quiet">Your own judgement, with a comment:</span>
+      <button type="button" disabled=${busy} data-testid="judge-sticks" onClick=${() => judge("sticks")}>It sticks</button>
+      <button type="button" disabled=${busy} data-testid="judge-sound" onClick=${() => judge("sound")}>It is sound</button>
+      ${row.judgement && html`<button type="button" disabled=${busy} onClick=${() => judge("withdrawn")}>Withdraw</button>`}</div>
     <p role="status" class=${said?.fault ? "problem" : "done"} hidden=${!said}>${said?.text}</p>
   </div>`;
 }

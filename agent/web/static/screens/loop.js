@@ -48,8 +48,12 @@ export default function Loop({ params }) {
       ${row.alarm !== "normal" && html`<${AlarmMark} row=${row} />`}
       ${parts?.busy && html`<span class="quiet" role="status">a new window is judged</span>`}
       <div class="actions"><a class="button" href=${`${base}/window.csv`} download=${`${name}.csv`}>Window as CSV</a>
-        ${diagnosis && html`<a class="button" href=${`${base}/report`} target="_blank" rel="noopener">Report</a>`}</div>
+        ${diagnosis && html`<a class="button" href=${`${base}/report`} target="_blank" rel="noopener">Report</a>
+          <a class="button" href=${`${base}/work-order`} target="_blank" rel="noopener">Work order</a>`}
+        ${about.window && html`<a class="button" href=${`${base}/figure.svg`} download=${`${name}.svg`}>Figure</a>`}
+        <a class="button" href="/workbench">Workbench</a></div>
     </div>
+    ${row.judgement && html`<p class="judgement" data-testid="judgement"><strong>${row.judgement.by}</strong> says: ${row.judgement.judgement === "sticks" ? "it sticks" : "it is sound"} (${moment(row.judgement.time)}). ${row.judgement.comment}</p>`}
     <${Facts} row=${row} diagnosis=${diagnosis} />
     <div class="columns">
       <div class="stack">

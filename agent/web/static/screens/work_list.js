@@ -95,7 +95,7 @@ function Row({ row, spark, age, widest }) {
   const stale = row.data === "stale";
   return html`<tr data-loop=${row.loop} data-verdict=${row.verdict} class=${`${row.group} ${row.alarm}`}>
     <th scope="row" class="loop"><a href=${`/loops/${encodeURIComponent(row.loop)}`}>${row.loop}</a><span class="under">${row.connection}</span></th>
-    <td class="verdict"><span class=${`verdict-words ${row.group}`}><${Shape} group=${row.group} /> ${row.words}</span>
+    <td class="verdict"><span class=${`verdict-words ${row.group}`}><${Shape} group=${row.group} /> ${row.words}</span>${row.judgement && html`<span class="under">judged by ${row.judgement.by}</span>`}
       ${row.next && html`<span class="under next">${row.next}</span>`}</td>
     <td data-label="S"><${StickBand} s=${row.s} widest=${widest} doubt=${row.doubt} /></td>
     <td class="number" data-label="Sticks with">${percent(row.probability)}</td>
