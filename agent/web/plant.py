@@ -18,9 +18,9 @@ from agent.runtime.operate.status import AgentStatus
 from agent.runtime.store.database import StoreError
 from agent.runtime.store.history_file import Entry, HistoryFile, history_path
 from agent.runtime.supervisor import Health
-from agent.web.drawing import Drawing
 from agent.web.judgement import KEY, Judgement, PersonalJudgement, standing
 from agent.web.live import Live
+from agent.web.pictures.drawing import Drawing
 from agent.web.ranking import Item, area_of, urgency
 
 REMEMBERED = 20_000

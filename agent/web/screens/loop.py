@@ -11,8 +11,8 @@ from agent.report.diagnosis_json import diagnosis_json
 from agent.web.decisions import OperatorDecision, decide
 from agent.web.event_stream import EventStream
 from agent.web.judgement import PersonalJudgement
-from agent.web.loop_pictures import map_json, method_picture, profile_json
-from agent.web.loop_print import figure_svg, report, work_order
+from agent.web.pictures.loop_pictures import map_json, method_picture, profile_json
+from agent.web.pictures.loop_print import figure_svg, report, work_order
 from agent.web.plant import Look, Plant
 from agent.web.rows import numbers, plain, row_of
 from agent.web.screens.answers import csv_of, loop_of, too_many_pages

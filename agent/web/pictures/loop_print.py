@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from agent.report.advice import advice
 from agent.report.diagnosis_text import diagnosis_lines, estimate_line
 from agent.report.reasons import reasons
-from agent.web.loop_pictures import svg
+from agent.web.pictures.loop_pictures import svg
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
