@@ -47,6 +47,8 @@ async def test_an_alarm_is_seen_acknowledged_and_seen_to_be(served):
         assert event.Message.Text == "FIC101: valve sticks: S 4, J 1"
 
         assert await alarms.acknowledge(event, "looked at") == "Good"
+        # Before the agent has obeyed: the second is too late, and the comment of the first stays.
+        assert await alarms.acknowledge(event, "me too") == "BadConditionBranchAlreadyAcked"
         order = await served.order()
         assert order == Order("FIC101", "acknowledge", order.by, alarm="FIC101/1")
         assert order.by.endswith("(127.0.0.1)")

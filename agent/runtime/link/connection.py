@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import sys
+from collections import deque
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
@@ -117,8 +118,14 @@ class Connection:
             self.health.expect("data", self._data_age + MARGIN)
 
     async def _publish(self, session: Session) -> None:
-        refusals = self._outbox.refusals
+        refusals, again = self._outbox.refusals, deque(self._outbox.published())
         while True:
+            if again and not len(self._outbox):
+                # What was published before this session opened: the peer may have forgotten it.
+                state = again.popleft()
+                if self._outbox.stands(state):
+                    await self._send(session, state)
+                continue
             try:
                 async with asyncio.timeout_at(refusals.due):
                     publication = await self._outbox.first()

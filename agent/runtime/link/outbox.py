@@ -48,6 +48,7 @@ class Outbox:
         self._journal = journal
         self._limit = limit
         self._waiting: OrderedDict[tuple[str, str], _Entry] = OrderedDict()
+        self._published: dict[str, Publication] = {}
         self._filled = asyncio.Event()
         self._connected = False
 
@@ -108,7 +109,22 @@ class Outbox:
         """Remove a publication that the peer accepted. One that has replaced it meanwhile stays."""
         if self._entry_of(publication) is not None:
             self._forget(publication.key)
+        if publication.kind == "state":
+            self._published[publication.subject] = publication
+        elif publication.kind != "event":
+            self._published.pop(publication.subject, None)
         self.refusals.settle(publication)
+
+    def published(self) -> tuple[Publication, ...]:
+        """Return the newest state of each subject that the peer accepted, and that nothing newer follows.
+
+        A peer that was restarted has lost them: they are published again when a session opens.
+        """
+        return tuple(each for each in self._published.values() if each.key not in self._waiting)
+
+    def stands(self, publication: Publication) -> bool:
+        """Whether a state that was accepted is still the newest of its subject."""
+        return self._published.get(publication.subject) is publication
 
     def refused(self, publication: Publication, error: RefusedError) -> None:
         """Set a refused publication aside; one that has replaced it meanwhile comes next."""

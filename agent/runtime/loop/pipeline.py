@@ -16,6 +16,7 @@ from agent.analysis.routine import Diagnose, routine_diagnosis
 from agent.analysis.stiction.online import OnlineShapes
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.loop.source_clock import SourceClock
+from agent.runtime.loop.usable import UsableValues
 from agent.runtime.loop.window import RollingWindow
 from agent.runtime.loop.workers import Executor
 from agent.runtime.store.change import Change
@@ -71,6 +72,8 @@ class LoopPipeline:
         self.clock = clock
         """Which times are believed; None: all."""
         self.window = RollingWindow(settings)
+        self.usable = UsableValues(settings.name)
+        """Whether PV and OP have values that can be used."""
         delay = Delay(settings.alarm.on_delay, settings.alarm.off_delay)
         self.alarm = Alarm(settings.name, settings.alarm.priority, delay)
         self.diagnosis: Diagnosis | None = None
@@ -99,6 +102,7 @@ class LoopPipeline:
     def push(self, sample: Sample, arrival: float) -> None:
         """Take a sample that arrived at ``arrival`` (monotonic, s)."""
         self.heard = arrival
+        self.usable.see(sample, arrival)
         counts = sample if self.clock is None else self.clock.checked(sample, arrival)
         window = None if counts is None else self.window.push(counts, arrival)
         if window is None:
@@ -121,7 +125,7 @@ class LoopPipeline:
         if _of_the_window(self.settings) == _of_the_window(former.settings):
             self.window, self._shapes, self.clock = former.window, former._shapes, former.clock
             self.diagnosis, self.fitted, self.superseded = former.diagnosis, former.fitted, former.superseded
-            self.heard, self.judged_at = former.heard, former.judged_at
+            self.heard, self.judged_at, self.usable = former.heard, former.judged_at, former.usable
             self._waiting, self._due_since = former._waiting, former._due_since
             if self._waiting is not None:
                 self._due.set()

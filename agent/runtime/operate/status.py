@@ -116,11 +116,13 @@ def loop_status(pipeline: LoopPipeline, settings: Settings, health: Health) -> L
     """Look at a loop."""
     now = asyncio.get_running_loop().time()
     window, loop, diagnosis = pipeline.window, pipeline.settings, pipeline.diagnosis
+    limit = max(silence(loop, settings.agent), loop.hold or 0.0)
+    unusable = pipeline.usable.problem(now, pipeline.began, limit)
     return LoopStatus(
         loop=loop.name,
         connection=loop.connection,
         bus=settings.connections[loop.connection].kind,
-        data=_data(pipeline, now, max(silence(loop, settings.agent), loop.hold or 0.0)),
+        data="stale" if unusable is not None and pipeline.heard is not None else _data(pipeline, now, limit),
         samples=window.counters.samples,
         gaps=window.counters.missing,
         bad=window.counters.bad,
@@ -133,7 +135,7 @@ def loop_status(pipeline: LoopPipeline, settings: Settings, health: Health) -> L
         diagnosis=diagnosis,
         alarm=pipeline.alarm.state,
         faults=health.faults,
-        problem=health.problem,
+        problem=health.problem or (unusable or "" if pipeline.heard is not None else ""),
     )
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import logging
+import os
 import sqlite3
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -16,6 +17,8 @@ BUSY = 1.0
 """How long to wait for another process that writes, s; it needs milliseconds."""
 CACHE = 256
 """KiB of memory for pages of the file; SQLite's own 2000 fill over days, and hardly a page is read again."""
+PRIVATE = 0o600
+"""Of a new file: alarms carry names and comments of people."""
 LARGEST_LOG = 1_000_000
 """Bytes to which the write-ahead log is cut back."""
 _UNREADABLE = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
@@ -38,6 +41,12 @@ class Format:
     synchronous: Literal["FULL", "NORMAL"]
     """FULL: what a transaction wrote is there after a power failure, at the price of an fsync each. NORMAL:
     after SIGKILL, but a power failure may undo the last ones."""
+
+
+def _made_private(path: Path) -> None:
+    """Make a file that is not there for its owner only; SQLite's own would be readable by everybody."""
+    with suppress(FileExistsError, OSError):  # SQLite reports what is wrong with the path
+        os.close(os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, PRIVATE))
 
 
 class Database:
@@ -79,6 +88,8 @@ class Database:
     def _opened(self, *, create: bool) -> sqlite3.Connection:
         with _named(self.path):
             mode = "rwc" if create else "rw"
+            if create:
+                _made_private(self.path)
             database = sqlite3.connect(
                 f"{self.path.absolute().as_uri()}?mode={mode}", uri=True, timeout=BUSY, isolation_level=None
             )

@@ -25,7 +25,8 @@ def only_agent_of(state: Path | None) -> Iterator[None]:
     if state is None:
         yield
         return
-    path = state.with_name(f"{state.name}.lock")
+    own = state.resolve()  # through a symlink it is the same file, and the same lock
+    path = own.with_name(f"{own.name}.lock")
     try:
         handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     except OSError as error:

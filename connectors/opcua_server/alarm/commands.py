@@ -7,6 +7,7 @@ Disable have no counterpart in slipjump and are answered with BadNotSupported.
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import Any
@@ -24,6 +25,8 @@ Ids, Codes = ua.ObjectIds, ua.StatusCodes
 Work = Callable[[LoopView, Any, Any], Awaitable[ua.CallMethodResult]]
 MOST_ORDERS = 100
 """Orders that may wait for the agent."""
+PATIENCE = 10.0
+"""Time in which the agent obeys an order, s: a second acknowledgement within it is too late."""
 
 
 class Commands:
@@ -44,6 +47,8 @@ class Commands:
         """Orders of operators."""
         self.taken = 0
         """Orders that were put into the queue."""
+        self._acknowledged: dict[str, tuple[str | None, float]] = {}
+        """Loop -> activation that was acknowledged last, and when, monotonic, s."""
         self._longest_shelving = longest_shelving
         self._views = {names.condition(loop): view for loop, view in views.items()}
         self._views |= {names.shelving(loop): view for loop, view in views.items()}
@@ -87,9 +92,14 @@ class Commands:
         condition = view.condition
         if event not in condition.event_ids:
             return status(Codes.BadEventIdUnknown)
-        if condition.acked:
+        now, (activation, since) = time.monotonic(), self._acknowledged.get(condition.loop, (None, -math.inf))
+        waits = activation == condition.activation and now - since < PATIENCE
+        if condition.acked or waits:
             return status(Codes.BadConditionBranchAlreadyAcked)
-        return self._order(view, "acknowledge", comment, alarm=condition.activation)
+        answer = self._order(view, "acknowledge", comment, alarm=condition.activation)
+        if answer.StatusCode.is_good():
+            self._acknowledged[condition.loop] = condition.activation, now
+        return answer
 
     async def _comment(self, view: LoopView, event: bytes, comment: str) -> ua.CallMethodResult:
         if event not in view.condition.event_ids:
