@@ -26,6 +26,10 @@ def load_settings(path: Path) -> Settings:
 
     ``agent.state`` is always set in the result; ``settings_of`` knows no file and leaves it unchanged.
     """
+    if (
+        path.exists() and not path.is_file()
+    ):  # reading a pipe would wait for ever, and a reload finds it empty
+        raise ConfigError([f"{path}: is no regular file"])
     try:
         text = path.read_text(encoding="utf-8")
         raw = yaml.safe_load(text)

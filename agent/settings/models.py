@@ -86,13 +86,18 @@ class AlarmSettings(Options):
     priority: Priority = "medium"
 
 
+LOOP_NAME = r"^[^\s/+#.\u0000-\u001f\u007f-\u009f\u200b-\u200f\u202a-\u202e\u2060-\u2069\ufeff]+$"
+"""Characters of a loop's name: not those that topics and tags use, that nobody sees, or that turn text."""
+
+
 class LoopSettings(Options):
     """One control loop: the addresses of its values, and what an engineer knows about it."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
-    name: Annotated[str, Field(min_length=1, pattern=r"^[^\s/+#.]+$", examples=["FIC101"])]
-    """Tag name without spaces and without / + # . since it becomes part of topics and tags."""
+    name: Annotated[str, Field(min_length=1, pattern=LOOP_NAME, examples=["FIC101"])]
+    """Tag name without spaces and without / + # . since it becomes part of topics and tags, and without
+    control and direction characters, which would hide in logs what is written there."""
     connection: str
     """Name of the connection from which its tags are read."""
     ts: Seconds

@@ -41,6 +41,7 @@ def application(
         docs_url=None,
         redoc_url=None,
         openapi_url="/api/openapi.json",
+        redirect_slashes=False,  # it would lead to whatever host the caller named
     )
     app.router.routes.extend(others)
 

@@ -64,6 +64,8 @@ class Connection:
         self._interrupted = interrupted
         self._data_age = data_age
         self._malformed_before = 0
+        self._works = False
+        """Whether the peer sent or accepted anything in this session."""
 
     def count_on(self, former: Connection) -> None:
         """Continue the counters of the connection that this one replaces."""
@@ -79,6 +81,7 @@ class Connection:
     async def attempt(self) -> None:
         """Open a fresh session and use it until it fails."""
         name = self._connector.name
+        self._works = False
         within = OPEN_WITHIN
         if isinstance(self._connector, OpensSlowly):
             within = max(within, self._connector.opens_within)
@@ -107,6 +110,7 @@ class Connection:
                         sign_of_life()
                         self._expect_data()
                         self.health.works()
+                        self._works = True
                         deliver(each)
                     obey_cancellation()
         except TimeoutError as error:
@@ -120,7 +124,7 @@ class Connection:
     async def _publish(self, session: Session) -> None:
         refusals, again = self._outbox.refusals, deque(self._outbox.published())
         while True:
-            if again and not len(self._outbox):
+            if again and (self._outbox.in_doubt or not len(self._outbox)):
                 # What was published before this session opened: the peer may have forgotten it.
                 state = again.popleft()
                 if self._outbox.stands(state):
@@ -141,9 +145,13 @@ class Connection:
                 await session.publish(publication)
         except RefusedError as error:
             self._outbox.refused(publication, error)
+        except ConnectionLostError:
+            self._outbox.hung_up(publication, works=self._works)
+            raise
         except TimeoutError as error:
             raise ConnectionLostError(f"accepted no publication within {PUBLISH_WITHIN:.0f} s") from error
         else:
+            self._works = True
             self._outbox.taken(publication)
         self.health.expect("publish", None)
 

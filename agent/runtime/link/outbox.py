@@ -8,7 +8,7 @@ from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from agent.runtime.link.refusals import Refusals
+from agent.runtime.link.refusals import HANG_UPS, Refusals
 from agent.runtime.store.change import Change, Waiting
 from agent.runtime.store.journal import Journal
 from connectors.base import Publication, RefusedError
@@ -49,6 +49,10 @@ class Outbox:
         self._limit = limit
         self._waiting: OrderedDict[tuple[str, str], _Entry] = OrderedDict()
         self._published: dict[str, Publication] = {}
+        self.in_doubt = False
+        """Whether the newest session ended with a publication: what was accepted before is sent first."""
+        self._hang_ups: dict[tuple[str, str], int] = {}
+        """Kind and subject -> sessions that ended with such a publication since one was accepted."""
         self._filled = asyncio.Event()
         self._connected = False
 
@@ -107,6 +111,8 @@ class Outbox:
 
     def taken(self, publication: Publication) -> None:
         """Remove a publication that the peer accepted. One that has replaced it meanwhile stays."""
+        self.in_doubt = False
+        self._hang_ups.pop((publication.kind, publication.subject), None)
         if self._entry_of(publication) is not None:
             self._forget(publication.key)
         if publication.kind == "state":
@@ -135,6 +141,34 @@ class Outbox:
         else:
             self._pop(publication.key)
             self.refusals.add(entry.sequence, publication, error)
+
+    def hung_up(self, publication: Publication, *, works: bool) -> None:
+        """Take note that a session ended while a publication was under way.
+
+        Some brokers end the connection at a topic that may not be published. What is about the same subject
+        goes behind the others; after some such sessions that worked otherwise it is set aside.
+
+        Args:
+            publication: That was under way.
+            works: Whether the peer sent or accepted anything else in this session.
+        """
+        self.in_doubt = True
+        about = [
+            key for key, entry in self._waiting.items() if entry.publication.subject == publication.subject
+        ]
+        for each in about:
+            self._waiting.move_to_end(each)
+        if not works:
+            return
+        topic = publication.kind, publication.subject
+        self._hang_ups[topic] = self._hang_ups.get(topic, 0) + 1
+        entry = self._entry_of(publication)
+        if entry is None:
+            self.refusals.hung_up(publication)
+        elif self._hang_ups[topic] >= HANG_UPS:
+            self._pop(publication.key)
+            self.refusals.count += 1
+            self.refusals.hung_up(publication, entry.sequence)
 
     def emptied(self) -> dict[int, Publication]:
         """Remove and return all waiting publications, refused or not: sequence number -> publication."""

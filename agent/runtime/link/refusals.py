@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from agent.runtime.store.change import Change
 from agent.runtime.store.journal import Journal
@@ -14,8 +14,15 @@ from connectors.base import Publication, RefusedError
 LOG = logging.getLogger(__name__)
 RETRY = 30.0
 """s from one attempt to the next: a missing node usually appears with a restart of its server."""
+HANG_UPS = 3
+"""Sessions in a row that end with the same publication, from which the peer is taken to hang up on it."""
+HUNG_UP_RETRY, LONGEST_RETRY = 60.0, 3600.0
+"""s to the first further attempt, doubled with each: every one may cost a session of all loops."""
 LIMIT = 1000
 REASONS = 5
+
+
+HUNG_UP = RefusedError("the peer ends the connection at this publication; perhaps it may not be published")
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +35,8 @@ class Refusal:
     problem: str
     due: float
     """Time of the next attempt, s of the event loop's clock."""
+    hang_ups: int = 0
+    """Attempts after it was set aside at which the peer hung up."""
 
 
 class Refusals:
@@ -91,6 +100,19 @@ class Refusals:
         former = self._waiting.get(publication.key)
         if former is not None and former.publication.id == publication.id:
             self.add(former.sequence, publication, error)
+
+    def hung_up(self, publication: Publication, sequence: int | None = None) -> None:
+        """Keep a publication on which the peer hangs up, for later and later attempts.
+
+        ``sequence``: its number in the store where it is new here; None: it is here.
+        """
+        former = self._waiting.get(publication.key)
+        if sequence is None and (former is None or former.publication.id != publication.id):
+            return
+        hang_ups = 0 if former is None else former.hang_ups + 1
+        self.add(former.sequence if sequence is None and former else sequence or 0, publication, HUNG_UP)
+        due = asyncio.get_running_loop().time() + min(HUNG_UP_RETRY * 2**hang_ups, LONGEST_RETRY)
+        self._waiting[publication.key] = replace(self._waiting[publication.key], due=due, hang_ups=hang_ups)
 
     def settle(self, publication: Publication) -> None:
         """Remove it: the peer accepted it, or a newer one."""

@@ -18,13 +18,12 @@ from starlette.types import ASGIApp
 
 from agent.runtime.operate.health_json import health_json
 from agent.runtime.operate.metrics import Metrics
+from agent.runtime.operate.patient_http import MOST_CONNECTIONS, Crowd, PatientProtocol
 from agent.runtime.operate.status import AgentStatus
 from agent.settings import HttpSettings
 from connectors.base import AccessDeniedError, ConnectionLostError
 from connectors.reuse import listen_again
 
-MOST_CLIENTS = 128
-"""Connections at the same time; more get 503. A browser keeps six."""
 IDLE = 5
 """Time after which an idle client is disconnected, s."""
 Handler = Callable[[Request], Awaitable[Response]]
@@ -73,13 +72,15 @@ def application(overview: Callable[[], AgentStatus], metrics: Metrics, token: st
 
         return checked
 
-    return Starlette(
+    app = Starlette(
         routes=[
             Route("/live", live),
             Route("/health", guarded(health)),
             Route("/metrics", guarded(numbers)),
         ]
     )
+    app.router.redirect_slashes = False  # it would lead to whatever host the caller named
+    return app
 
 
 async def serve(
@@ -112,14 +113,13 @@ async def serve_app(app: ASGIApp, host: str, port: int, listens: Callable[[], No
     """
     server = _Server(
         uvicorn.Config(
-            app,
+            Crowd(app),
             log_config=None,
             access_log=False,
             lifespan="off",
-            http="h11",
+            http=PatientProtocol,
             ws="none",
             server_header=False,
-            limit_concurrency=MOST_CLIENTS,
             timeout_keep_alive=IDLE,
             timeout_graceful_shutdown=1,
         )
@@ -144,7 +144,7 @@ def _bound(host: str, port: int) -> socket.socket:
         try:
             listen_again(listener)
             listener.bind(address)
-            listener.listen(MOST_CLIENTS)
+            listener.listen(MOST_CONNECTIONS)
         except OSError:
             listener.close()
             raise

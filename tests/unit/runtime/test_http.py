@@ -11,6 +11,7 @@ import pytest
 import yaml
 from prometheus_client.parser import text_string_to_metric_families
 
+from agent.runtime.operate import patient_http
 from agent.runtime.operate.http import serve
 from agent.runtime.operate.metrics import Metrics
 from agent.runtime.supervisor import Health, keep_alive
@@ -193,3 +194,43 @@ def test_beyond_this_machine_a_token_is_a_must(http, fault):
     told = [each for each in caught.value.faults if each.startswith("agent.http")]
     assert told == [] if fault is None else fault in told[0]
     assert "s3cret" not in str(caught.value)
+
+
+async def test_silent_and_half_open_clients_give_way_and_live_always_answers(monkeypatch):
+    monkeypatch.setattr(patient_http, "REQUEST_WITHIN", 0.3)
+    monkeypatch.setattr(patient_http, "MOST_CONNECTIONS", 20)
+    port = free_port()
+
+    async def scenario():
+        silent = [await asyncio.open_connection("127.0.0.1", port) for _ in range(60)]
+        for _, writer in silent[::2]:
+            writer.write(b"GET /metrics HTTP/1.1\r\nHost: x\r\nX-Slow:")  # and never ends
+        assert await asked(port, "/live") == (200, "ok\n")
+        for reader, _ in silent:
+            await asyncio.wait_for(reader.read(), 30)  # each is closed by the server
+        assert (await asked(port, "/metrics"))[0] == 200
+        for _, writer in silent:
+            writer.close()
+
+    await served(agent_of(FakeBus(stream(["FIC101"], 10))), port, scenario=scenario)
+
+
+async def test_live_is_answered_in_a_crowd_where_others_get_503(monkeypatch):
+    monkeypatch.setattr(patient_http, "MOST_REQUESTS", 0)
+    port = free_port()
+
+    async def scenario():
+        assert (await asked(port, "/live"))[0] == 200
+        assert (await asked(port, "/metrics"))[0] == 503
+
+    await served(agent_of(FakeBus(stream(["FIC101"], 10))), port, scenario=scenario)
+
+
+async def test_no_answer_leads_to_the_host_that_the_caller_named():
+    port = free_port()
+
+    async def scenario():
+        for path in ("/health/", "/live/", "/metrics/"):
+            assert (await asked(port, path))[0] == 404
+
+    await served(agent_of(FakeBus(stream(["FIC101"], 10))), port, scenario=scenario)

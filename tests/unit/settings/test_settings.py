@@ -2,6 +2,7 @@
 
 import copy
 import json
+import os
 
 import pytest
 import yaml
@@ -213,3 +214,17 @@ def test_modes_that_the_file_adds(raw):
 def test_the_schema_in_the_folder_is_that_of_the_models():
     """To make it anew: .venv/bin/python -m agent.settings.schema > config/schema.json."""
     assert json.loads(SCHEMA.read_text()) == json_schema()
+
+
+@pytest.mark.parametrize("hidden", ["\u202e", "\u200b", "\x1b[31m", "\x00", "\u2066", "\ufeff"])
+def test_a_name_that_hides_or_turns_what_is_written_is_refused_in_words(raw, hidden):
+    raw["loops"][0]["name"] = f"FIC{hidden}101"
+    (line,) = [each for each in faults_of(raw) if "name" in each]
+    assert "control and direction characters" in line.replace("\n", " ")
+    assert hidden not in line
+
+
+def test_a_pipe_as_configuration_is_refused_and_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "plant.yaml")
+    with pytest.raises(ConfigError, match="is no regular file"):
+        load_settings(tmp_path / "plant.yaml")

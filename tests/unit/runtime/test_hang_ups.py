@@ -1,0 +1,48 @@
+"""A broker that ends the connection at a topic that may not be published: the other loops go on."""
+
+import asyncio
+
+from connectors.base import ConnectionLostError
+from tests.unit.runtime.agents import agent_of, stream, virtual
+from tests.unit.runtime.fake_bus import FakeBus
+
+LOOPS = ("FIC101", "FIC102")
+
+
+class HangsUp(FakeBus):
+    """Ends the session at a publication about one loop."""
+
+    forbidden = "FIC101"
+
+    async def publish(self, publication):
+        if publication.subject == self.forbidden:
+            raise ConnectionLostError("connection closed by the broker")
+        await super().publish(publication)
+
+
+def test_a_topic_at_which_the_broker_hangs_up_is_parked_and_the_rest_is_published():
+    scada = HangsUp(None, name="scada")
+    agent = agent_of(FakeBus(stream(LOOPS, 7200)), LOOPS, scada=scada)
+
+    async def scenario():
+        task = asyncio.create_task(agent.run())
+        await asyncio.sleep(3600.0)
+        refusals = agent.outboxes["scada"].refusals
+        seen = len(scada.opened), refusals.reasons, refusals.count
+        scada.forbidden = ""
+        await asyncio.sleep(3600.0)
+        left = len(refusals)
+        task.cancel()
+        await asyncio.wait({task})
+        return seen, left
+
+    (opened, reasons, count), left = virtual(scenario())
+    about = {each.subject for each in scada.published}
+    assert about == set(LOOPS)
+    assert any(each.subject == "FIC102" and each.kind == "event" for each in scada.published)
+    assert "ends the connection at this publication" in reasons[0]
+    assert count >= 1
+    assert opened < 60  # later and later attempts; with each new state three more
+    assert left == 0
+    events = [each.id for each in scada.published if each.kind == "event"]
+    assert len(events) == len(set(events)) == 2  # nothing lost, nothing doubled
