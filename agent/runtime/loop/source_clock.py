@@ -22,6 +22,8 @@ CONFIRMED = 1.0
 """Time over which later times must go on from a leap until it is believed, s: then the clock was set."""
 LATE = 60.0
 """Longest time for which a sample may be on its way, s."""
+LOGGED_AGAIN = 600.0
+"""Time in which the log has once that a clock is off, s: a source may alternate with every message."""
 EARLY = 2.0
 """How much the time of a missing value may be ahead of what the source's clock must show, s."""
 
@@ -50,6 +52,10 @@ class SourceClock:
         """When it came, monotonic, s."""
         self._offset: float | None = None
         """What is added to absurd times, s; None while they are not."""
+        self._logged = math.nan
+        """When the log last had that the clock is off, s UTC."""
+        self._said = False
+        """Whether it had it this time."""
         self._leap: tuple[float, float] | None = None
         """Time and arrival of the first of those in a row that do not go on from the newest."""
 
@@ -79,7 +85,8 @@ class SourceClock:
 
     def _believed(self, time: float) -> float:
         if self._offset is not None:
-            LOG.info("%s: the source's clock is believed again", self._loop)
+            if self._said:
+                LOG.info("%s: the source's clock is believed again", self._loop)
             self._offset = None
         return time
 
@@ -88,7 +95,11 @@ class SourceClock:
         now = self._now()
         if self._offset is None:
             off = time - now
-            LOG.warning("%s: the source's clock is off by %.0f s, time is taken from here", self._loop, off)
+            self._said = not abs(now - self._logged) < LOGGED_AGAIN  # NaN before the first
+            if self._said:
+                self._logged = now
+                text = "%s: the source's clock is off by %.0f s, time is taken from here"
+                LOG.warning(text, self._loop, off)
             self._offset = -off
         self.absurd += 1
         ahead = time + self._offset - now

@@ -129,3 +129,13 @@ def test_what_is_no_time_is_dropped_by_the_window(time):
     odd = clock.checked(sample("pv", time, 1.0), 0.0)
     assert window.push(odd, 1.0) is None
     assert window.newest == START
+
+
+def test_a_source_that_alternates_with_every_message_is_logged_seldom(caplog):
+    now = [1.7e9]
+    clock = SourceClock("FIC101", 86400.0, lambda: now[0])
+    with caplog.at_level(logging.INFO):
+        for k in range(20_000):
+            now[0] = 1.7e9 + k / 20
+            clock.checked(sample("pv", now[0] - START if k % 2 else 1.0 - START, 1.0), now[0])
+    assert len(caplog.records) <= 4  # of a thousand seconds
