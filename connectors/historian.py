@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+import re
+
+NUMBER_OF_ERROR = re.compile(r"^\[-?\d+\]\s*")
+"""PI DataLink writes ``[-11059] No Good Data For Calculation``."""
 GAP_WORDS = frozenset(
     {
         "",
         "-",
         "--",
         "---",
+        "#div/0!",
         "#n/a",
+        "#n/a n/a",
+        "#name?",
+        "#null!",
+        "#num!",
+        "#ref!",
+        "#value!",
+        "-1.#ind",
+        "1.#ind",
+        "1.#qnan",
         "access denied",
         "arc off-line",
         "bad",
@@ -41,6 +55,7 @@ GAP_WORDS = frozenset(
         "nil",
         "no data",
         "no good data",
+        "no good data for calculation",
         "no output",
         "no result",
         "no sample",
@@ -70,4 +85,4 @@ GAP_WORDS = frozenset(
 
 def is_gap(cell: str) -> bool:
     """Return whether ``cell`` says that there is no value."""
-    return cell.strip().strip("<>").casefold() in GAP_WORDS
+    return NUMBER_OF_ERROR.sub("", cell.strip()).strip("<>").casefold() in GAP_WORDS

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
     from connectors.exports.tables.sheet import FloatArray, Sheet
 
+MOST_WRONG = 0.5
+"""Share of cells without a number above which a column is not what its name says."""
 LOOKED_AT = 2000
 """Cells of a column from which the style of numbers is learnt."""
 
@@ -55,6 +57,7 @@ def loops_of_columns(sheet: Sheet, layout: ColumnLayout, options: ReadOptions) -
     if not loops:
         raise no_loops(sheet, problems)
     used = next((each for each in times.values() if each is not None), None)
+    problems += dict.fromkeys(each.note for each in times.values() if each is not None and each.note)
     zone, form = ("", "samples") if used is None else (used.zone, used.form)
     return Export(
         sheet.path, layout.format, sheet.kind, zone, form, style.decimal, tuple(loops), tuple(problems)
@@ -165,7 +168,7 @@ def _values(
     if wrong:
         cell = column.cells[wrong[0]]
         fault = f"{column.name} is {shown(str(cell))}, expected a number or an empty cell"
-        if layout.format == "plain":
+        if layout.format == "plain" or len(wrong) > MOST_WRONG * len(column.cells):
             raise RecordingError(f"{sheet.where(wrong[0])}: {fault}")
         more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
         problems.append(f"{sheet.place} {sheet.lines[wrong[0]]}: {fault}; it is a gap{more}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,8 +11,9 @@ from numpy.typing import NDArray
 
 from connectors.exports.cells.quality_words import usable
 from connectors.exports.cells.times import times_of
+from connectors.exports.fault import RecordingError, shown
 from connectors.exports.layout import ColumnLayout, Placed, short_names, usable_roles
-from connectors.exports.loops_of_columns import no_loops, number_style
+from connectors.exports.loops_of_columns import MOST_WRONG, no_loops, number_style
 from connectors.exports.merged import merged
 from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
 from connectors.exports.series import Series, rising, words_as_numbers
@@ -41,6 +43,7 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
         allowed = np.ones(len(numbers), np.bool_)
     rows = _rows_of_tags(sheet.text(sheet.columns[layout.tag]))
     tags, problems = _tags(rows, tagger)
+    problems += [times.note] if times.note else []
     names = short_names(list(tags))
     loops: list[RecordedLoop] = []
     words = sheet.text(sheet.columns[layout.value])
@@ -64,7 +67,10 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
                 series[role] = Series(time, *words_as_numbers([words[k] for k in mine]))
                 continue
             series[role] = Series(time, numbers[mine])
-            bad += len(wrong.intersection(mine.tolist())) + int(np.count_nonzero(~allowed[mine]))
+            lost = sorted(wrong.intersection(mine.tolist()))
+            if lost:
+                problems.append(_no_number(sheet, tag, words, lost, len(mine)))
+            bad += len(lost) + int(np.count_nonzero(~allowed[mine]))
         labels = {role if role == "mode" else role.upper(): tag for role, tag in renamed.items()}
         loops.append(merged(sheet, names[loop], series, labels, bad, times))
     if not loops:
@@ -72,6 +78,15 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
     return Export(
         sheet.path, "long", sheet.kind, times.zone, times.form, style.decimal, tuple(loops), tuple(problems)
     )
+
+
+def _no_number(sheet: Sheet, tag: str, words: Sequence[str], rows: Sequence[int], of: int) -> str:
+    """Return a line about values that are no numbers; raises RecordingError where most of a tag are none."""
+    fault = f"{tag} is {shown(words[rows[0]])}, expected a number or an empty cell"
+    if len(rows) > MOST_WRONG * of:
+        raise RecordingError(f"{sheet.where(rows[0])}: {fault}")
+    more = f" ({len(rows) - 1} more)" if len(rows) > 1 else ""
+    return f"{sheet.place} {sheet.lines[rows[0]]}: {fault}; it is a gap{more}"
 
 
 def _numbers(sheet: Sheet, place: int, style: NumberStyle) -> tuple[FloatArray, set[int]]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from connectors.exports.cells.clock_numbers import CLOCKS
 from connectors.exports.cells.times import TimeOptions
 from connectors.exports.fault import RecordingError
 from connectors.exports.recorded import ReadOptions
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from connectors.exports.recorded import Export
 
 Role = Literal["PV", "OP", "SP", "MV", "mode"]
-COUNTED = {"epoch_s", "epoch_ms", "epoch_us", "epoch_ns", "excel", "matlab", "seconds"}
 
 
 class _Mapping(BaseModel):
@@ -29,7 +29,7 @@ class _Mapping(BaseModel):
 
     zone: str | None = None
     time_format: str | None = None
-    date_order: Literal["dmy", "mdy"] | None = None
+    date_order: Literal["dmy", "mdy", "ymd"] | None = None
     decimal: Literal[".", ","] | None = None
     pattern: str | None = None
     ts: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
@@ -39,7 +39,7 @@ class _Mapping(BaseModel):
 
 def mapping_text(export: Export, options: ReadOptions) -> str:
     """Return the mapping of a file as YAML."""
-    counted = export.time_form if export.time_form in COUNTED else None
+    counted = export.time_form if export.time_form in CLOCKS else None
     known = {
         "zone": options.times.zone or (export.zone if export.zone not in {"", "as written"} else None),
         "time_format": options.times.form or counted,

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from connectors.exports.fault import RecordingError
 from connectors.exports.recorded import RecordedLoop
@@ -15,6 +16,10 @@ if TYPE_CHECKING:
     from connectors.exports.cells.times import Times
     from connectors.exports.tables.sheet import FloatArray, Sheet
 
+MOST_CUT_OFF = 0.3
+"""Share of samples, other than the one before at the same time, from which the times are too coarse."""
+FEWEST = 20
+"""Samples from which that share says anything."""
 SUMMER_TIME = (3540.0, 3660.0)
 """Step back of local time when summer time ends, s; half an hour of Lord Howe Island is not known."""
 
@@ -39,6 +44,7 @@ def merged(
     if not time.size:
         raise RecordingError(f"{sheet.path}: {name} has no sample of PV")
     keep = np.concatenate(([True], np.diff(time) > 0))
+    _refuse_coarse_times(sheet, name, time, keep, values["op"], values["pv"])
     words = series["mode"].words if "mode" in series else ()
     return RecordedLoop(
         name=name,
@@ -54,6 +60,23 @@ def merged(
         duplicates=int(np.count_nonzero(~keep)),
         tags=dict(tags),
         bad=bad,
+    )
+
+
+def _refuse_coarse_times(
+    sheet: Sheet, name: str, time: FloatArray, keep: NDArray[np.bool_], op: FloatArray, pv: FloatArray
+) -> None:
+    """Raise RecordingError where many samples share a time although they differ: its digits were cut off."""
+    first = np.maximum.accumulate(np.where(keep, np.arange(len(time)), 0))
+    differ = ~keep & ((op != op[first]) | (pv != pv[first])) & np.isfinite(op) & np.isfinite(pv)
+    if len(time) < FEWEST or np.count_nonzero(differ) < MOST_CUT_OFF * len(time):
+        return
+    places = int(np.count_nonzero(keep))
+    step = (time[-1] - time[0]) / max(places - 1, 1) * places / len(time)
+    hint = f"--ts {step:.3g}, if they are evenly spaced" if step > 0 else "--ts SECONDS"
+    raise RecordingError(
+        f"{sheet.path}: {len(time)} samples of {name} have {places} different times, as where seconds or "
+        f"their fractions were cut off: export them with the times, or give the sampling time by {hint}"
     )
 
 

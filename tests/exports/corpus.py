@@ -13,8 +13,10 @@ from tests.exports.layouts import (
     BERLIN,
     MONATE,
     Case,
-    autumn,
     comma,
+    error_numbers,
+    fixed_width,
+    header_repeated,
     interleaved,
     iso,
     long,
@@ -24,6 +26,7 @@ from tests.exports.layouts import (
     parquet,
     plain,
     stamps,
+    status_columns,
     strf,
     table,
     two_lines,
@@ -33,6 +36,7 @@ from tests.exports.layouts import (
     zipped,
 )
 from tests.exports.truth import LOOPS, START, TIME, TS, N
+from tests.exports.unclear import UNCLEAR
 
 ONE, ALL = LOOPS[:1], LOOPS
 ISO = stamps(iso)
@@ -42,7 +46,9 @@ LOCAL = stamps(iso, BERLIN)
 
 
 EXCEL = [f"{25569 + each / 86400:.10f}" for each in TIME]
-AUTUMN, AUTUMN_LOCAL = autumn()
+MIDNIGHT = TIME - 8 * 3600 - 600
+"""Times over a midnight, which shows the order of day and month."""
+LATE = TIME + 14 * 86400
 HELD_FILE, HELD = interleaved()
 
 
@@ -83,6 +89,58 @@ CASES = (
         ONE,
         time=TS * np.arange(N),
         single=True,
+    ),
+    Case(
+        "windows_filetime.csv",
+        plain([f"{int(each + 11644473600)}0000000" for each in TIME]),
+        ONE,
+        single=True,
+    ),
+    Case("dotnet_ticks.csv", plain([f"{int(each + 62135596800)}0000000" for each in TIME]), ONE, single=True),
+    Case("labview_1904.csv", plain([f"{each + 2082844800:.3f}" for each in TIME]), ONE, single=True),
+    Case(
+        "time_of_day.csv",
+        plain(stamps(strf("%H:%M:%S"))),
+        ONE,
+        time=8 * 3600 + TS * np.arange(N),
+        single=True,
+    ),
+    Case(
+        "elapsed_clock.csv",
+        plain([f"0 days {timedelta(seconds=TS * k)}" for k in range(N)]),
+        ONE,
+        time=TS * np.arange(N),
+        single=True,
+    ),
+    Case(
+        "dates_over_midnight.csv",
+        plain(stamps(strf("%d/%m/%Y %H:%M:%S"), moments=MIDNIGHT)),
+        ONE,
+        time=MIDNIGHT,
+        single=True,
+    ),
+    Case(
+        "month_first_late_day.csv",
+        plain(stamps(strf("%m/%d/%Y %H:%M:%S"), moments=LATE)),
+        ONE,
+        time=LATE,
+        single=True,
+    ),
+    Case("fixed_width.txt", fixed_width(ISO), ONE, single=True),
+    Case("header_repeated.csv", header_repeated(ISO), ONE, single=True),
+    Case("error_numbers.csv", error_numbers(ISO), ONE, gaps=True),
+    Case("status_columns.csv", status_columns(), ONE, gaps=True),
+    Case(
+        "ignition_history.csv",
+        long(
+            [f"{each * 1e3:.0f}" for each in TIME],
+            form="area1/{loop}/{role}",
+            header=("tagpath", "t_stamp", "floatvalue", "dataintegrity"),
+            quality="192",
+            bad="0",
+        ),
+        ALL,
+        gaps=True,
     ),
     Case("iso_with_offset.csv", plain([f"{each}+01:00" for each in LOCAL]), ONE, single=True),
     Case("iso_zulu_fraction.csv", plain([f"{each}.000Z" for each in ISO]), ONE, single=True),
@@ -175,41 +233,7 @@ CASES = (
         "quoted.csv", plain([f'"{each}"' for each in ISO], names=('"time"', '"OP"', '"PV"')), ONE, single=True
     ),
     Case("blank_lines_windows.csv", plain(ISO, end="\r\n\r\n"), ONE, single=True),
-    Case("local_time.csv", plain(LOCAL), ONE, options={"zone": "Europe/Berlin"}, single=True),
-    Case(
-        "end_of_summer_time.csv",
-        plain(AUTUMN_LOCAL),
-        ONE,
-        time=AUTUMN,
-        settles={"zone": "Europe/Berlin"},
-        names_option="--zone",
-        single=True,
-    ),
-    Case(
-        "day_or_month.csv",
-        plain(stamps(strf("%d/%m/%Y %H:%M:%S"))),
-        ONE,
-        settles={"order": "dmy"},
-        names_option="--date-order",
-        single=True,
-    ),
-    Case(
-        "three_decimals_comma.csv",
-        plain(ISO, numbers=lambda v: comma(10 + np.abs(v) % 80, "{:.3f}"), sep=";"),
-        ONE,
-        settles={"decimal": ","},
-        names_option="--decimal",
-        single=True,
-    ),
-    Case(
-        "days_or_seconds.csv",
-        plain([f"{40000 + k * 0.02:.2f}" for k in range(N)]),
-        ONE,
-        time=40000 + 0.02 * np.arange(N),
-        settles={"form": "seconds"},
-        names_option="--time-format",
-        single=True,
-    ),
+    *UNCLEAR,
 )
 
-del timedelta, START
+del START

@@ -212,3 +212,46 @@ def one_bad_row(time):
     rows.insert(100, "*** gateway restarted ***")
     rows.append("End of report")
     return "\n".join([*rows, ""]).encode()
+
+
+def fixed_width(time):
+    loop = LOOPS[0]
+    rows = [f"{time[k]}  {loop.op[k]:9.2f}  {loop.pv[k]:9.2f}" for k in range(N)]
+    return ("time                        OP         PV\n" + "\n".join(rows) + "\n").encode()
+
+
+def header_repeated(time):
+    head, *rows = plain(time).decode().splitlines()
+    return "\n".join([head, *rows[:100], head, *rows[100:], ""]).encode()
+
+
+def error_numbers(time):
+    loop = LOOPS[0]
+    lost = iter(("[-11059] No Good Data For Calculation", "#VALUE!", "#N/A N/A"))
+    pv = [next(lost) if value != value else f"{value:.2f}" for value in loop.pv_with_gaps]
+    return table(("time", "FIC101.PV", "FIC101.OP"), [time, pv, num(loop.op)])
+
+
+def status_columns():
+    """Date and time in two columns, a status behind each value: trends of Experion."""
+    loop = LOOPS[0]
+    status = ["Bad" if value != value else "Good" for value in loop.pv_with_gaps]
+    return table(
+        (
+            "Date",
+            "Time",
+            "FIC101.PIDA.PV",
+            "FIC101.PIDA.PV Status",
+            "FIC101.PIDA.OP",
+            "FIC101.PIDA.OP Status",
+        ),
+        [
+            stamps(strf("%m/%d/%Y")),
+            stamps(strf("%I:%M:%S %p")),
+            num(loop.pv),
+            status,
+            num(loop.op),
+            ["Good"] * N,
+        ],
+        before="Honeywell Experion PKS\nReport: Trend\n\n",
+    )

@@ -6,7 +6,7 @@ import pytest
 from connectors.exports.cells.times import TimeOptions
 from connectors.exports.fault import RecordingError
 from connectors.exports.reading import read_export
-from connectors.exports.recorded import ReadOptions
+from connectors.exports.recorded import Columns, ReadOptions
 from tests.exports.corpus import CASES, HELD
 from tests.exports.truth import TIME
 
@@ -16,7 +16,7 @@ REFUSED = [case for case in CASES if case.settles]
 
 def options(given):
     times = TimeOptions(given.get("zone"), given.get("form"), given.get("order"))
-    return ReadOptions(times=times, decimal=given.get("decimal"))
+    return ReadOptions(Columns(ts=given.get("ts")), times, given.get("decimal"))
 
 
 @pytest.fixture

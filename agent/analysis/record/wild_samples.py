@@ -1,7 +1,8 @@
-"""Isolated samples far outside everything around them, as transmitters and gateways send them for one scan.
+"""Isolated samples far outside those around them, as transmitters and gateways send them for one scan.
 
-A process has a lag and a valve has a range: neither leaves its range for one or two samples by as much again
-as all the rest of the record spans. Values such as 1e6, -999, 65535 or 0 do. They are gaps, as values too
+A process has a lag and a valve has a range: neither leaves what it did just before and does just after, for
+one or two samples, by many times what it moves there. Values such as 1e6, -999, 65535 or 0 do, also those within
+the range of the whole record, where it begins at rest or the set point moved. They are gaps, as values too
 large for any plant are; one of them would else decide a fit by squares.
 """
 
@@ -18,8 +19,10 @@ BESIDE = 3
 """Samples on each side that a sample is compared with; more than ``LONGEST_RUN``, so that they outvote it."""
 SUDDEN = 20.0
 """Typical steps between samples by which a sample that may be wild stands off its neighbours."""
-OUTSIDE = 1.0
-"""Spans of all other samples by which it lies outside their range."""
+OUTSIDE = 5.0
+"""Largest steps among the samples around it (``BESIDE`` on each side) by which it is outside their range."""
+VISIBLE = 0.25
+"""Part of the usual range of the whole signal (5 to 95 %) by which it does; less does no harm."""
 MOST = 0.02
 """Share of the samples up to which they are single events; more of them are a signal of their own."""
 
@@ -42,8 +45,15 @@ def wild(values: FloatArray) -> NDArray[np.bool_]:
     rest = values[finite & ~suspect]
     if not suspect.any() or not rest.size or np.ptp(rest) <= 0:
         return none
-    low, high, span = float(rest.min()), float(rest.max()), float(np.ptp(rest))
-    found: NDArray[np.bool_] = suspect & ((values < low - OUTSIDE * span) | (values > high + OUTSIDE * span))
+    usual = float(np.diff(np.quantile(rest, (0.05, 0.95)))[0])
+    least = max(SUDDEN * typical, VISIBLE * usual)
+    found = np.zeros(len(values), np.bool_)
+    calm = np.flatnonzero(finite & ~suspect)
+    for k in np.flatnonzero(suspect).tolist():
+        place = int(np.searchsorted(calm, k))
+        around = values[calm[max(place - BESIDE, 0) : place + BESIDE]]
+        out = max(float(around.min()) - values[k], values[k] - float(around.max()))
+        found[k] = out > max(least, OUTSIDE * float(np.max(np.abs(np.diff(around)), initial=0.0)))
     return found if np.count_nonzero(found) <= max(1.0, MOST * np.count_nonzero(finite)) else none
 
 

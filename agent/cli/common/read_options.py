@@ -18,10 +18,11 @@ MEANINGS = {"automatic": True, "manual": False}
 
 
 class DateOrder(StrEnum):
-    """Order of day and month in dates such as 03/04/2026."""
+    """Order of day, month and year in dates such as 03/04/2026 or 26-03-01."""
 
     DMY = "dmy"
     MDY = "mdy"
+    YMD = "ymd"
 
 
 class Decimal(StrEnum):
@@ -42,13 +43,16 @@ TimeFormat = Annotated[
     str | None,
     typer.Option(
         "--time-format", metavar="FORM", rich_help_panel=PANEL,
-        help="seconds, epoch_s (_ms, _us, _ns), excel, matlab, or a pattern as %d/%m/%Y %H:%M:%S.",
+        help="seconds (ms, us, min, h, days), epoch_s (_ms, _us, _ns), excel, matlab, filetime, ticks, "
+        "labview, or a pattern as %d/%m/%Y %H:%M:%S.",
     ),
 ]  # fmt: skip
 Order = Annotated[
     DateOrder | None,
     typer.Option(
-        "--date-order", help="Whether 03/04 is 3 April (dmy) or 4 March (mdy).", rich_help_panel=PANEL
+        "--date-order",
+        help="Whether 03/04/26 is 3 April (dmy), 4 March (mdy) or in 2003 (ymd).",
+        rich_help_panel=PANEL,
     ),
 ]
 DecimalMark = Annotated[
@@ -98,7 +102,7 @@ def read_options(
     from connectors.recording import ReadOptions
 
     mark = None if decimal is None else ("," if decimal is Decimal.COMMA else ".")
-    day = None if order is None else ("dmy" if order is DateOrder.DMY else "mdy")
+    day = None if order is None else order.value
     times = TimeOptions(zone, time_format, day)  # type: ignore[arg-type]
     options = ReadOptions(columns, times, mark, pattern, modes=_modes(modes))  # type: ignore[arg-type]
     return options if mapping is None else with_mapping(options, mapping)

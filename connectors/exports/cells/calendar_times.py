@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta, timezone
-from typing import Literal
 
-Order = Literal["dmy", "mdy"]
-"""Order of day and month where both are numbers and the year is last."""
+from connectors.exports.cells.date_order import Numbers, Order, day_of
 
 MONTHS = {
     name: number
@@ -70,8 +68,10 @@ class Moment:
     """Without a zone."""
     offset: float | None
     """Hours that ``local`` is ahead of UTC; None where the cell has no zone."""
-    numbers: tuple[int, int] | None = None
-    """The first two numbers of the date where their order is open, else None."""
+    numbers: Numbers | None = None
+    """The numbers of the date where their order is open, else None."""
+    dotted: bool = False
+    """Whether points stand between ``numbers``."""
 
     @property
     def utc(self) -> float:
@@ -84,7 +84,7 @@ def moment_of(cell: str, order: Order | None = None) -> Moment | None:
 
     Args:
         cell: Text.
-        order: Of day and month where the text leaves it open; None takes day first.
+        order: Of day, month and year where the text leaves it open; None takes the first that is a date.
     """
     text = cell.strip().strip("'\"")
     try:
@@ -110,7 +110,7 @@ def _other_forms(text: str, order: Order | None) -> Moment | None:
 
 
 def _read(found: re.Match[str], order: Order | None) -> Moment | None:
-    date = _date(found["a"], found["b"], found["c"], found["mark"], order)
+    date = _date(found["a"], found["b"], found["c"], order, dotted=found["mark"] == ".")
     offset = _offset(found["zone"])
     if date is None or (found["zone"] and offset is None):
         return None
@@ -119,13 +119,14 @@ def _read(found: re.Match[str], order: Order | None) -> Moment | None:
         if not 1 <= hour <= 12:
             return None
         hour = hour % 12 + (12 if found["half"] in "pP" else 0)
-    return _moment((*date[0], hour, minute, second), found["f"], offset, date[1])
+    moment = _moment((*date[0], hour, minute, second), found["f"], offset, date[1])
+    return moment if moment is None or date[1] is None else replace(moment, dotted=found["mark"] == ".")
 
 
 def _date(
-    a: str, b: str, c: str, mark: str, order: Order | None
-) -> tuple[tuple[int, int, int], tuple[int, int] | None] | None:
-    """Return (year, month, day), and the two numbers whose order is open."""
+    a: str, b: str, c: str, order: Order | None, *, dotted: bool
+) -> tuple[tuple[int, int, int], Numbers | None] | None:
+    """Return (year, month, day), and the numbers as written where their order is open."""
     word_a, word_b = (MONTHS.get(each.rstrip(".").casefold()) for each in (a, b))
     if word_b is not None and a.isdigit():
         return ((int(a), word_b, int(c)) if len(a) == 4 else (_year(c), word_b, int(a))), None
@@ -135,11 +136,13 @@ def _date(
         return None
     if len(a) == 4:
         return (int(a), int(b), int(c)), None
-    first, second = int(a), int(b)
-    if mark == ".":
-        return (_year(c), second, first), None
-    month, day = (first, second) if order == "mdy" else (second, first)
-    return (_year(c), month, day), (first, second)
+    written = int(a), int(b), int(c)
+    orders: tuple[Order, ...] = ("dmy", "ymd") if dotted else ("dmy", "mdy", "ymd")
+    for each in orders if order is None else (order,):
+        day = day_of(written, each)
+        if day is not None:
+            return (day.year, day.month, day.day), written
+    return None
 
 
 def _year(text: str) -> int:
@@ -156,7 +159,7 @@ def _offset(zone: str | None) -> float | None:
 
 
 def _moment(
-    parts: Sequence[int], fraction: str | None, offset: float | None, numbers: tuple[int, int] | None
+    parts: Sequence[int], fraction: str | None, offset: float | None, numbers: Numbers | None
 ) -> Moment | None:
     year, month, day, hour, minute, second = parts
     microsecond = round(float(f"0.{fraction}") * 1e6) if fraction else 0
@@ -165,18 +168,3 @@ def _moment(
         return Moment(base + timedelta(microseconds=microsecond), offset, numbers)
     except (ValueError, OverflowError):
         return None
-
-
-def order_of(moments: Sequence[Moment], cells: Sequence[str]) -> Order | None:
-    """Return the order of day and month that the cells themselves settle; None where they do not.
-
-    A number above 12 is a day. AM and PM go with the month first.
-    """
-    numbers = [each.numbers for each in moments if each.numbers is not None]
-    if any(first > 12 for first, _ in numbers):
-        return "dmy"
-    if any(second > 12 for _, second in numbers):
-        return "mdy"
-    if any(cell.rstrip(". ").upper().endswith(("AM", "PM", "A.M", "P.M")) for cell in cells[:100]):
-        return "mdy"
-    return None

@@ -12,20 +12,21 @@ if TYPE_CHECKING:
     from connectors.exports.tables.sheet import FloatArray
 
 DAY = 86400.0
-SHORTEST, LONGEST = 1e-4, DAY
-"""Sampling times that a recording of a control loop may have, s."""
+SHORTEST, LONGEST = 5e-3, DAY
+"""Sampling times that a recording of a control loop may have where nobody states a unit, s. Below it
+seconds are rarer than days since the start of the record (60 s are 0.0007 days, 5 minutes 0.0035)."""
+COMMON_FROM = 0.2
+"""Sampling time up to which a number that is not round counts as minutes or hours, s (10 s: 0.1667 min)."""
+PLAIN_LONGEST = 1000.0
+"""Sampling time from which numbers without a unit may as well be milliseconds (of 1 s and more), s."""
+MOST_EXACT = 1e-5
+"""Relative difference from a round number up to which a step counts as round; exports have six digits."""
+FIRST, LAST = 1990, 2050
+"""Years in which an absolute time may lie; they keep all ways of counting apart."""
 EXCEL_1970, MATLAB_1970 = 25569.0, 719529.0
 """Days from the origin of each count to 1970-01-01."""
-EXCEL_DAYS = (25569.0, 73050.0)
-"""1970 to 2100 as days since 1899-12-30."""
-MATLAB_DAYS = (719529.0, 767010.0)
-EPOCHS = (
-    (1e8, 4.2e9, 1.0, "epoch_s"),
-    (1e11, 4.2e12, 1e-3, "epoch_ms"),
-    (1e14, 4.2e15, 1e-6, "epoch_us"),
-    (1e17, 4.2e18, 1e-9, "epoch_ns"),
-)
-"""Lowest and highest value (1973 to 2103), seconds a unit, name."""
+WINDOWS_1970, DOTNET_1970, LABVIEW_1970 = 11644473600.0, 62135596800.0, 2082844800.0
+"""Seconds from 1601, from year 1 and from 1904 to 1970-01-01."""
 AS_DAYS_BELOW, AS_SECONDS_FROM = 0.01, 0.05
 """Step of numbers that may be days of Excel or seconds: below the first days (14 minutes), from the second on
 seconds; between them both are likely."""
@@ -35,8 +36,6 @@ UNITS = {
     "us": 1e-6, "µs": 1e-6, "min": 60.0, "mins": 60.0, "minute": 60.0, "minutes": 60.0, "minuten": 60.0,
     "h": 3600.0, "hr": 3600.0, "hour": 3600.0, "hours": 3600.0, "d": DAY, "day": DAY, "days": DAY,
 }  # fmt: skip
-FORMATS = ("seconds", "epoch_s", "epoch_ms", "epoch_us", "epoch_ns", "excel", "matlab")
-"""What ``--time-format`` takes beside a pattern of strptime."""
 
 
 class UnclearTimeError(ValueError):
@@ -61,16 +60,40 @@ class TimeScale:
         return (values + self.offset) * self.factor
 
 
-CLOCKS = {
-    "seconds": TimeScale(1.0, 0.0, "seconds", absolute=False),
-    **{name: TimeScale(factor, 0.0, name, absolute=True) for *_, factor, name in EPOCHS},
+ELAPSED = {
+    name: TimeScale(factor, 0.0, name, absolute=False)
+    for name, factor in (
+        ("seconds", 1.0),
+        ("ms", 1e-3),
+        ("us", 1e-6),
+        ("min", 60.0),
+        ("h", 3600.0),
+        ("days", DAY),
+    )
+}
+"""Counts from an unknown start."""
+ABSOLUTE = {
+    "ticks": TimeScale(1e-7, -DOTNET_1970 * 1e7, "ticks", absolute=True),  # before 1990 as an epoch in ns
+    "filetime": TimeScale(1e-7, -WINDOWS_1970 * 1e7, "filetime", absolute=True),
+    "epoch_s": TimeScale(1.0, 0.0, "epoch_s", absolute=True),
+    "epoch_ms": TimeScale(1e-3, 0.0, "epoch_ms", absolute=True),
+    "epoch_us": TimeScale(1e-6, 0.0, "epoch_us", absolute=True),
+    "epoch_ns": TimeScale(1e-9, 0.0, "epoch_ns", absolute=True),
+    "labview": TimeScale(1.0, -LABVIEW_1970, "labview", absolute=True),
     "excel": TimeScale(DAY, -EXCEL_1970, "excel", absolute=True),
     "matlab": TimeScale(DAY, -MATLAB_1970, "matlab", absolute=True),
 }
+"""Dates as numbers: since 1970 (epoch), of Windows, .NET and LabVIEW, days of Excel (and OLE) and MATLAB."""
+CLOCKS = ELAPSED | ABSOLUTE
+FORMATS = tuple(CLOCKS)
+"""What ``--time-format`` takes beside a pattern of strptime."""
 
 
 def clock_of(values: FloatArray, unit: str) -> TimeScale:
     """Return how a column of numbers counts time.
+
+    A way of counting is admitted where the dates lie in ``FIRST`` to ``LAST`` and the sampling time is one
+    that recordings have; nothing is admitted that a second way explains as well.
 
     Args:
         values: Finite numbers in the order of the file, shape (n,), n >= 1.
@@ -83,22 +106,21 @@ def clock_of(values: FloatArray, unit: str) -> TimeScale:
     steps = steps[steps > 0]
     step = float(np.median(steps)) if steps.size else None
     middle = float(np.median(values))
-    for low, high, _, name in EPOCHS:
-        if low <= middle <= high and (name != "epoch_s" or not unit or unit_factor(unit) in {None, 1.0}):
-            return _checked(CLOCKS[name], step, middle)
     factor = unit_factor(unit)
-    if factor is not None and not _within(middle, EXCEL_DAYS):
-        return _checked(TimeScale(factor, 0.0, unit, absolute=False), step, middle)
-    if _within(middle, MATLAB_DAYS) and step is not None and step < AS_DAYS_BELOW:
-        return _checked(CLOCKS["matlab"], step, middle)
-    if _within(middle, EXCEL_DAYS) and step is not None and step < AS_SECONDS_FROM:
-        if step >= AS_DAYS_BELOW and factor is None:
-            raise UnclearTimeError(
-                f"times near {middle:.6g} in steps of {step:.3g} may be days of Excel "
-                f"({step * DAY:.3g} s a sample) or seconds: give --time-format excel or --time-format seconds"
-            )
-        return _checked(CLOCKS["excel" if factor in {None, DAY} else "seconds"], step, middle)
-    return _checked(CLOCKS["seconds"], step, middle)
+    for name, scale in ABSOLUTE.items():
+        if not _in_years(scale, middle) or (name in {"epoch_s", "labview"} and factor not in {None, 1.0}):
+            continue
+        if scale.factor != DAY:
+            return _checked(scale, step, middle)
+        if factor in {None, DAY} and step is not None and step < AS_SECONDS_FROM:
+            if step >= AS_DAYS_BELOW and factor is None:
+                raise _days_or_seconds(middle, step, name)
+            return _checked(scale, step, middle)
+    if factor is not None:
+        return TimeScale(factor, 0.0, unit, absolute=False)
+    mean = float(np.mean(steps[np.abs(steps / step - 1) < 0.5])) if step is not None else None
+    _refuse_unlikely(step, mean, middle)
+    return CLOCKS["seconds"]
 
 
 def unit_factor(unit: str) -> float | None:
@@ -106,15 +128,48 @@ def unit_factor(unit: str) -> float | None:
     return UNITS.get(re.sub(r"[\[\]().]", "", unit).strip().casefold())
 
 
-def _within(value: float, bounds: tuple[float, float]) -> bool:
-    return bounds[0] <= value <= bounds[1]
+def _in_years(scale: TimeScale, value: float) -> bool:
+    first, last = ((year - 1970) * 365.2425 * DAY for year in (FIRST, LAST))
+    return first <= (value + scale.offset) * scale.factor <= last
+
+
+def _days_or_seconds(middle: float, step: float, name: str) -> UnclearTimeError:
+    return UnclearTimeError(
+        f"times near {middle:.6g} in steps of {step:.3g} may be days ({step * DAY:.3g} s a sample) "
+        f"or seconds: give --time-format {name} or --time-format seconds"
+    )
 
 
 def _checked(clock: TimeScale, step: float | None, middle: float) -> TimeScale:
-    if step is None or SHORTEST <= step * clock.factor <= LONGEST:
+    """Return a clock; raises UnclearTimeError where its sampling time is none of a recording."""
+    if step is None or 1e-2 * SHORTEST <= step * clock.factor <= LONGEST:
         return clock
     raise UnclearTimeError(
         f"times near {middle:.6g} in steps of {step:.3g} would be {step * clock.factor:.3g} s a sample as "
-        f"{clock.name}, expected {SHORTEST:g} to {LONGEST:g} s: "
-        f"give --time-format {' or '.join(FORMATS)}, or --ts SECONDS"
+        f"{clock.name}: give --time-format {', '.join(FORMATS)} or a pattern, or --ts SECONDS"
     )
+
+
+def _refuse_unlikely(step: float | None, mean: float | None, middle: float) -> None:
+    """Raise UnclearTimeError where numbers without a unit are hardly seconds."""
+    if step is None or mean is None:
+        return
+    others = [
+        (name, scale)
+        for name, scale in ELAPSED.items()
+        if name != "seconds" and SHORTEST <= step * scale.factor <= LONGEST and _is_round(mean * scale.factor)
+    ]
+    if SHORTEST <= step < PLAIN_LONGEST and (step >= COMMON_FROM or _is_round(mean) or not others):
+        return
+    looks = " or ".join(f"{name} ({mean * scale.factor:.4g} s a sample)" for name, scale in others)
+    seems = f", look like {looks}" if looks else ""
+    options = " or ".join(f"--time-format {name}" for name in ("seconds", *(name for name, _ in others)))
+    raise UnclearTimeError(
+        f"times near {middle:.6g} in steps of {step:.3g} would be {step:.3g} s a sample as seconds{seems}: "
+        f"give {options}, or --ts SECONDS"
+    )
+
+
+def _is_round(seconds: float) -> bool:
+    """Whether a sampling time is one that people set: three digits, no more."""
+    return abs(float(f"{seconds:.3g}") / seconds - 1) < MOST_EXACT

@@ -8,11 +8,11 @@ from functools import lru_cache
 
 ROLES = {
     "pv": "pv meas measurement processvalue processvariable pvin actualvalue istwert messwert measuredvalue",
-    "op": "op out co output controlleroutput controloutput outputvalue cout pidout stellwert stellgröße",
+    "op": "op out co output lmn controlleroutput controloutput outputvalue cout pidout stellwert stellgröße",
     "sp": "sp sv setpoint spt setpointvalue sollwert wsp lsp setvalue",
     "mv": "mv valveposition position pos stem zt feedback travel readback valve",
     "mode": "mode md actualmode modeactual betriebsart automan auto_man",
-    "quality": "quality status qual sts q statuscode opcquality confidence",
+    "quality": "quality status qual sts q statuscode opcquality confidence dataintegrity",
 }
 """Role -> words for it, lower case, without blanks and underscores."""
 ROLE = {word.replace("_", ""): role for role, words in ROLES.items() for word in words.split()}
@@ -50,6 +50,16 @@ TIME_WORDS = frozenset(
         "datetimelocal",
         "timelocal",
         "date/time",
+        "elapsed",
+        "elapsedtime",
+        "epoch",
+        "epochms",
+        "eventtime",
+        "readtime",
+        "timestampms",
+        "timestamputc",
+        "tstamp",
+        "unixtime",
     ]
 )
 TAG_WORDS = frozenset(
@@ -68,6 +78,7 @@ TAG_WORDS = frozenset(
         "tagid",
         "path",
         "browsepath",
+        "tagpath",
     ]
 )
 VALUE_WORDS = frozenset(
@@ -82,6 +93,7 @@ VALUE_WORDS = frozenset(
         "tagvalue",
         "pointvalue",
         "numericvalue",
+        "floatvalue",
         "avg",
         "average",
     ]
@@ -117,7 +129,7 @@ def unit_of(name: str) -> str:
 def tag_role(name: str) -> TagRole | None:
     """Return loop and role of a tag, or None where it has no word for a role."""
     bare = SERVER.sub("", UNIT.sub("", name)).strip()
-    parts = [part for part in re.split(r"[./\\:|]+", bare) if part]
+    parts = [part for part in re.split(r"[./\\:|#]+", bare) if part]
     quality = False
     while parts and (plain(parts[-1]) in VALUES or (ROLE.get(plain(parts[-1])) == "quality")):
         quality = quality or ROLE.get(plain(parts[-1])) == "quality"
@@ -130,7 +142,7 @@ def tag_role(name: str) -> TagRole | None:
         if split is None:
             return None
         head, word, of_quality = split
-        parts[-1] = head
+        parts[-1:] = [head] if head else []
         quality = quality or of_quality
     else:
         word = plain(parts.pop())
@@ -142,8 +154,10 @@ def tag_role(name: str) -> TagRole | None:
 def _within(part: str) -> tuple[str, str, bool] | None:
     """Return loop, word of the role and whether quality is meant, of ``FIC101_PV`` or ``PV FIC101``."""
     words = [word for word in re.split(r"[\s_\-]+", part) if word]
-    quality = len(words) > 2 and ROLE.get(plain(words[-1])) == "quality"
-    if quality or (len(words) > 2 and plain(words[-1]) in VALUES):
+    quality = len(words) > 1 and ROLE.get(plain(words[-1])) == "quality"
+    if quality and len(words) == 2 and ROLE.get(plain(words[0]), "quality") != "quality":
+        return "", plain(words[0]), True  # PV Status behind the loop of a path
+    if (quality and len(words) > 2) or (len(words) > 2 and plain(words[-1]) in VALUES):
         words.pop()
     if len(words) < 2:
         return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
@@ -11,8 +11,10 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 import numpy as np
 from numpy.typing import NDArray
 
-from connectors.exports.cells.calendar_times import Moment, Order, moment_of, order_of
-from connectors.exports.cells.clock_numbers import CLOCKS, UnclearTimeError, clock_of
+from connectors.exports.cells.calendar_times import Moment, moment_of
+from connectors.exports.cells.clock_numbers import CLOCKS, FORMATS, UnclearTimeError, clock_of
+from connectors.exports.cells.date_order import Order, month_first, orders_of
+from connectors.exports.cells.day_clock import days_and_clock, over_midnight
 from connectors.exports.cells.number_style import NumberStyle
 from connectors.exports.fault import RecordingError, shown
 from connectors.historian import is_gap
@@ -51,6 +53,8 @@ class Times:
     """Zone in which ``read`` is local time; None: UTC, or a count from an unknown start."""
     stated: bool = False
     """Whether file or user states the zone; else times count as UTC."""
+    note: str = ""
+    """What was taken for granted, and the option that says otherwise; empty where nothing was."""
 
     def utc(self, rows: NDArray[np.intp]) -> FloatArray:
         """Return the times of some rows of one series, s UTC, in the order of the rows."""
@@ -64,6 +68,11 @@ def times_of(sheet: Sheet, column: Column, options: TimeOptions, style: NumberSt
         RecordingError: They cannot be read, or in two ways; one line that names the option that settles it.
     """
     zone = _zone(sheet, options.zone)
+    if options.form is not None and options.form not in CLOCKS and "%" not in options.form:
+        raise RecordingError(
+            f"{sheet.path}: {options.form!r} is no form of times, expected {', '.join(FORMATS)} "
+            "or a pattern such as %d/%m/%Y %H:%M:%S"
+        )
     if isinstance(column.cells, np.ndarray):
         if column.moments:
             place = zone if column.local else None
@@ -163,18 +172,36 @@ def _by_pattern(
 def _calendar(
     sheet: Sheet, column: Column, cells: Sequence[str], options: TimeOptions, zone: ZoneInfo | None
 ) -> Times:
+    days = [days_and_clock(cell) for cell in cells]
+    if sum(each is not None for each in days) * 2 > len(days):
+        return _of_day(sheet, column, cells, days)
     moments = [moment_of(cell, options.order) for cell in cells]
-    known = [each for each in moments if each is not None]
-    if any(each.numbers is not None for each in known) and options.order is None:
-        order = order_of(known, cells)
-        if order is None:
-            row = next(k for k, each in enumerate(moments) if each is not None)
+    open_ones = [each for each in moments if each is not None and each.numbers is not None]
+    note = ""
+    if open_ones and options.order is None:
+        row = next(k for k, each in enumerate(moments) if each is not None)
+        written = (each.numbers for each in open_ones if each.numbers is not None)
+        orders = orders_of(written, dotted=any(each.dotted for each in open_ones))
+        if len(orders) > 1 and "ymd" not in orders and month_first(cells[:100]):
+            taken = "the month is taken to be first; --date-order dmy if not"
+            note = f"{column.name} is {shown(cells[row])}: {taken}"
+            orders = ("mdy",)
+        if len(orders) > 1:
             raise RecordingError(
-                f"{sheet.where(row)}: {column.name} is {shown(cells[row])}: "
-                "day or month first? give --date-order dmy or mdy"
+                f"{sheet.where(row)}: {column.name} is {shown(cells[row])}: which number is day, month and "
+                f"year? give --date-order {' or '.join(orders)}"
             )
-        moments = [moment_of(cell, order) for cell in cells]
-    return _from_moments(sheet, column, cells, moments, options, zone)
+        moments = [moment_of(cell, orders[0] if orders else None) for cell in cells]
+    return replace(_from_moments(sheet, column, cells, moments, options, zone), note=note)
+
+
+def _of_day(sheet: Sheet, column: Column, cells: Sequence[str], days: Sequence[float | None]) -> Times:
+    """Return times of day without a date, counted on over midnight."""
+    read = np.array([np.nan if each is None else each for each in days], np.float64)
+    lost = _lost(read)
+    if len(lost) > MOST_LOST * len(days):
+        raise _no_time(sheet, column, cells, lost[0])
+    return Times(over_midnight(read), "time of day", "")
 
 
 def _from_moments(
@@ -188,13 +215,7 @@ def _from_moments(
     read = np.array([np.nan if each is None else each.utc for each in moments], np.float64)
     lost = _lost(read)
     if len(lost) > MOST_LOST * len(moments):
-        cell = cells[lost[0]]
-        if is_gap(cell) or cell.casefold() == "nan":
-            raise _missing_time(sheet, column, lost[0])
-        raise RecordingError(
-            f"{sheet.where(lost[0])}: {column.name} is {shown(cell)}, expected seconds or a date and time "
-            "such as 2026-03-01 08:00:00; --time-format gives a pattern"
-        )
+        raise _no_time(sheet, column, cells, lost[0])
     aware = all(each is None or each.offset is not None for each in moments)
     name = "as written" if aware else options.zone or "UTC"
     stated = aware or options.zone is not None
@@ -236,3 +257,13 @@ def _lost(read: FloatArray) -> list[int]:
 
 def _missing_time(sheet: Sheet, column: Column, row: int) -> RecordingError:
     return RecordingError(f"{sheet.where(row)}: {column.name} is missing, expected a time for each sample")
+
+
+def _no_time(sheet: Sheet, column: Column, cells: Sequence[str], row: int) -> RecordingError:
+    cell = cells[row]
+    if is_gap(cell) or cell.casefold() == "nan":
+        return _missing_time(sheet, column, row)
+    return RecordingError(
+        f"{sheet.where(row)}: {column.name} is {shown(cell)}, expected seconds or a date and time "
+        "such as 2026-03-01 08:00:00; --time-format gives a pattern"
+    )

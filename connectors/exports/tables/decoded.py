@@ -29,7 +29,7 @@ def decoded(path: Path, content: bytes) -> str:
     Raises:
         RecordingError: The bytes are no text.
     """
-    text = _text(path, content)
+    text = _text(path, content).rstrip("\0")  # a file that was allocated and never filled
     sample = text[:LOOKED_AT]
     if any(each < " " and each not in TEXT_CONTROLS for each in sample) or "\0" in text:
         raise RecordingError(f"{path}: expected CSV text, found a binary file")

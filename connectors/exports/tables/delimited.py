@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections import Counter
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -29,6 +30,12 @@ def rows_of(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
         RecordingError: It is no CSV.
     """
     csv.field_size_limit(LARGEST_CELL)
+    blanks = blanks_of(text)
+    if blanks is not None:
+        for line, row in enumerate(io.StringIO(text), start=1):
+            if row.strip():
+                yield line, blanks.split(row.strip())
+        return
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter_of(text), skipinitialspace=True)
     try:
         for cells in reader:
@@ -39,13 +46,30 @@ def rows_of(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
         raise RecordingError(f"{path}, line {reader.line_num}: expected CSV, {error}") from error
 
 
+def blanks_of(text: str) -> re.Pattern[str] | None:
+    """Return what separates the columns of a table of fixed width, or None where a delimiter does."""
+    lines = [
+        line.strip() for line in io.StringIO(text).readlines(LOOKED_AT * 1000)[:LOOKED_AT] if line.strip()
+    ]
+    if any(_steady([_cells(line, mark) for line in lines]) for mark in DELIMITERS):
+        return None
+    for pattern in (re.compile(r"\s{2,}"), re.compile(r"\s+")):
+        if _steady([len(pattern.split(line)) for line in lines]):
+            return pattern
+    return None
+
+
+def _steady(widths: list[int]) -> bool:
+    """Whether most lines have the same number of cells, at least two."""
+    usual, share = Counter(widths).most_common(1)[0] if widths else (1, 0)
+    return usual > 1 and share >= MOST_OF * len(widths)
+
+
 def delimiter_of(text: str) -> str:
     """Return the delimiter that cuts most lines into the same number of cells."""
     lines = [line for line in io.StringIO(text).readlines(LOOKED_AT * 1000)[:LOOKED_AT] if line.strip()]
     for delimiter in DELIMITERS:
-        counts = Counter(_cells(line, delimiter) for line in lines)
-        width, share = counts.most_common(1)[0] if counts else (1, 0)
-        if width > 1 and share >= MOST_OF * len(lines):
+        if _steady([_cells(line, delimiter) for line in lines]):
             return delimiter
     return max(DELIMITERS, key=(lines or [""])[0].count)
 

@@ -206,6 +206,8 @@ def _fitting(
     fault = ""
     for line, cells in rows:
         surplus = any(cells[len(names) :])
+        if cells[: len(names)] == list(names):
+            continue  # the header once more, where files were joined
         if len(cells) < len(names) or surplus:
             bad.append(line)
             comma = " (is there a decimal comma?)" if surplus else f": {', '.join(names)}"

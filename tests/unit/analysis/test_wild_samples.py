@@ -65,3 +65,12 @@ def test_real_recordings_have_next_to_none(recordings):
             loop = read_recording(file)
             found[file.stem] = int(wild(loop.op).sum() + wild(loop.pv).sum())
     assert sum(found.values()) == 0, {name: count for name, count in found.items() if count}
+
+
+def test_a_scan_within_the_range_of_the_record_is_wild_too():
+    starting = SMOOTH * (1 - np.exp(-T / 15.0))  # begins at 0
+    wide = 50 + 20 * np.sin(2 * np.pi * T / 60) + 0.1 * RNG.standard_normal(T.size)
+    for signal in (starting, wide):
+        spoilt = signal.copy()
+        spoilt[[300, 700, 701, 1000]] = 0.0
+        np.testing.assert_array_equal(np.flatnonzero(wild(spoilt)), [300, 700, 701, 1000])
