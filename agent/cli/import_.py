@@ -74,6 +74,9 @@ def import_(
     if preview or as_json:
         return
     target = output or file.with_name(f"{file.name}.yaml")
+    if output is None and target.exists():
+        complain(f"{target}: is there already; --output names another, or the same to replace it")
+        raise typer.Exit(BAD_INPUT)
     try:
         target.write_text(mapping_text(export, options), encoding="utf-8")
     except OSError as error:

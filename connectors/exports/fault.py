@@ -10,6 +10,10 @@ MOST_ROWS = 10_000_000
 """Rows of one file: four months at 1 s."""
 MOST_CELLS = 100_000_000
 """Cells of one file: 800 MB as numbers."""
+MOST_TEXT_CELLS = 20_000_000
+"""Cells of one file of text: as text each takes about 70 bytes, 1.4 GB."""
+LONGEST_CELL = 10_000
+"""Characters of one cell of a Parquet file, which stores a text once and may repeat it without end."""
 MOST_COLUMNS = 20_000
 """Columns of one file: 5000 loops with four tags each."""
 

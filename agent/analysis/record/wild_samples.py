@@ -1,8 +1,8 @@
 """Isolated samples far outside those around them, as transmitters and gateways send them for one scan.
 
 A process has a lag and a valve has a range: neither leaves what it did just before and does just after, for
-one or two samples, by many times what it moves there. Values such as 1e6, -999, 65535 or 0 do, also those within
-the range of the whole record, where it begins at rest or the set point moved. They are gaps, as values too
+one or two samples, by many times what it moves there. Values such as 1e6, -999, 65535 or 0 do, also those
+within the range of the whole record, where it begins at rest or the set point moved. They are gaps, as values too
 large for any plant are; one of them would else decide a fit by squares.
 """
 
@@ -51,9 +51,13 @@ def wild(values: FloatArray) -> NDArray[np.bool_]:
     calm = np.flatnonzero(finite & ~suspect)
     for k in np.flatnonzero(suspect).tolist():
         place = int(np.searchsorted(calm, k))
-        around = values[calm[max(place - BESIDE, 0) : place + BESIDE]]
+        one_sided = place == 0 or place == calm.size  # at an end it may belong to a level before or behind
+        around = rest if one_sided else values[calm[max(place - BESIDE, 0) : place + BESIDE]]
         out = max(float(around.min()) - values[k], values[k] - float(around.max()))
-        found[k] = out > max(least, OUTSIDE * float(np.max(np.abs(np.diff(around)), initial=0.0)))
+        moved = (
+            float(np.ptp(rest)) if one_sided else OUTSIDE * float(np.abs(np.diff(around)).max(initial=0.0))
+        )
+        found[k] = out > max(least, moved)
     return found if np.count_nonzero(found) <= max(1.0, MOST * np.count_nonzero(finite)) else none
 
 

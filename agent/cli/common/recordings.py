@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from agent.cli.common.errors import complain
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -16,8 +18,10 @@ if TYPE_CHECKING:
 
 PANEL = "Columns of the recordings"
 
-SUFFIXES = {".csv", ".parquet", ".xlsx", ".gz"}
+SUFFIXES = {".csv", ".parquet", ".pq", ".tsv", ".xlsx", ".xls", ".xlsm", ".ods", ".gz", ".zip"}
 """Of the files of a folder that are recordings."""
+MAYBE = {".txt", ".dat", ".asc", ".prn"}
+"""Of files that may be recordings or notes: they are named, and read where they are given by name."""
 
 
 class Bus(StrEnum):
@@ -61,7 +65,11 @@ def in_folders(paths: Iterable[Path]) -> list[Path]:
     for path in paths:
         found = [path]
         if path.is_dir():
-            found = sorted(each for each in path.iterdir() if each.suffix.lower() in SUFFIXES)
+            inside = sorted(path.iterdir())
+            found = [each for each in inside if each.suffix.lower() in SUFFIXES]
+            others = [each.name for each in inside if each.suffix.lower() in MAYBE]
+            if others:
+                complain(f"{path}: not read unless you name them: {', '.join(others)}")
         if not found:
             raise typer.BadParameter(f"{path}: a folder without CSV or Parquet files", param_hint="RECORDING")
         files += found

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from connectors.exports.fault import RecordingError
+from connectors.exports.fault import MOST_TEXT_CELLS, RecordingError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -27,9 +27,19 @@ def rows_of(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
     """Yield line (of its end) and cells of each row that is not empty; outer blanks are removed.
 
     Raises:
-        RecordingError: It is no CSV.
+        RecordingError: It is no CSV, or has more than ``MOST_TEXT_CELLS``.
     """
     csv.field_size_limit(LARGEST_CELL)
+    cells = 0
+    for line, row in _rows(path, text):
+        cells += len(row) + 1
+        if cells > MOST_TEXT_CELLS:
+            fault = f"{path}, line {line}: has more than {MOST_TEXT_CELLS} cells"
+            raise RecordingError(f"{fault}: split it by time or by loop, or export it as Parquet")
+        yield line, row
+
+
+def _rows(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
     blanks = blanks_of(text)
     if blanks is not None:
         for line, row in enumerate(io.StringIO(text), start=1):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from connectors.exports.fault import MOST_CELLS, MOST_COLUMNS, MOST_ROWS, RecordingError
+from connectors.exports.fault import LONGEST_CELL, MOST_CELLS, MOST_COLUMNS, MOST_ROWS, RecordingError
 from connectors.exports.tables.sheet import Column, Sheet
 
 if TYPE_CHECKING:
@@ -34,11 +34,15 @@ def sheet_of_parquet(path: Path, content: bytes) -> Sheet:
     import pyarrow.parquet as pq  # noqa: PLC0415
 
     try:
-        with pq.ParquetFile(pa.BufferReader(content)) as file:
+        texts = [each.name for each in pq.read_schema(pa.BufferReader(content)) if _is_text(each.type)]
+        with pq.ParquetFile(pa.BufferReader(content), read_dictionary=texts) as file:
             rows, columns = file.metadata.num_rows, file.schema_arrow.names
             _bounded(path, rows, len(columns))
+            stated = sum(file.metadata.row_group(k).total_byte_size for k in range(file.num_row_groups))
+            if stated > MOST_UNPACKED:
+                raise _too_large(path)
             table = pa.Table.from_batches(_batches(path, file), schema=file.schema_arrow)
-        found = tuple(_column(name, table[k]) for k, name in enumerate(table.column_names))
+        found = tuple(_column(path, name, table[k]) for k, name in enumerate(table.column_names))
     except (pa.ArrowException, OSError, ValueError) as error:
         first = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise RecordingError(f"{path}: expected a Parquet file: {first}") from error
@@ -62,14 +66,39 @@ def _batches(path: Path, file: Any) -> list[Any]:  # noqa: ANN401 - pyarrow has 
         rows += batch.num_rows
         size += batch.nbytes
         if rows > MOST_ROWS or size > MOST_UNPACKED:
-            raise RecordingError(
-                f"{path}: unpacks to more than {MOST_UNPACKED >> 20} MiB: split it by time or by loop"
-            )
+            raise _too_large(path)
         batches.append(batch)
     return batches
 
 
-def _column(name: str, column: Any) -> Column:  # noqa: ANN401 - pyarrow has no types
+def _too_large(path: Path) -> RecordingError:
+    return RecordingError(
+        f"{path}: unpacks to more than {MOST_UNPACKED >> 20} MiB: split it by time or by loop"
+    )
+
+
+def _is_text(kind: Any) -> bool:  # noqa: ANN401 - pyarrow has no types
+    import pyarrow as pa  # noqa: PLC0415
+
+    return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind) or pa.types.is_dictionary(kind))
+
+
+def _texts(path: Path, name: str, column: Any) -> list[str]:  # noqa: ANN401 - pyarrow has no types
+    """Return the cells of a column of text; a text that comes often is held once."""
+    cells: list[str] = []
+    for chunk in column.chunks:
+        words = ["" if each is None else str(each).strip() for each in chunk.dictionary.to_pylist()]
+        longest = max(map(len, words), default=0)
+        if longest > LONGEST_CELL:
+            raise RecordingError(
+                f"{path}: {name} has a cell of {longest} characters, at most {LONGEST_CELL} are read"
+            )
+        words.append("")  # of a missing cell
+        cells += [words[k] for k in chunk.indices.fill_null(len(words) - 1).to_pylist()]
+    return cells
+
+
+def _column(path: Path, name: str, column: Any) -> Column:  # noqa: ANN401 - pyarrow has no types
     import pyarrow as pa  # noqa: PLC0415
 
     kind = column.type
@@ -82,4 +111,6 @@ def _column(name: str, column: Any) -> Column:  # noqa: ANN401 - pyarrow has no 
         return Column(
             name.strip(), np.array(column.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
         )
+    if pa.types.is_dictionary(kind):
+        return Column(name.strip(), _texts(path, name, column))
     return Column(name.strip(), ["" if cell is None else str(cell).strip() for cell in column.to_pylist()])

@@ -74,3 +74,10 @@ def test_a_scan_within_the_range_of_the_record_is_wild_too():
         spoilt = signal.copy()
         spoilt[[300, 700, 701, 1000]] = 0.0
         np.testing.assert_array_equal(np.flatnonzero(wild(spoilt)), [300, 700, 701, 1000])
+
+
+def test_a_level_that_ends_as_the_record_begins_is_none():
+    signal = SQUARE.copy()
+    signal[:2], signal[-1] = 46.0, 46.0
+    signal[2:20], signal[-20:-1] = 54.0, 54.0
+    assert not wild(signal).any()

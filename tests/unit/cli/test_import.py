@@ -88,3 +88,18 @@ def test_the_option_that_the_message_names_exists(case, export, capsys):
     assert case.names_option in capsys.readouterr().err
     value = next(iter(case.settles.values()))
     assert preview(path, case.names_option, value)["loops"][0]["samples"] == 240
+
+
+def test_a_mapping_that_may_be_corrected_is_not_written_over(export):
+    path = export("wide_dots.csv")
+    mapping = path.with_name("wide_dots.csv.yaml")
+    assert CliRunner().invoke(app, ["import", str(path)]).exit_code == 0
+    mapping.write_text("zone: Europe/Berlin\n")
+    assert CliRunner().invoke(app, ["import", str(path)]).exit_code == 2
+    assert mapping.read_text() == "zone: Europe/Berlin\n"
+    assert CliRunner().invoke(app, ["import", str(path), "--output", str(mapping)]).exit_code == 0
+    assert "FIC101.PV" in mapping.read_text()
+
+
+def test_what_was_taken_for_granted_is_said(export):
+    assert any("--date-order dmy" in each for each in preview(export("am_pm.csv"))["problems"])
