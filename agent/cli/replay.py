@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
 from agent.cli.common.errors import BAD_INPUT, complain
 from agent.cli.common.recordings import Bus
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.cli.common.stage import LivePlay
     from agent.runtime.loop.workers import Executor
-    from connectors.recording import Columns, RecordedLoop
+    from connectors.recording import ReadOptions, RecordedLoop
 
 RECEIVE = 10.0
 """Longest wait for the last samples to reach the agent, and for an alarm to reach the consumer, s."""
@@ -61,6 +62,14 @@ def replay(
     mv: option.Mv = "MV",
     mode: option.Mode = "mode",
     ts: option.Ts = None,
+    loop: option.Loop = None,
+    zone: reading.Zone = None,
+    time_format: reading.TimeFormat = None,
+    date_order: reading.Order = None,
+    decimal: reading.DecimalMark = None,
+    pattern: reading.Pattern = None,
+    modes: reading.Modes = None,
+    mapping: reading.MappingFile = None,
 ) -> None:
     """Play recordings on a bus to the agent, and see on that bus whether it raises an alarm.
 
@@ -72,12 +81,14 @@ def replay(
     if speed is not None and not 0 < speed < float("inf"):
         raise typer.BadParameter(f"{speed:g} is not a positive factor", param_hint="'--speed'")
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
-    if run_event_loop(_replay_all(option.in_folders(recordings), columns, bus, speed, as_json=as_json)):
+    options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping, modes)
+    paths = option.in_folders(recordings)
+    if run_event_loop(_replay_all(paths, options, loop, bus, speed, as_json=as_json)):
         raise typer.Exit(BAD_INPUT)
 
 
 async def _replay_all(
-    paths: list[Path], columns: Columns, bus: Bus, speed: float | None, *, as_json: bool
+    paths: list[Path], options: ReadOptions, loop: str | None, bus: Bus, speed: float | None, *, as_json: bool
 ) -> bool:
     """Play one recording after the other; return whether any failed."""
     from agent.runtime.loop.workers import PoolExecutor
@@ -88,7 +99,7 @@ async def _replay_all(
     async with PoolExecutor(1) as executor:
         for path in paths:
             try:
-                recording = read_recording(path, columns)
+                recording = read_recording(path, options.columns, options, loop)
                 played = await _play(recording, bus, speed, executor)
             except ConfigError as error:
                 failed = True

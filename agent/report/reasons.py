@@ -29,6 +29,8 @@ CLASS_WORDS: dict[StictionClass, str] = {
     "stick_slip": "stick and slip",
     "dead_band_stick_slip": "a dead band with stick and slip",
 }
+NO_CHANGE = "1.0"
+"""Factor, as printed, that changes no odds: no evidence."""
 
 
 def reasons(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -122,9 +124,10 @@ def _evidence_words(found: Quantification, weighed: Weighed | None) -> list[str]
     """State which methods are evidence for and against stiction, and by what factor each changes the odds."""
     if weighed is None or found.failure is not None or found.quick_evidence is None:
         return []
+    moving = [each for each in weighed.witnesses if factor(each.log_odds) != NO_CHANGE]
     sides = (
-        ("evidence for stiction", [each for each in weighed.witnesses if each.log_odds > 0]),
-        ("evidence against stiction", [each for each in weighed.witnesses if each.log_odds < 0]),
+        ("evidence for stiction", [each for each in moving if each.log_odds > 0]),
+        ("evidence against stiction", [each for each in moving if each.log_odds < 0]),
     )
     return [
         f"{side}: " + ", ".join(f"{each.name} (odds x {factor(each.log_odds)})" for each in ones)

@@ -2,8 +2,8 @@
 
 A process has a lag and a valve has a range: neither leaves what it did just before and does just after, for
 one or two samples, by many times what it moves there. Values such as 1e6, -999, 65535 or 0 do, also those
-within the range of the whole record, where it begins at rest or the set point moved. They are gaps, as values too
-large for any plant are; one of them would else decide a fit by squares.
+within the range of the whole record, where it begins at rest or the set point moved. They are gaps, as values
+too large for any plant are; one of them would else decide a fit by squares.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def wild(values: FloatArray) -> NDArray[np.bool_]:
     calm = np.flatnonzero(finite & ~suspect)
     for k in np.flatnonzero(suspect).tolist():
         place = int(np.searchsorted(calm, k))
-        one_sided = place == 0 or place == calm.size  # at an end it may belong to a level before or behind
+        one_sided = place in {0, calm.size}  # at an end it may belong to a level before or behind
         around = rest if one_sided else values[calm[max(place - BESIDE, 0) : place + BESIDE]]
         out = max(float(around.min()) - values[k], values[k] - float(around.max()))
         moved = (

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
+from agent.analysis.evidence.weighing import Weighed, Witness
 from agent.analysis.results import (
     CauseShare,
     IntervalEstimate,
@@ -16,6 +17,7 @@ from agent.analysis.results import (
 )
 from agent.report.diagnosis_json import diagnosis_json
 from agent.report.diagnosis_text import diagnosis_lines
+from agent.report.reasons import reasons
 from agent.units import FrictionBands
 
 SURE = StictionEstimate(
@@ -118,3 +120,12 @@ def test_json_keeps_its_keys_where_nothing_is_known(found):
     process = diagnosis_json(replace(DIAGNOSIS, quantification=found), "x.csv")["process"]
     assert list(process) == ["kind", "gain", "tau_s", "delay_s", "intervals"]
     assert process["intervals"] is None
+
+
+def test_what_changes_no_odds_is_no_evidence():
+    witnesses = (Witness("horch_ccf", 1.2), Witness("free_run", 0.01), Witness("rossi_scali", -0.02))
+    found = replace(
+        DIAGNOSIS, weighed=Weighed(0.8, witnesses), quantification=replace(FOUND, quick_evidence=1.0)
+    )
+    assert "evidence for stiction: horch_ccf (odds x 3.3)" in reasons(found)
+    assert not any("evidence against" in each for each in reasons(found))

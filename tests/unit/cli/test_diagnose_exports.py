@@ -59,3 +59,15 @@ def test_compare_says_that_a_file_holds_several_loops(export, capsys):
     code, _, fault = run(capsys, "compare", export("wide_dots.csv"), "--json")
     assert code == 2
     assert "name it by --loop" in fault
+
+
+def test_replay_takes_what_the_preview_settles(export, capsys, tmp_path):
+    path = export("wide_slashes.csv")
+    code, _, fault = run(capsys, "replay", path)
+    assert code == 2
+    assert "name it by --loop" in fault
+    mapping = tmp_path / "map.yaml"
+    mapping.write_text("loops: {FIC9: {PV: Area1/FIC101/PV, OP: Area1/FIC101/OP}}\n")
+    code, _, fault = run(capsys, "replay", path, "--mapping", mapping, "--loop", "NOPE")
+    assert code == 2
+    assert fault == f"slipjump: {path}: has no loop 'NOPE', it holds: FIC9\n"
