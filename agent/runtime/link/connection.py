@@ -15,6 +15,7 @@ from agent.runtime.supervisor import MARGIN, Health
 from connectors.base import (
     ConnectionLostError,
     Connector,
+    CountsLost,
     CountsMalformed,
     OpensSlowly,
     Order,
@@ -64,6 +65,7 @@ class Connection:
         self._interrupted = interrupted
         self._data_age = data_age
         self._malformed_before = 0
+        self._lost_before = 0
         self._works = False
         """Whether the peer sent or accepted anything in this session."""
 
@@ -71,12 +73,19 @@ class Connection:
         """Continue the counters of the connection that this one replaces."""
         self.health.count_on(former.health)
         self._malformed_before = former.malformed
+        self._lost_before = former.lost
 
     @property
     def malformed(self) -> int:
         """Messages that could not be read since the start; 0 on buses that do not count them."""
         now = self._connector.malformed if isinstance(self._connector, CountsMalformed) else 0
         return self._malformed_before + now
+
+    @property
+    def lost(self) -> int:
+        """Messages that were discarded before they were read, since the start; 0 on buses without a queue."""
+        now = self._connector.lost if isinstance(self._connector, CountsLost) else 0
+        return self._lost_before + now
 
     async def attempt(self) -> None:
         """Open a fresh session and use it until it fails."""

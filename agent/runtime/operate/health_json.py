@@ -28,6 +28,7 @@ def _connection(status: ConnectionStatus) -> dict[str, object]:
         "losses": status.losses,
         "faults": status.faults,
         "malformed": status.malformed,
+        "lost": status.lost,
         "outbox": {
             "waiting": status.waiting,
             "refused": status.refused,

@@ -80,6 +80,8 @@ class ConnectionStatus:
     """Attempts that were refused."""
     malformed: int
     """Messages that could not be read."""
+    lost: int
+    """Messages that were discarded because too many waited to be read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,6 +157,7 @@ def connection_status(connection: Connection, outbox: Outbox, bus: str, now: flo
         dropped=outbox.dropped + outbox.refusals.dropped,
         refusals=outbox.refusals.count,
         malformed=connection.malformed,
+        lost=connection.lost,
     )
 
 
