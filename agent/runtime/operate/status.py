@@ -120,6 +120,8 @@ def loop_status(pipeline: LoopPipeline, settings: Settings, health: Health) -> L
     window, loop, diagnosis = pipeline.window, pipeline.settings, pipeline.diagnosis
     limit = max(silence(loop, settings.agent), loop.hold or 0.0)
     unusable = pipeline.usable.problem(now, pipeline.began, limit)
+    apart = window.clocks.apart
+    clocks = f"the clock of PV is {apart:.0f} s ahead of that of OP" if apart else ""
     return LoopStatus(
         loop=loop.name,
         connection=loop.connection,
@@ -137,7 +139,7 @@ def loop_status(pipeline: LoopPipeline, settings: Settings, health: Health) -> L
         diagnosis=diagnosis,
         alarm=pipeline.alarm.state,
         faults=health.faults,
-        problem=health.problem or (unusable or "" if pipeline.heard is not None else ""),
+        problem=health.problem or (unusable or clocks if pipeline.heard is not None else ""),
     )
 
 
