@@ -94,6 +94,8 @@ class AgentStatus:
     """Hung tasks, e.g. ``connection unit1: open``: a fault of this program or of a library."""
     faults: int
     """Times the program failed on what is neither a loop nor a connection."""
+    store_problem: str
+    """Why the state file cannot be written now; empty where it can."""
     store_failures: int
     """Failed writes and reads of the state file."""
     history_dropped: int
@@ -106,9 +108,10 @@ class AgentStatus:
 
     @property
     def ok(self) -> bool:
-        """Whether all is well: nothing hangs, every connection is up, no loop is without data."""
+        """Whether all is well: nothing hangs, the state is kept, connections are up, loops have data."""
         return (
             not self.hung
+            and not self.store_problem
             and all(each.up for each in self.connections)
             and all(each.data != "stale" for each in self.loops)
         )

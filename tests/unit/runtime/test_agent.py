@@ -92,7 +92,7 @@ class SlowExecutor:
 
     async def run_in_turn(self, _expected, work):
         calculation = work()
-        await asyncio.sleep(250.0)
+        await asyncio.sleep(240.0)
         return calculation()
 
 
