@@ -114,7 +114,7 @@ async def node_opcua(command: Sequence[str]) -> AsyncIterator[Step]:
     """A server on which one node is missing."""
     async with Process(command) as peer:
         space = peer.said[0]["namespace"]
-        tags = {role: f"ns={space};s={{loop}}.{role.upper()}" for role in ("pv", "op")}
+        tags = {role: {"node": f"ns={space};s={{loop}}.{role.upper()}"} for role in ("pv", "op")}
         async with _agent(peer.port, "opcua", ["FIC101", "FIC102"], tags) as agent:
             yield "a loop is judged", await until(lambda: _of(agent, "FIC101").diagnosis is not None)
             yield (

@@ -3,7 +3,7 @@
 import asyncio
 
 from connectors.base import ConnectionLostError
-from tests.unit.runtime.agents import agent_of, stream, virtual, worked
+from tests.unit.runtime.agents import agent_of, stream, swinging, virtual, worked
 from tests.unit.runtime.fake_bus import FakeBus
 
 LOOPS = ("FIC101", "FIC102")
@@ -18,6 +18,14 @@ class HangsUp(FakeBus):
         if publication.subject == self.forbidden:
             raise ConnectionLostError("connection closed by the broker")
         await super().publish(publication)
+
+
+def on_and_on(_session):
+    """Two loops that oscillate, at the time of the event loop."""
+    while True:
+        for loop in LOOPS:
+            yield from swinging(loop, round(asyncio.get_running_loop().time()))
+        yield 1.0
 
 
 class EndsReading(HangsUp):
@@ -40,7 +48,7 @@ class EndsReading(HangsUp):
 
 
 def test_the_same_where_the_reader_notices_it_first():
-    bus = EndsReading(stream(LOOPS, 3600))
+    bus = EndsReading(on_and_on)
     agent = agent_of(bus, LOOPS)
     virtual(worked(agent, 3600.0))
     refusals = agent.outboxes["bus"].refusals
