@@ -93,7 +93,7 @@ class Database:
             self._database.execute("PRAGMA wal_checkpoint")  # what is in the log is written there again
             self._remember()
             with closing(self._connected("rw")) as fresh:
-                return fresh.execute("PRAGMA quick_check(1)").fetchone() != ("ok",)
+                return bool(fresh.execute("PRAGMA quick_check(1)").fetchone() != ("ok",))
         except sqlite3.Error as error:
             return error.sqlite_errorcode & 0xFF in _UNREADABLE
 
