@@ -1,7 +1,7 @@
 """Blocks of neighbouring loops in one request: a round trip for many loops, not one for each.
 
 Only loops whose values all lie in one block take part, so that they still come from one instant. A device
-that does not give the registers between, or so many at once, is asked for each block alone from then on.
+that does not give the registers between, or so many at once, gets a request for each block from then on.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from connectors.modbus.client import DeviceError, SilentBlockError
 from connectors.modbus.parking import Parking
 
 WIDEST_GAP = 16
-"""Registers between two blocks that are read and thrown away rather than asked for apart."""
+"""Registers between two blocks that are read and discarded rather than requested apart."""
 MOST_GAP_BITS = 16 * WIDEST_GAP
 
 
