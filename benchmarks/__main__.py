@@ -29,6 +29,7 @@ from benchmarks import (
     wrong_cases,
 )
 from benchmarks.cases.options import Options
+from benchmarks.peers import third_parties
 
 BENCHMARKS = {
     "real_recordings": real_recordings.run,
@@ -46,6 +47,7 @@ BENCHMARKS = {
     "page_load": page_load.run,
     "hidden_effects": hidden_effects.run,
     "fault_matrix": fault_matrix.run,
+    "third_parties": third_parties.run,
     "soak": soak.run,
 }
 ONLY_NAMED = {

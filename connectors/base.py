@@ -177,6 +177,16 @@ class CountsMalformed(Protocol):
 
 
 @runtime_checkable
+class CountsLost(Protocol):
+    """A connector that counts messages it had to discard before they were read."""
+
+    @property
+    def lost(self) -> int:
+        """Of them since the start."""
+        ...
+
+
+@runtime_checkable
 class OpensSlowly(Protocol):
     """A connector whose sessions take their time to open, because there is much to build."""
 

@@ -30,6 +30,10 @@ SURE = 0.8
 """Probability from which stiction is reported, or excluded: one of 187 simulated sound loops exceeds it, each
 weighed with weights fitted to the others."""
 
+FOLLOWED = 5.0
+"""Least fit of the sticking model in free run for a firm verdict of stiction, %: one that follows hardly
+anything says nothing of the valve, whatever the other witnesses say."""
+
 
 def diagnose(
     window: LoopWindow, seen: Seen | None = None, *, quantifier: Quantifier | None = None
@@ -153,7 +157,8 @@ def verdict_of(found: Quantification, weighed: Weighed) -> tuple[Verdict, float]
             found.decision == "stiction" and found.stiction is not None
         )
         return (found.decision, 0.5) if sure else ("undecided", 0.0)
-    if weighed.probability >= SURE and found.stiction is not None:
+    follows = found.free_run_percent is None or found.free_run_percent >= FOLLOWED
+    if weighed.probability >= SURE and found.stiction is not None and follows:
         return "stiction", weighed.probability
     if weighed.probability <= 1 - SURE and found.decision == "no_stiction":
         return "no_stiction", 1 - weighed.probability

@@ -42,3 +42,13 @@ def routine_diagnosis(window: LoopWindow, diagnose: Diagnose) -> Routine:
     if not worth_a_fit(seen):
         return Routine(quiet(window, seen), fitted=False)
     return Routine(diagnose(window, seen), fitted=True)
+
+
+def full_diagnosis(window: LoopWindow, diagnose: Diagnose) -> Routine:
+    """Diagnose a window with a fit, whatever a first look would show.
+
+    Args:
+        window: The window.
+        diagnose: Makes the full diagnosis.
+    """
+    return Routine(diagnose(window), fitted=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.record.reversals import significant_reversals
+from agent.analysis.record.reversals import noise_range, significant_reversals
 from agent.analysis.stiction import detect_stiction
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ class Seen:
     faults: tuple[GateFault, ...]
     """Of the gates."""
     reversals: int
-    """Reversals of OP that stand out of its noise."""
+    """Reversals of OP by more than all of its noise spans: a loop that only answers noise has none."""
     methods: dict[str, MethodResult]
     """Result of each stiction detector, by its name; empty where the window is not testable."""
     seconds: float = field(default=0.0, compare=False)
@@ -55,7 +55,7 @@ def look(window: LoopWindow) -> Seen:
     faults = gates(window, oscillation)
     testable = closed_kinds(faults) != ALL_KINDS
     methods = detect_stiction(window, oscillation, faults) if testable else {}
-    reversals = significant_reversals(window.op)
+    reversals = significant_reversals(window.op, noise_range(len(window)))
     return Seen(oscillation, faults, reversals, methods, time.perf_counter() - started)
 
 

@@ -48,12 +48,14 @@ async def _until_stopped(config: Path, settings: Settings) -> None:
     from agent.runtime.agent import Agent
     from agent.runtime.capabilities import on_signals
     from agent.runtime.loop.workers import PoolExecutor
+    from agent.runtime.operate.accepting import log_refused_accepts_seldom
     from agent.runtime.operate.notify import ServiceManager
     from agent.runtime.operate.reload import Reloader
     from agent.runtime.operate.watchdog import watch
     from agent.runtime.supervisor import Health
 
     stopping, changed, manager = asyncio.Event(), asyncio.Event(), ServiceManager.of()
+    log_refused_accepts_seldom(asyncio.get_running_loop())
     stop_at = dict.fromkeys(("SIGTERM", "SIGINT", "SIGBREAK"), stopping.set)
     on_signals({**stop_at, "SIGHUP": changed.set})
     async with PoolExecutor(settings.agent.workers) as executor:

@@ -227,6 +227,7 @@ class Agent:
             ),
             hung=self.hung(),
             faults=sum(health.faults for health, _ in self._beside),
+            store_problem=self.journal.problem,
             store_failures=self.journal.failures,
             history_dropped=0 if self.history is None else self.history.dropped,
             orders_taken=self.orders.taken,

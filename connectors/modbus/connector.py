@@ -1,31 +1,31 @@
-"""Modbus TCP as a connector: polls every loop, one request each, and writes alarms."""
+"""Modbus TCP as a connector: polls every loop, neighbours in one request, and writes alarms."""
 
 from __future__ import annotations
 
 import asyncio
+import logging
 import math
-import time
-from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
 
 from connectors.base import (
     ConfigError,
+    ConnectionLostError,
     JsonValue,
-    LoopRole,
     Publication,
     RefusedError,
     Sample,
     Session,
     TargetReport,
 )
-from connectors.modbus.block_reader import BlockReader
-from connectors.modbus.blocks import Block, plan
-from connectors.modbus.client import ILLEGAL_ADDRESS, DeviceError, ModbusClient, connected
+from connectors.modbus.client import DeviceError, ModbusClient, connected
 from connectors.modbus.codec import encode, register_count, unscaled
 from connectors.modbus.options import Flag, HoldingRegister, ModbusOptions, ModbusTag, ModbusTarget
 from connectors.modbus.parking import Parking, probed
+from connectors.modbus.polling import Rounds
 from connectors.options import LoopTags
 
+_LOG = logging.getLogger(__name__)
 ModbusLoops = Mapping[str, LoopTags[ModbusTag, ModbusTarget]]
 
 
@@ -39,40 +39,57 @@ class ModbusConnector:
         self._options = options
         self._loops = loops
         self._parking = Parking(name)
+        self._said_fewer = False
         if faults := list(_address_faults(loops, options.address_base)):
             raise ConfigError(faults)
 
     @asynccontextmanager
     async def session(self) -> AsyncIterator[Session]:
         """Connect; raises ConnectionLostError."""
-        async with connected(self._options) as client, probed(self._parking, self._options):
-            yield ModbusSession(client, self._options, self._loops, self._parking)
+        async with AsyncExitStack() as stack:
+            clients = [await stack.enter_async_context(connected(self._options))]
+            while len(clients) < self._options.connections:
+                try:
+                    clients.append(await stack.enter_async_context(connected(self._options)))
+                except ConnectionLostError as error:
+                    self._say_fewer(len(clients), error)
+                    break
+            await stack.enter_async_context(probed(self._parking, self._options))
+            yield ModbusSession(clients, self._options, self._loops, self._parking)
+
+    def _say_fewer(self, there: int, error: ConnectionLostError) -> None:
+        if not self._said_fewer:
+            self._said_fewer = True
+            text = "connection %s: only %d of %d connections can be had: %s"
+            _LOG.warning(text, self.name, there, self._options.connections, error)
 
 
 class ModbusSession:
     """An open connection."""
 
     def __init__(
-        self, client: ModbusClient, options: ModbusOptions, loops: ModbusLoops, parking: Parking
+        self,
+        clients: Sequence[ModbusClient],
+        options: ModbusOptions,
+        loops: ModbusLoops,
+        parking: Parking,
     ) -> None:
-        self._client = client
+        self._clients = clients
+        self._client = clients[0]
+        """Also writes."""
         self._options = options
         self._loops = loops
         self._parking = parking
 
     async def samples(self) -> AsyncIterator[Sample]:
         """Yield the values of every loop at every poll; raises ConnectionLostError."""
-        base = self._options.address_base
-        pollers = [LoopPoller(name, plan(loop.tags, base)) for name, loop in self._loops.items() if loop.tags]
-        reader = BlockReader(
-            self._client, [block for each in pollers for block in each.blocks], self._parking
-        )
+        tags = {name: loop.tags for name, loop in self._loops.items()}
+        rounds = Rounds(self._clients, tags, self._options.address_base, self._parking)
         clock = asyncio.get_running_loop()
         due = clock.time()
         while True:
-            for poller in pollers:
-                for sample in await poller.poll(reader):
-                    yield sample
+            async for sample in rounds.read():
+                yield sample
             due = max(due + self._options.poll, clock.time())
             await asyncio.sleep(due - clock.time())
 
@@ -129,41 +146,6 @@ def _places(target: ModbusTarget) -> list[tuple[str, Flag | HoldingRegister]]:
 
 def _told(place: Flag | HoldingRegister) -> str:
     return f"{'coil' if place.table == 'coil' else 'holding register'} {place.address}"
-
-
-class LoopPoller:
-    """Reads one loop; remembers the source time it saw last, and which blocks the device does not allow."""
-
-    def __init__(self, loop: str, blocks: list[Block]) -> None:
-        self._loop = loop
-        self.blocks = blocks
-        self._has_time = any("time" in block.tags for block in blocks)
-        self._last_time = math.nan
-
-    async def poll(self, reader: BlockReader) -> list[Sample]:
-        """Return one sample for each tag; none where the source's own time says that nothing is new."""
-        values: dict[str, float] = {}
-        refused: dict[str, DeviceError] = {}
-        for block in list(self.blocks):
-            try:
-                values |= block.values(await reader.read(block))
-            except DeviceError as error:
-                refused |= dict.fromkeys(block.tags, error)
-                if error.code == ILLEGAL_ADDRESS and len(block.tags) > 1:
-                    self.blocks = [b for b in self.blocks if b is not block] + block.split()
-        arrival = time.time()
-        source_time = values.pop("time", math.nan)
-        if self._has_time and "time" not in refused:
-            if math.isnan(source_time) or source_time == self._last_time:
-                return []
-            self._last_time = arrival = source_time
-        refused.pop("time", None)
-        return [
-            Sample.measured(LoopRole(self._loop, role), arrival, value) for role, value in values.items()
-        ] + [
-            Sample.missing(LoopRole(self._loop, role), arrival, error.code, str(error))
-            for role, error in refused.items()
-        ]
 
 
 def _address_faults(loops: ModbusLoops, base: int) -> list[str]:

@@ -9,6 +9,7 @@ import asyncio
 import contextlib
 import ipaddress
 import logging
+import math
 import ssl
 import struct
 from collections.abc import AsyncIterator
@@ -28,6 +29,8 @@ _LONGEST = 254
 """Bytes after the length field, the unit's among them."""
 _READ_WITHIN = 10.0
 """s that a client may take to send a request to its end, and to take its answer."""
+_GIVES_WAY = 10.0
+"""Silence after which a client gives way to one that comes, where there are as many as may be, s."""
 _TARGET_FAILED = 0x0B
 """Exception: no such unit behind this gateway."""
 
@@ -43,6 +46,8 @@ class Clients:
         self._malformed = malformed
         self._open: dict[asyncio.Task[None] | None, asyncio.StreamWriter] = {}
         self._told: set[str] = set()
+        self._silent_since: dict[asyncio.Task[None] | None, float] = {}
+        """Those that have no request under way, the longest silence first."""
 
     async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Answer one client until it goes, is silent for too long or speaks nonsense."""
@@ -58,6 +63,7 @@ class Clients:
             pass  # it is gone, and may come again
         finally:
             self._open.pop(task, None)
+            self._silent_since.pop(task, None)
             writer.transport.abort()
             with contextlib.suppress(OSError):
                 await writer.wait_closed()
@@ -71,9 +77,12 @@ class Clients:
             await asyncio.wait(tasks)
 
     async def _converse(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, name: str) -> None:
+        task = asyncio.current_task()
         while True:
+            self._silent_since[task] = asyncio.get_running_loop().time()
             async with asyncio.timeout(self._options.idle):
                 first = await reader.readexactly(1)
+            self._silent_since.pop(task, None)
             try:
                 async with asyncio.timeout(_READ_WITHIN):
                     head = first + await reader.readexactly(_HEADER.size - 1)
@@ -102,12 +111,21 @@ class Clients:
         allowed = self._options.allow
         peer = ipaddress.ip_address(address.partition("%")[0])
         known = not allowed or any(peer in network for network in allowed)
-        if known and len(self._open) < self._options.clients:
+        if known and (len(self._open) < self._options.clients or self._one_gave_way()):
             return True
         self.turned_away += 1
         why = f"there are {self._options.clients} already" if known else "it is not in allow"
         self._tell(f"modbus {address} is turned away: {why}")
         return False
+
+    def _one_gave_way(self) -> bool:
+        """Drop the client that was silent for longest; return whether one was for long enough."""
+        task, since = next(iter(self._silent_since.items()), (None, math.inf))
+        if asyncio.get_running_loop().time() - since < _GIVES_WAY:
+            return False
+        del self._silent_since[task]
+        self._open.pop(task).transport.abort()
+        return True
 
     def _tell(self, what: str) -> None:
         """Log what happens for the first time; peers can repeat it as often as they like."""

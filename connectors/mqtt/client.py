@@ -8,38 +8,24 @@ import ssl
 from collections.abc import AsyncIterator, Iterable, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Self
 
-from aiomqtt import Client, Message, MqttCodeError, MqttError, ProtocolVersion, Will
+from aiomqtt import Client, MqttCodeError, MqttError, ProtocolVersion, Will
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 
 from connectors.base import AccessDeniedError, ConnectionLostError, RefusedError
+from connectors.mqtt.inbox import Inbox, Losses
 from connectors.mqtt.options import Broker
 from connectors.tls import explain, refusal
 
 logging.getLogger("mqtt").setLevel(logging.CRITICAL)  # what it logs, the session raises
 
-_LOG = logging.getLogger(__name__)
 _VERSIONS = {"3.1.1": ProtocolVersion.V311, "5": ProtocolVersion.V5}
 AT_LEAST_ONCE = 1
 _NOT_LET_IN = (0x86, 0x87, 0x8A, 0x8C)
 """Bad user or password, not authorized, banned, bad method (MQTT 5, 3.2.2.2); those of 3.1.1 become these."""
-
-
-class Inbox(asyncio.Queue[Message]):
-    """Messages that wait to be read; while it is full, new ones are dropped, and that is logged once."""
-
-    _dropped = 0
-
-    def put_nowait(self, item: Message) -> None:
-        """Keep a message, or count it as dropped."""
-        if not self.full():
-            super().put_nowait(item)
-            return
-        if self._dropped == 0:
-            _LOG.warning("topic %s: messages are dropped, the reader is too slow", item.topic)
-        self._dropped += 1
 
 
 class TidySocket(ssl.SSLSocket):
@@ -164,7 +150,10 @@ def _noticed(future: asyncio.Future[None]) -> None:
 
 @asynccontextmanager
 async def connected(
-    options: Broker, identifier: str | None = None, will: Outgoing | None = None
+    options: Broker,
+    identifier: str | None = None,
+    will: Outgoing | None = None,
+    losses: Losses | None = None,
 ) -> AsyncIterator[StrictClient]:
     """Connect a fresh client; raises ConnectionLostError, AccessDeniedError.
 
@@ -172,6 +161,7 @@ async def connected(
         options: Where and how.
         identifier: Name of the client to the broker, which lets go of a former one of that name.
         will: What the broker says when the connection breaks.
+        losses: Counts what comes in and cannot wait to be read.
     """
     peer = f"MQTT broker at {options.host}:{options.port}: "
     tls = None if options.tls is None else options.tls.context()
@@ -189,7 +179,7 @@ async def connected(
         protocol=_VERSIONS[options.version],
         timeout=options.timeout,
         keepalive=options.keepalive,
-        queue_type=Inbox,
+        queue_type=partial(Inbox, losses=losses),
         max_queued_incoming_messages=options.queue,
     )
     with as_connection_lost():

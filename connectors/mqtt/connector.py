@@ -22,6 +22,7 @@ from connectors.base import (
     Session,
 )
 from connectors.mqtt.client import Outgoing, StrictClient, as_connection_lost, connected, subscribe
+from connectors.mqtt.inbox import Losses
 from connectors.mqtt.options import MqttOptions
 from connectors.mqtt.orders import OrderReader
 from connectors.mqtt.reader import TopicReader, readers_of
@@ -42,6 +43,7 @@ class MqttConnector:
         self._topics = topics_of(name, options, loops)
         self._readers = readers_of(loops)
         self.orders = OrderReader(self._topics.orders)
+        self._losses = Losses()
         # The broker lets go of a former connection with the same name, and says its will before ours is up.
         self._identifier = options.client or f"slipjump-{secrets.token_hex(7)}"
 
@@ -55,23 +57,30 @@ class MqttConnector:
         """Messages that could not be read as configured, orders among them, since the start."""
         return self.orders.malformed + sum(reader.malformed for reader in self._readers.values())
 
+    @property
+    def lost(self) -> int:
+        """Messages that were discarded because too many waited to be read, since the start."""
+        return self._losses.count
+
     @asynccontextmanager
     async def session(self) -> AsyncIterator[Session]:
         """Connect; raises ConnectionLostError."""
-        async with online(self._options, self._topics, self._identifier) as client:
+        async with online(self._options, self._topics, self._identifier, self._losses) as client:
             yield MqttSession(client, self._readers, self._topics, self.orders)
 
 
 @asynccontextmanager
-async def online(options: MqttOptions, topics: Topics, identifier: str) -> AsyncIterator[StrictClient]:
+async def online(
+    options: MqttOptions, topics: Topics, identifier: str, losses: Losses
+) -> AsyncIterator[StrictClient]:
     """Connect, and say on the status topic that this is online, and that it is not at the end."""
     if topics.status is None:
-        async with connected(options, identifier) as client:
+        async with connected(options, identifier, losses=losses) as client:
             yield client
         return
     topic, who, began = topics.status, topics.client, time.time()
     will = status(topic, who, "offline", began, None)
-    async with connected(options, identifier, will) as client:
+    async with connected(options, identifier, will, losses) as client:
         await _say(client, status(topic, who, "online", began, time.time()))
         try:
             yield client

@@ -15,6 +15,7 @@ from aiomqtt import Message
 
 from connectors.base import ConfigError, ConnectionLostError, Order, Publication, RefusedError, Session
 from connectors.mqtt.client import StrictClient, as_connection_lost, connected, subscribe
+from connectors.mqtt.inbox import Losses
 from connectors.options import LoopTags, NoTag
 from connectors.sparkplug.metrics import REBIRTH, orders
 from connectors.sparkplug.node import EdgeNode
@@ -39,6 +40,7 @@ class SparkplugConnector:
         """Commands that cannot be read."""
         self.retained = 0
         """Commands that the broker had kept: nobody knows whether they are still meant."""
+        self._losses = Losses()
         self._options = options
         group, node = options.group, options.node or socket.gethostname()
         devices = {loop: each.targets[0].device or loop for loop, each in loops.items() if each.targets}
@@ -48,6 +50,11 @@ class SparkplugConnector:
         # The broker lets go of a former connection with the same name, and sends its death before our birth.
         self._identifier = f"slipjump-{group}-{node}"
 
+    @property
+    def lost(self) -> int:
+        """Commands that were discarded because too many waited to be read, since the start."""
+        return self._losses.count
+
     @asynccontextmanager
     async def session(self) -> AsyncIterator[Session]:
         """Connect; raises ConnectionLostError."""
@@ -56,7 +63,7 @@ class SparkplugConnector:
                 yield SparkplugSession(client, self, self._node, orders=False)
             return
         will = self._node.will(time.time())
-        async with connected(self._options, self._identifier, will) as client:
+        async with connected(self._options, self._identifier, will, self._losses) as client:
             session = SparkplugSession(client, self, self._node, orders=self._options.orders)
             await session.born()
             try:

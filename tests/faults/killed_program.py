@@ -15,6 +15,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from types import SimpleNamespace
 
+from agent.analysis.routine import Routine
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.loop.pipeline import LoopPipeline
@@ -72,7 +73,6 @@ async def main(store, peer, task):
         loop_settings(quantify="always"),
         InlineExecutor(),
         [outbox],
-        diagnose=lambda window: diagnosis("stiction" if window.time[-1] % 2 else "no_stiction"),
         journal=journal,
     )
     kept = await journal.open()
@@ -83,7 +83,9 @@ async def main(store, peer, task):
     sys.stdout.write("ready\n")
     sys.stdout.flush()
     while task == "work":
-        await pipeline._judge(SimpleNamespace(time=[float(newest_window(pipeline.alarm) + 1)]), 0.0)
+        window = SimpleNamespace(time=[float(newest_window(pipeline.alarm) + 1)])
+        found = diagnosis("stiction" if window.time[-1] % 2 else "no_stiction")
+        await pipeline._decide(Routine(found, fitted=True), window, 0.0)
     while len(outbox) and not telling.done():
         await asyncio.wait({telling}, timeout=0.01)
     telling.cancel()

@@ -16,6 +16,7 @@ from agent.settings import AgentSettings, ConnectionSettings, Settings
 from connectors.base import AccessDeniedError, ConnectionLostError, Order, Publication
 from connectors.checks.session import until
 from connectors.modbus.codec import decode
+from connectors.modbus_server import listening
 from connectors.modbus_server import register_map as at
 from connectors.modbus_server.connector import ModbusServerConnector
 from connectors.modbus_server.options import ModbusServerOptions, ModbusServerTarget
@@ -150,6 +151,21 @@ async def test_who_speaks_something_else_is_dropped_and_the_others_are_served(ga
             writer.close()
         assert (await client.read_holding_registers(0, count=1)).registers == [1]
     assert len([record for record in caplog.records if "does not speak Modbus" in record.message]) == 1
+
+
+async def test_where_all_places_are_taken_the_longest_silent_client_gives_way(monkeypatch):
+    monkeypatch.setattr(listening, "_GIVES_WAY", 1e9)
+    async with connector_of(clients=2).session() as session:
+        silent = [await connect(session) for _ in range(2)]
+        extra, its_writer = await connect(session)
+        assert await within(extra.read()) == b""
+        monkeypatch.setattr(listening, "_GIVES_WAY", 0.0)
+        async with client_of(session) as busy:
+            assert not (await busy.read_coils(0, count=1)).isError()
+            with contextlib.suppress(ConnectionResetError):
+                assert await within(silent[0][0].read()) == b""
+        for writer in (its_writer, *(each for _, each in silent)):
+            writer.close()
 
 
 async def test_bounds_of_clients_and_of_their_silence():

@@ -8,7 +8,7 @@ from __future__ import annotations
 from agent.analysis.gates.fault import ALL_KINDS, GateFault, closed_kinds
 from agent.analysis.gates.op import op_faults
 from agent.analysis.gates.pv import pv_faults
-from agent.analysis.gates.record import record_faults, too_short
+from agent.analysis.gates.record import different_clocks, record_faults, too_short
 from agent.analysis.gates.rhythm import rhythm_faults
 from agent.analysis.gates.skew import skew_faults
 from agent.analysis.gates.transmission import transmission_faults
@@ -25,9 +25,9 @@ def gates(window: LoopWindow, oscillation: Oscillation) -> tuple[GateFault, ...]
         window: The stretch to judge.
         oscillation: The result of ``detect_oscillation`` for it.
     """
-    short = too_short(window)
-    if short:
-        return short
+    spoilt = different_clocks(window) or too_short(window)
+    if spoilt:
+        return spoilt
     faults = (*record_faults(window), *op_faults(window), *pv_faults(window))
     if closed_kinds(faults) == ALL_KINDS:
         return faults

@@ -1,4 +1,4 @@
-"""Whether the record has enough valid samples, and whether the loop was in automatic."""
+"""Whether OP and PV have one clock, enough valid samples, and whether the loop was in automatic."""
 
 from __future__ import annotations
 
@@ -16,6 +16,19 @@ MIN_SAMPLES = 100
 MIN_VALID_SHARE = 0.5
 MIN_AUTOMATIC_SHARE = 0.5
 """As for gaps: a stretch that was not in automatic is one."""
+
+
+def different_clocks(window: LoopWindow) -> tuple[GateFault, ...]:
+    """Return the fault of a record whose OP and PV bear the times of clocks that differ.
+
+    A time between OP and PV looks like a part of a stroke: S would be whatever the clocks make of it.
+    """
+    apart = window.clocks_apart
+    if apart == 0:
+        return ()
+    way = "ahead of" if apart > 0 else "behind"
+    reason = f"the clock of PV is {_words(abs(apart))} {way} that of OP, so that they cannot be compared"
+    return (GateFault("clocks_differ", reason),)
 
 
 def too_short(window: LoopWindow) -> tuple[GateFault, ...]:
@@ -46,3 +59,7 @@ def _manual(window: LoopWindow) -> GateFault | None:
         return None
     share = "never in automatic" if automatic == 0 else f"in automatic for only {automatic:.0%} of the record"
     return GateFault("manual", f"the loop was {share}; OP is judged only where the controller moves it")
+
+
+def _words(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 3600:.1f} h"

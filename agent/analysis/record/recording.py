@@ -58,6 +58,8 @@ class LoopWindow:
     """Samples dropped because their timestamp was there already."""
     wild: int = 0
     """Values of OP, PV and MV that are gaps because they lie far outside those around them."""
+    clocks_apart: float = 0.0
+    """How far PV's clock is ahead of OP's, where that is known and matters, s."""
     unknown_modes: tuple[str, ...] = ()
     """Modes in the record of which no table knows whether they are automatic; they count as not."""
 

@@ -25,18 +25,32 @@ def op_noise(op: FloatArray) -> float:
     return 1.4826 * float(np.median(np.abs(np.diff(op)))) / math.sqrt(2)
 
 
-def significant_reversals(op: FloatArray) -> int:
-    """Count the turning points of ``op`` (n,) that its noise cannot explain; NaN is left out."""
-    return len(reversal_places(op))
+def noise_range(n: int) -> float:
+    """Return the range that n samples of white noise span, in its standard deviations.
+
+    The expected extreme of n normal samples is sqrt(2 ln n) at most (Gumbel,
+    Statistics of Extremes, 1958, 4.2).
+    """
+    return 2 * math.sqrt(2 * math.log(max(n, 2)))
 
 
-def reversal_places(op: FloatArray) -> list[int]:
+def significant_reversals(op: FloatArray, noises: float = NOISES) -> int:
+    """Count the turning points of ``op`` (n,) that its noise cannot explain; NaN is left out.
+
+    Args:
+        op: Controller output.
+        noises: Standard deviations of the noise that a swing must exceed.
+    """
+    return len(reversal_places(op, noises))
+
+
+def reversal_places(op: FloatArray, noises: float = NOISES) -> list[int]:
     """Return the samples at which ``op`` (n,) is seen to have turned beyond its noise; NaN is left out."""
     known = np.flatnonzero(np.isfinite(op))
     finite = op[known]
     if finite.size < 3:
         return []
-    least = max(NOISES * op_noise(finite), PART_OF_SPAN * float(np.ptp(finite)))
+    least = max(noises * op_noise(finite), PART_OF_SPAN * float(np.ptp(finite)))
     if least == 0:
         return []
     places: list[int] = []

@@ -15,6 +15,7 @@ from agent.runtime.supervisor import MARGIN, Health
 from connectors.base import (
     ConnectionLostError,
     Connector,
+    CountsLost,
     CountsMalformed,
     OpensSlowly,
     Order,
@@ -64,13 +65,17 @@ class Connection:
         self._interrupted = interrupted
         self._data_age = data_age
         self._malformed_before = 0
+        self._lost_before = 0
         self._works = False
         """Whether the peer sent or accepted anything in this session."""
+        self._under_way: Publication | None = None
+        """What the peer was given and has not answered."""
 
     def count_on(self, former: Connection) -> None:
         """Continue the counters of the connection that this one replaces."""
         self.health.count_on(former.health)
         self._malformed_before = former.malformed
+        self._lost_before = former.lost
 
     @property
     def malformed(self) -> int:
@@ -78,10 +83,16 @@ class Connection:
         now = self._connector.malformed if isinstance(self._connector, CountsMalformed) else 0
         return self._malformed_before + now
 
+    @property
+    def lost(self) -> int:
+        """Messages that were discarded before they were read, since the start; 0 on buses without a queue."""
+        now = self._connector.lost if isinstance(self._connector, CountsLost) else 0
+        return self._lost_before + now
+
     async def attempt(self) -> None:
         """Open a fresh session and use it until it fails."""
         name = self._connector.name
-        self._works = False
+        self._works, self._under_way = False, None
         within = OPEN_WITHIN
         if isinstance(self._connector, OpensSlowly):
             within = max(within, self._connector.opens_within)
@@ -94,6 +105,11 @@ class Connection:
                     self.health.works()
                 if self._deliver is not None or self._obey is not None:
                     tasks.create_task(self._read(session, self._deliver), name=f"read {name}")
+        except* ConnectionLostError:
+            # The reader may have noticed it first, and ended the publisher.
+            if self._under_way is not None:
+                self._outbox.hung_up(self._under_way, works=self._works)
+            raise
         finally:
             self._interrupted()
 
@@ -140,19 +156,19 @@ class Connection:
 
     async def _send(self, session: Session, publication: Publication) -> None:
         self.health.expect("publish", PUBLISH_WITHIN + MARGIN)
+        self._under_way = publication
         try:
             async with asyncio.timeout(PUBLISH_WITHIN):
                 await session.publish(publication)
         except RefusedError as error:
             self._outbox.refused(publication, error)
-        except ConnectionLostError:
-            self._outbox.hung_up(publication, works=self._works)
-            raise
         except TimeoutError as error:
+            self._under_way = None  # it is silent, which is no answer to this one
             raise ConnectionLostError(f"accepted no publication within {PUBLISH_WITHIN:.0f} s") from error
         else:
             self._works = True
             self._outbox.taken(publication)
+        self._under_way = None
         self.health.expect("publish", None)
 
 

@@ -84,13 +84,18 @@ class Outbox:
         """Add a publication; the next flush of the journal writes it."""
         key, sequence = publication.key, self._journal.next_sequence()
         former = self._waiting.pop(key, None)
-        self._waiting[key] = _Entry(sequence, publication, late=not self._connected)
+        aside = self.refusals.hangs_up_at(publication)
+        if not aside:
+            self._waiting[key] = _Entry(sequence, publication, late=not self._connected)
         self._journal.note(
             Change(
                 put={sequence: Waiting(self._target, publication)},
                 removed=frozenset() if former is None else frozenset({former.sequence}),
             )
         )
+        if aside:  # each would cost a session of all loops
+            self.refusals.add_beside(sequence, publication)
+            return
         if len(self._waiting) > self._limit:
             self._drop()
         self._filled.set()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import math
 from collections import OrderedDict
 from dataclasses import dataclass, replace
 
@@ -92,7 +93,9 @@ class Refusals:
         due = asyncio.get_running_loop().time() + RETRY
         self._waiting[publication.key] = Refusal(sequence, publication, str(error), due)
         if len(self._waiting) > LIMIT:
-            self._forget(self._waiting.popitem(last=False)[1])
+            oldest = self._waiting.popitem(last=False)[1]
+            self._forget(oldest)
+            self._try_the_others(oldest.publication)
             self.dropped += 1
 
     def again(self, publication: Publication, error: RefusedError) -> None:
@@ -111,14 +114,50 @@ class Refusals:
             return
         hang_ups = 0 if former is None else former.hang_ups + 1
         self.add(former.sequence if sequence is None and former else sequence or 0, publication, HUNG_UP)
-        due = asyncio.get_running_loop().time() + min(HUNG_UP_RETRY * 2**hang_ups, LONGEST_RETRY)
+        due = asyncio.get_running_loop().time() + min(HUNG_UP_RETRY * 2 ** min(hang_ups, 10), LONGEST_RETRY)
         self._waiting[publication.key] = replace(self._waiting[publication.key], due=due, hang_ups=hang_ups)
+
+    def hangs_up_at(self, publication: Publication) -> bool:
+        """Whether the peer is known to hang up at publications of this kind and subject."""
+        return self._waiting_of(publication) is not None
+
+    def add_beside(self, sequence: int, publication: Publication) -> None:
+        """Keep one of which the topic is known to end sessions; it is tried when another of it was accepted.
+
+        One that replaces the former takes over when that is tried.
+        """
+        former = self._waiting_of(publication)
+        replaces = former is not None and former.publication.key == publication.key
+        self.add(sequence, publication, HUNG_UP)
+        due, hang_ups = (former.due, former.hang_ups) if former is not None and replaces else (math.inf, 0)
+        self._waiting[publication.key] = replace(self._waiting[publication.key], due=due, hang_ups=hang_ups)
+
+    def _waiting_of(self, publication: Publication) -> Refusal | None:
+        """Return the one of this kind and subject that is tried next, where the peer hangs up there."""
+        topic = publication.kind, publication.subject
+        known = [
+            each
+            for each in self._waiting.values()
+            if each.problem == str(HUNG_UP) and (each.publication.kind, each.publication.subject) == topic
+        ]
+        return min(known, key=lambda each: each.due, default=None)
+
+    def _try_the_others(self, publication: Publication) -> None:
+        """Try what waited beside one of its kind and subject that is settled or gone."""
+        now = asyncio.get_running_loop().time()
+        for key, each in self._waiting.items():
+            if math.isinf(each.due) and (each.publication.kind, each.publication.subject) == (
+                publication.kind,
+                publication.subject,
+            ):
+                self._waiting[key] = replace(each, due=now)
 
     def settle(self, publication: Publication) -> None:
         """Remove it: the peer accepted it, or a newer one."""
         refusal = self._waiting.pop(publication.key, None)
         if refusal is not None:
             self._forget(refusal)
+            self._try_the_others(publication)
             LOG.info(
                 "connection %s accepts publications about %s again",
                 self._connection,

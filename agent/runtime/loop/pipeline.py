@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import logging
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NoReturn, Protocol
 
@@ -12,11 +14,13 @@ from agent.alarms import Alarm, Announcement, Command, Delay
 from agent.analysis.diagnose import diagnose
 from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.record.recording import LoopWindow
-from agent.analysis.routine import Diagnose, routine_diagnosis
+from agent.analysis.routine import Diagnose, Routine, full_diagnosis, routine_diagnosis
 from agent.analysis.stiction.online import OnlineShapes
 from agent.runtime.link.outbox import Outbox
+from agent.runtime.loop.pace import Pace
 from agent.runtime.loop.source_clock import SourceClock
-from agent.runtime.loop.usable import UsableValues
+from agent.runtime.loop.turns import LONGEST_PATIENCE
+from agent.runtime.loop.usable import LOGGED_AGAIN, UsableValues
 from agent.runtime.loop.window import RollingWindow
 from agent.runtime.loop.workers import Executor
 from agent.runtime.store.change import Change
@@ -96,7 +100,12 @@ class LoopPipeline:
         """Monotonic time of the newest verdict, s."""
         self._waiting: LoopWindow | None = None
         self._due_since = 0.0
-        self._judging = False
+        self._judging: tuple[LoopWindow, float] | None = None
+        """The window that a worker has, and since when it was due, monotonic, s."""
+        self._cost = 0.0
+        """Time that the newest diagnosis took where it had a fit, s: what the next should take."""
+        self._pace = Pace()
+        self._clocks_logged = -math.inf
         self._due = asyncio.Event()
 
     def push(self, sample: Sample, arrival: float) -> None:
@@ -107,11 +116,20 @@ class LoopPipeline:
         window = None if counts is None else self.window.push(counts, arrival)
         if window is None:
             return
+        self._say_clocks_differ(window.clocks_apart, arrival)
         self._shapes.follow(window)
         self.superseded += self._waiting is not None
         self._waiting = window
         self._due_since = arrival
         self._due.set()
+
+    def _say_clocks_differ(self, apart: float, arrival: float) -> None:
+        if apart and arrival - self._clocks_logged >= LOGGED_AGAIN:
+            self._clocks_logged = arrival
+            text = "%s: the clock of PV is %.0f s ahead of that of OP; no verdict is made until they agree"
+            LOG.warning(
+                text, self.settings.name, apart, extra={"event": "clocks", "loop": self.settings.name}
+            )
 
     def resume(self, kept: Alarm | None) -> None:
         """Go on from the alarm that the store kept; None where it kept none."""
@@ -127,6 +145,7 @@ class LoopPipeline:
             self.diagnosis, self.fitted, self.superseded = former.diagnosis, former.fitted, former.superseded
             self.heard, self.judged_at, self.usable = former.heard, former.judged_at, former.usable
             self._waiting, self._due_since = former._waiting, former._due_since
+            self._cost, self._pace = former._cost, former._pace
             if self._waiting is not None:
                 self._due.set()
         self.resume(former.alarm)
@@ -152,7 +171,7 @@ class LoopPipeline:
     @property
     def busy(self) -> bool:
         """Whether a window waits for its diagnosis or has it made."""
-        return self._judging or self._waiting is not None
+        return self._judging is not None or self._waiting is not None
 
     async def run(self) -> NoReturn:
         """Diagnose what comes due, until cancelled."""
@@ -161,16 +180,27 @@ class LoopPipeline:
         while True:
             await self._due.wait()
             self._due.clear()
-            window, self._waiting = self._waiting, None
-            if window is not None:
-                self._judging = True
+            if self._waiting is not None:
+                await asyncio.sleep(self._pace.wait(asyncio.get_running_loop().time()))
                 try:
-                    await self._judge(window, self._due_since)
+                    await self._judge()
                 finally:
-                    self._judging = False
+                    self._judging = None
 
-    async def _judge(self, window: LoopWindow, due_since: float) -> None:
-        diagnosis, fitted = await self._diagnosis_of(window)
+    async def _judge(self) -> None:
+        """Diagnose the newest window as soon as there is a worker for it."""
+        try:
+            found = await self._executor.run_in_turn(self._cost, self._newest)
+        except TimeoutError:
+            self._cost = LONGEST_PATIENCE
+            raise
+        if self._judging is not None:
+            await self._decide(found, *self._judging)
+
+    async def _decide(self, found: Routine, window: LoopWindow, due_since: float) -> None:
+        """Follow the diagnosis of a window that was due since then, monotonic, s."""
+        diagnosis, fitted = found.diagnosis, found.fitted
+        self._cost = diagnosis.seconds if fitted else 0.0
         self.diagnosis, self.fitted = diagnosis, window if fitted else None
         self.judged_at = asyncio.get_running_loop().time()
         if diagnosis.oscillation is not None:
@@ -181,11 +211,16 @@ class LoopPipeline:
         for observer in self._observers:
             observer.judged(Judged(diagnosis, end, self.judged_at - due_since, fitted))
 
-    async def _diagnosis_of(self, window: LoopWindow) -> tuple[Diagnosis, bool]:
-        if self.settings.quantify == "always":
-            return await self._executor.run(self._diagnose, window), True
-        found = await self._executor.run(routine_diagnosis, window, self._diagnose)
-        return found.diagnosis, found.fitted
+    def _newest(self) -> Callable[[], Routine]:
+        """Take the window that waits; what came due while a worker was waited for has replaced older ones."""
+        window, self._waiting = self._waiting, None
+        if window is None:
+            raise RuntimeError("no window waits")
+        self._due.clear()
+        self._judging = window, self._due_since
+        self._pace.begin(asyncio.get_running_loop().time())
+        judge = full_diagnosis if self.settings.quantify == "always" else routine_diagnosis
+        return functools.partial(judge, window, self._diagnose)
 
     def _follow(self, alarm: Alarm, announcements: Sequence[Announcement]) -> None:
         """Take the alarm that follows, noted together with its announcements: no crash comes between."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -15,6 +16,10 @@ from agent.runtime.capabilities import cores, start_method
 
 CONTEXT: Any = multiprocessing.get_context(start_method())
 """Workers come from a process that has no threads, event loop or sockets; a plain fork would copy ours."""
+
+NO_COUNT = "ignore:resource_tracker"
+"""Python's tracker removes what a killed program leaves, and warns on its terminal; it starts with our
+options for warnings, and need not say that."""
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -66,6 +71,8 @@ def process_pool(
         ready: Prepares each of them; it and its arguments are pickled, so it is a module-level function.
         args: Its arguments.
     """
+    if NO_COUNT not in sys.warnoptions:
+        sys.warnoptions.append(NO_COUNT)
     count = cores() if workers is None else workers
     return ProcessPoolExecutor(count, CONTEXT, _begin, (ready, args))
 

@@ -2,7 +2,9 @@
 
 Windows take source time, whatever a clock in the field is off, as long as it ticks. Three things would spoil
 them: a clock that is absurd (2000-01-01 after an empty battery), a single time that leaps (a flipped bit, a
-wrong unit), and a missing value, which often bears the time of this machine and not of the source.
+wrong unit), and a missing value, which often bears the time of this machine and not of the source. PV and OP
+may come from sources of their own, so each role has its clock; one that was set is believed at once where the
+clock of another role shows the same.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from agent.runtime.loop.window import LAST_TIME
 from connectors.base import Quality, Sample
@@ -28,8 +30,36 @@ EARLY = 2.0
 """How much the time of a missing value may be ahead of what the source's clock must show, s."""
 
 
+@dataclass(slots=True)
+class _Track:
+    """Times of one role, or of the whole loop."""
+
+    newest: float = math.nan
+    """Newest time that was believed, s UTC."""
+    arrival: float = math.nan
+    """When it came, monotonic, s."""
+    offset: float | None = None
+    """What is added to absurd times, s; None while they are not."""
+    leap: tuple[float, float] | None = None
+    """Time and arrival of the first of those in a row that do not go on from the newest."""
+
+    def expected(self, arrival: float) -> float:
+        """Return what the clock must show at ``arrival``, s UTC; NaN before the first time."""
+        return self.newest + arrival - self.arrival
+
+    def doubts(self, time: float, arrival: float) -> bool:
+        """Return whether a time leaps from the newest; never before the first."""
+        expected = self.expected(arrival)
+        return time > expected + LEAP or (time <= self.newest and time < expected - LEAP)
+
+    def follow(self, time: float, arrival: float, *, set_back: bool) -> None:
+        """Go on from a time that is believed; one from the past is on its way late, unless set back."""
+        if set_back or not time <= self.newest:
+            self.newest, self.arrival = time, arrival
+
+
 class SourceClock:
-    """The clock behind the samples of one loop."""
+    """The clocks behind the samples of one loop."""
 
     def __init__(self, loop: str, limit: float, now: Callable[[], float]) -> None:
         """Make a clock that was not seen yet.
@@ -46,18 +76,12 @@ class SourceClock:
         self._loop = loop
         self._limit = limit
         self._now = now
-        self._newest = math.nan
-        """Newest time that was believed, s UTC."""
-        self._arrival = math.nan
-        """When it came, monotonic, s."""
-        self._offset: float | None = None
-        """What is added to absurd times, s; None while they are not."""
+        self._any = _Track()
+        self._roles: dict[str, _Track] = {}
         self._logged = math.nan
-        """When the log last had that the clock is off, s UTC."""
+        """When the log last had that a clock is off, s UTC."""
         self._said = False
         """Whether it had it this time."""
-        self._leap: tuple[float, float] | None = None
-        """Time and arrival of the first of those in a row that do not go on from the newest."""
 
     def checked(self, sample: Sample, arrival: float) -> Sample | None:
         """Return the sample with the time that counts, None where it should be dropped.
@@ -66,49 +90,51 @@ class SourceClock:
         """
         if not abs(sample.time) <= LAST_TIME:  # nor NaN
             return sample
-        expected = self._newest + arrival - self._arrival  # NaN before the first
+        own = self._roles.setdefault(sample.tag.role, _Track())
+        known = self._any if math.isnan(own.newest) else own
+        expected = known.expected(arrival)  # NaN before the first
         absurd = abs(sample.time - self._now()) > self._limit
         if sample.quality is Quality.BAD and (absurd or sample.time > expected + EARLY):
             # Most such times are this machine's; before the first value there is nothing to compare with.
             return sample if math.isnan(expected) else replace(sample, time=expected)
-        time = self._here(sample.time) if absurd else self._believed(sample.time)
-        leaps, is_old = time > expected + LEAP, time <= self._newest
-        if leaps or (is_old and time < expected - LEAP):
-            if not self._goes_on(time, arrival):
-                self.leaps += leaps
-                return None if leaps else replace(sample, time=time)
-            is_old = False
-        self._leap = None
-        if not is_old:
-            self._newest, self._arrival = time, arrival
+        time = self._here(own, sample.time) if absurd else self._believed(own, sample.time)
+        doubted = known.doubts(time, arrival)
+        if doubted and self._any.doubts(time, arrival) and not _goes_on(own, time, arrival):
+            leaps = time > expected + LEAP
+            self.leaps += leaps
+            return None if leaps else replace(sample, time=time)
+        own.leap = None
+        own.follow(time, arrival, set_back=doubted)
+        self._any.follow(time, arrival, set_back=doubted)
         return replace(sample, time=time) if absurd else sample
 
-    def _believed(self, time: float) -> float:
-        if self._offset is not None:
+    def _believed(self, own: _Track, time: float) -> float:
+        if own.offset is not None:
             if self._said:
                 LOG.info("%s: the source's clock is believed again", self._loop)
-            self._offset = None
+            own.offset = None
         return time
 
-    def _here(self, time: float) -> float:
+    def _here(self, own: _Track, time: float) -> float:
         """Return an absurd time on this machine's clock; differences stay the source's."""
         now = self._now()
-        if self._offset is None:
+        if own.offset is None:
             off = time - now
             self._said = not abs(now - self._logged) < LOGGED_AGAIN  # NaN before the first
             if self._said:
                 self._logged = now
                 text = "%s: the source's clock is off by %.0f s, time is taken from here"
                 LOG.warning(text, self._loop, off)
-            self._offset = -off
+            own.offset = -off
         self.absurd += 1
-        ahead = time + self._offset - now
+        ahead = time + own.offset - now
         if ahead > 0 or ahead < -LATE:  # it came faster than the ones before, was set, or stands still
-            self._offset -= ahead
-        return time + self._offset
+            own.offset -= ahead
+        return time + own.offset
 
-    def _goes_on(self, time: float, arrival: float) -> bool:
-        """Return whether times go on for long enough from the first that leaped: then the clock was set."""
-        if self._leap is None or not self._leap[0] <= time <= self._leap[0] + arrival - self._leap[1] + LEAP:
-            self._leap = (time, arrival)
-        return arrival - self._leap[1] >= CONFIRMED
+
+def _goes_on(own: _Track, time: float, arrival: float) -> bool:
+    """Return whether times go on for long enough from the first that leaped: then the clock was set."""
+    if own.leap is None or not own.leap[0] <= time <= own.leap[0] + arrival - own.leap[1] + LEAP:
+        own.leap = (time, arrival)
+    return arrival - own.leap[1] >= CONFIRMED

@@ -22,6 +22,7 @@ import numpy as np
 
 from agent.analysis.record.recording import LoopWindow
 from agent.runtime.loop.slots import FOREVER, NEVER, SlotRing, Taken
+from agent.runtime.loop.tag_clocks import TagClocks
 from connectors.base import Quality, Sample
 
 if TYPE_CHECKING:
@@ -70,6 +71,8 @@ class RollingWindow:
         """Period of the oscillation, s, where one is known: windows in periods follow it."""
         self.arrival: float | None = None
         """Monotonic time at which the newest sample arrived, s."""
+        self.clocks = TagClocks(settings.ts)
+        """Whether PV and OP have the same clock."""
         self._duplicates_told = 0
         self._unknown_modes: set[str] = set()
         self._rings: dict[str, SlotRing]
@@ -115,6 +118,8 @@ class RollingWindow:
             return self._dropped(sample, taken, arrival)
         self._backward_run = 0
         self.arrival = arrival
+        if sample.quality is not Quality.BAD:
+            self.clocks.see(role, time, arrival)
         self.counters.samples += 1
         self.counters.bad += sample.quality is Quality.BAD
         self.counters.uncertain += sample.quality is Quality.UNCERTAIN
@@ -226,6 +231,7 @@ class RollingWindow:
             else (),
             hints=settings.hints,
             duplicates=duplicates,
+            clocks_apart=self.clocks.apart,
         )
 
     def _silent(self, first: int, n: int) -> NDArray[np.bool_]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import multiprocessing
 import signal
 from collections.abc import Callable
@@ -11,6 +12,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self, TypeVar
 
 from agent.runtime.loop.process_pool import CONTEXT, process_pool
+from agent.runtime.loop.turns import Turns
 
 if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
@@ -32,6 +34,15 @@ class Executor(Protocol):
         """Return ``function(*args)``, or raise what it raises."""
         ...
 
+    async def run_in_turn(self, expected: float, work: Callable[[], Callable[[], T]]) -> T:
+        """Wait until a worker is free, then run what ``work`` returns at that moment.
+
+        Args:
+            expected: Time that the calculation should take, s; the quick ones come first.
+            work: Gives the calculation, picklable: what is newest, however long its turn took to come.
+        """
+        ...
+
 
 class InlineExecutor:
     """Runs in the event loop, which stands still meanwhile."""
@@ -41,6 +52,10 @@ class InlineExecutor:
     async def run(self, function: Callable[..., T], *args: object) -> T:
         """Return ``function(*args)``."""
         return function(*args)
+
+    async def run_in_turn(self, expected: float, work: Callable[[], Callable[[], T]]) -> T:  # noqa: ARG002
+        """Return what the calculation of ``work`` returns."""
+        return work()()
 
 
 class PoolExecutor:
@@ -59,41 +74,43 @@ class PoolExecutor:
             workers: Processes, one core each.
             within: Longest time for one calculation, s; then its worker counts as hung.
         """
-        self.queued = 0
         self._workers = workers
         self._within = within
-        self._free = asyncio.Semaphore(workers)
+        self._turns = Turns(workers)
         self._ended = False
         self._pool = self._new_pool()
 
+    @property
+    def queued(self) -> int:
+        """Calculations that wait for a worker."""
+        return self._turns.waiting
+
     async def run(self, function: Callable[..., T], *args: object) -> T:
         """Return ``function(*args)``; raises TimeoutError where that takes too long."""
-        self.queued += 1
-        try:
-            await self._free.acquire()
-        finally:
-            self.queued -= 1
-        try:
-            async with asyncio.timeout(self._within):
-                return await self._run(function, *args)
-        except TimeoutError:
-            self._end_workers()  # those of other calculations are started once more
-            raise
-        finally:
-            self._free.release()
+        return await self.run_in_turn(0.0, lambda: functools.partial(function, *args))
 
-    async def _run(self, function: Callable[..., T], *args: object) -> T:
+    async def run_in_turn(self, expected: float, work: Callable[[], Callable[[], T]]) -> T:
+        """Return what the calculation of ``work`` returns; raises TimeoutError where that takes too long."""
+        async with self._turns.turn(expected):
+            try:
+                async with asyncio.timeout(self._within):
+                    return await self._run(work())
+            except TimeoutError:
+                self._end_workers()  # those of other calculations are started once more
+                raise
+
+    async def _run(self, function: Callable[[], T]) -> T:
         """Try once more where a worker died (out of memory, killed)."""
         pool = self._pool
         try:
-            return await asyncio.get_running_loop().run_in_executor(pool, function, *args)
+            return await asyncio.get_running_loop().run_in_executor(pool, function)
         except BrokenProcessPool:
             if self._ended:
                 raise
             if pool is self._pool:  # the first of those that waited for this pool
                 pool.shutdown(wait=False)
                 self._pool = self._new_pool()
-            return await asyncio.get_running_loop().run_in_executor(self._pool, function, *args)
+            return await asyncio.get_running_loop().run_in_executor(self._pool, function)
 
     async def __aenter__(self) -> Self:
         """Start the workers, so that the first window doesn't wait for imports."""

@@ -11,6 +11,7 @@ def health_json(status: AgentStatus) -> dict[str, object]:
         "status": "hung" if status.hung else "ok" if status.ok else "degraded",
         "hung": list(status.hung),
         "faults": status.faults,
+        "store_error": status.store_problem or None,
         "store_failures": status.store_failures,
         "history_dropped": status.history_dropped,
         "orders": {"taken": status.orders_taken, "refused": status.orders_refused},
@@ -28,6 +29,7 @@ def _connection(status: ConnectionStatus) -> dict[str, object]:
         "losses": status.losses,
         "faults": status.faults,
         "malformed": status.malformed,
+        "lost": status.lost,
         "outbox": {
             "waiting": status.waiting,
             "refused": status.refused,

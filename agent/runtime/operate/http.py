@@ -26,6 +26,8 @@ from connectors.reuse import listen_again
 
 IDLE = 5
 """Time after which an idle client is disconnected, s."""
+AT_ONCE = 64
+"""Connections that are accepted before the next look at those that must go: a crowd takes no more files."""
 Handler = Callable[[Request], Awaitable[Response]]
 PageOf = Callable[[Starlette, HttpSettings, str | None], ASGIApp]
 """Builds the whole application around the monitoring routes; it is given the settings and the token."""
@@ -121,6 +123,7 @@ async def serve_app(app: ASGIApp, host: str, port: int, listens: Callable[[], No
             ws="none",
             server_header=False,
             timeout_keep_alive=IDLE,
+            backlog=AT_ONCE,
             timeout_graceful_shutdown=1,
         )
     )

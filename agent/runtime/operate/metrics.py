@@ -84,6 +84,7 @@ CONNECTION_COUNTERS: tuple[tuple[str, str, Callable[[ConnectionStatus], float]],
     ("outbox_dropped", "Publications discarded because the outbox was full", lambda s: s.dropped),
     ("refusals", "Attempts to publish that the peer refused", lambda s: s.refusals),
     ("malformed", "Messages that could not be read, orders among them", lambda s: s.malformed),
+    ("lost_messages", "Messages discarded because too many waited to be read", lambda s: s.lost),
 )
 AGENT_COUNTERS: tuple[tuple[str, str, Callable[[AgentStatus], float]], ...] = (
     ("faults", "Times the program failed on what is neither loop nor connection", lambda s: s.faults),

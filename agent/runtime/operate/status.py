@@ -80,6 +80,8 @@ class ConnectionStatus:
     """Attempts that were refused."""
     malformed: int
     """Messages that could not be read."""
+    lost: int
+    """Messages that were discarded because too many waited to be read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +94,8 @@ class AgentStatus:
     """Hung tasks, e.g. ``connection unit1: open``: a fault of this program or of a library."""
     faults: int
     """Times the program failed on what is neither a loop nor a connection."""
+    store_problem: str
+    """Why the state file cannot be written now; empty where it can."""
     store_failures: int
     """Failed writes and reads of the state file."""
     history_dropped: int
@@ -104,9 +108,10 @@ class AgentStatus:
 
     @property
     def ok(self) -> bool:
-        """Whether all is well: nothing hangs, every connection is up, no loop is without data."""
+        """Whether all is well: nothing hangs, the state is kept, connections are up, loops have data."""
         return (
             not self.hung
+            and not self.store_problem
             and all(each.up for each in self.connections)
             and all(each.data != "stale" for each in self.loops)
         )
@@ -118,6 +123,8 @@ def loop_status(pipeline: LoopPipeline, settings: Settings, health: Health) -> L
     window, loop, diagnosis = pipeline.window, pipeline.settings, pipeline.diagnosis
     limit = max(silence(loop, settings.agent), loop.hold or 0.0)
     unusable = pipeline.usable.problem(now, pipeline.began, limit)
+    apart = window.clocks.apart
+    clocks = f"the clock of PV is {apart:.0f} s ahead of that of OP" if apart else ""
     return LoopStatus(
         loop=loop.name,
         connection=loop.connection,
@@ -135,7 +142,7 @@ def loop_status(pipeline: LoopPipeline, settings: Settings, health: Health) -> L
         diagnosis=diagnosis,
         alarm=pipeline.alarm.state,
         faults=health.faults,
-        problem=health.problem or (unusable or "" if pipeline.heard is not None else ""),
+        problem=health.problem or (unusable or clocks if pipeline.heard is not None else ""),
     )
 
 
@@ -155,6 +162,7 @@ def connection_status(connection: Connection, outbox: Outbox, bus: str, now: flo
         dropped=outbox.dropped + outbox.refusals.dropped,
         refusals=outbox.refusals.count,
         malformed=connection.malformed,
+        lost=connection.lost,
     )
 
 

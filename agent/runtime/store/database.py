@@ -7,7 +7,7 @@ import os
 import sqlite3
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -60,6 +60,8 @@ class Database:
         self.path = path
         self._content = content
         self._check = check
+        self._identity = self._mark = (0, 0)
+        """Device and number, and size and time in ns, of the file."""
         try:
             self._database = self._opened(create=create)
         except StoreError as error:
@@ -72,12 +74,37 @@ class Database:
         """Let go of the file."""
         self._database.close()
 
+    def is_foreign(self) -> bool:
+        """Return whether the file was removed, replaced or overwritten since it was opened.
+
+        It is read only where somebody else wrote it: another process of this program may have.
+        """
+        try:
+            found = self.path.stat()
+        except OSError:
+            return True
+        if (found.st_dev, found.st_ino) != self._identity:
+            return True
+        mark = found.st_size, found.st_mtime_ns
+        if mark == self._mark:
+            return False
+        self._mark = mark
+        try:
+            self._database.execute("PRAGMA wal_checkpoint")  # what is in the log is written there again
+            self._remember()
+            with closing(self._connected("rw")) as fresh:
+                return bool(fresh.execute("PRAGMA quick_check(1)").fetchone() != ("ok",))
+        except sqlite3.Error as error:
+            return error.sqlite_errorcode & 0xFF in _UNREADABLE
+
     @contextmanager
     def transaction(self, kind: Literal["DEFERRED", "IMMEDIATE"]) -> Iterator[sqlite3.Connection]:
         """Do all within or nothing: DEFERRED to read, IMMEDIATE to write."""
         with self.reading(), self._database as database:
             database.execute(f"BEGIN {kind}")
             yield database
+        if kind == "IMMEDIATE":
+            self._remember()
 
     @contextmanager
     def reading(self) -> Iterator[sqlite3.Connection]:
@@ -90,14 +117,25 @@ class Database:
             mode = "rwc" if create else "rw"
             if create:
                 _made_private(self.path)
-            database = sqlite3.connect(
-                f"{self.path.absolute().as_uri()}?mode={mode}", uri=True, timeout=BUSY, isolation_level=None
-            )
+            database = self._connected(mode)
             with ExitStack() as unless_prepared:
                 unless_prepared.callback(database.close)
                 self._prepare(database)
                 unless_prepared.pop_all()
+            found = self.path.stat()
+            self._identity = found.st_dev, found.st_ino
+            self._remember()
             return database
+
+    def _connected(self, mode: str) -> sqlite3.Connection:
+        place = f"{self.path.absolute().as_uri()}?mode={mode}"
+        return sqlite3.connect(place, uri=True, timeout=BUSY, isolation_level=None)
+
+    def _remember(self) -> None:
+        """Note how the file looks after what this one wrote."""
+        with suppress(OSError):
+            found = self.path.stat()
+            self._mark = found.st_size, found.st_mtime_ns
 
     def _prepare(self, database: sqlite3.Connection) -> None:
         faults = [row[0] for row in database.execute("PRAGMA quick_check(1)")] if self._check else ["ok"]

@@ -10,7 +10,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TypeVar
 
-from agent.runtime.store.change import Change
+from agent.alarms import Alarm
+from agent.runtime.store.change import Change, Waiting
 from agent.runtime.store.store import Kept, Store, StoredCommand, StoreError
 
 LOG = logging.getLogger(__name__)
@@ -37,9 +38,13 @@ class Journal:
         """Failed writes and reads of the store."""
         self._path = path
         self._clock = clock
+        self.problem = ""
+        """Why the store cannot be used now; empty where it can."""
         self._pending = NOTHING
+        self._alarms: dict[str, Alarm] = {}
+        self._waiting: dict[int, Waiting] = {}
+        """All that the store should hold: it may have to be written anew."""
         self._sequence = 0
-        self._problem = ""
         self._store: Store | None = None
         self._writing = asyncio.Lock()
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="store")
@@ -54,6 +59,8 @@ class Journal:
             self._failed(error)
             return Kept()
         self._sequence = kept.sequence
+        self._alarms |= kept.alarms
+        self._waiting |= kept.waiting
         return kept
 
     async def close(self) -> None:
@@ -74,6 +81,10 @@ class Journal:
     def note(self, change: Change) -> None:
         """Remember a change for the next flush."""
         self._pending = self._pending.followed_by(change)
+        self._alarms |= change.alarms
+        self._waiting |= change.put
+        for number in change.removed:
+            self._waiting.pop(number, None)
 
     async def flush(self) -> None:
         """Return when all that was noted before is on disk, or the disk would not take it."""
@@ -85,6 +96,7 @@ class Journal:
 
     async def _write(self) -> None:
         async with self._writing:
+            await self._look_at_the_file()
             change, self._pending = self._pending, NOTHING
             if change == NOTHING:
                 return
@@ -94,20 +106,40 @@ class Journal:
                 self._pending = change.followed_by(self._pending)
                 self._failed(error)
             else:
-                if self._problem:
-                    self._problem = ""
+                if self.problem:
+                    self.problem = ""
                     LOG.info("%s is written again", self._path, extra={"event": "store"})
 
     async def commands(self) -> tuple[StoredCommand, ...]:
         """Return the commands that were not obeyed yet, the oldest first."""
         if self._path is None:
             return ()
+        if not self._writing.locked():
+            async with self._writing:
+                written_anew = await self._look_at_the_file()
+            if written_anew:
+                await self.flush()
         try:
             commands = await self._in_thread(lambda: self._opened().commands())
         except StoreError as error:
             self._failed(error)
             return ()
         return tuple(each for each in commands if each.number not in self._pending.taken)
+
+    async def _look_at_the_file(self) -> bool:
+        """Let go of a file that somebody removed or overwrote, and note all that belongs there."""
+        store = self._store
+        if store is None or not await self._in_thread(store.is_foreign):
+            return False
+        LOG.error(
+            "%s was removed, replaced or overwritten by another program; it is written anew",
+            self._path,
+            extra={"event": "store"},
+        )
+        self._store = None
+        await self._in_thread(store.close)
+        self._pending = Change(dict(self._alarms), dict(self._waiting)).followed_by(self._pending)
+        return True
 
     def _opened(self) -> Store:
         if self._store is None and self._path is not None:
@@ -121,8 +153,8 @@ class Journal:
 
     def _failed(self, error: StoreError) -> None:
         self.failures += 1
-        if not self._problem:
-            self._problem = str(error)
+        if not self.problem:
+            self.problem = str(error)
             LOG.error(
                 "%s; alarms are kept in memory until it can be written", error, extra={"event": "store"}
             )

@@ -74,6 +74,10 @@ class Store:
         """Let go of the file."""
         self._database.close()
 
+    def is_foreign(self) -> bool:
+        """Return whether the file was removed, replaced or overwritten since it was opened."""
+        return self._database.is_foreign()
+
     def write(self, change: Change) -> None:
         """Write all of a change or nothing; what was written already does no harm."""
         with self._database.transaction("IMMEDIATE") as database:

@@ -18,6 +18,9 @@ BATCH = 65536
 MOST_UNPACKED = 8 * MOST_CELLS + (1 << 28)
 """Bytes of a file, unpacked: numbers, and some text."""
 
+TEXT_CELL = 64
+"""Bytes that a text takes in memory beside its letters."""
+
 
 def is_parquet(path: Path, head: bytes) -> bool:
     """Return whether a file is Parquet by its first bytes or by its name."""
@@ -64,7 +67,7 @@ def _batches(path: Path, file: Any) -> list[Any]:  # noqa: ANN401 - pyarrow has 
     batches, rows, size = [], 0, 0
     for batch in file.iter_batches(batch_size=BATCH):
         rows += batch.num_rows
-        size += batch.nbytes
+        size += sum(_size_as_cells(column) for column in batch.columns)
         if rows > MOST_ROWS or size > MOST_UNPACKED:
             raise _too_large(path)
         batches.append(batch)
@@ -96,6 +99,22 @@ def _texts(path: Path, name: str, column: Any) -> list[str]:  # noqa: ANN401 - p
         words.append("")  # of a missing cell
         cells += [words[k] for k in chunk.indices.fill_null(len(words) - 1).to_pylist()]
     return cells
+
+
+def _size_as_cells(column: Any) -> int:  # noqa: ANN401 - pyarrow has no types
+    """Return the bytes of a column as cells; the file may hold a long text once for millions of rows."""
+    import pyarrow as pa  # noqa: PLC0415
+    import pyarrow.compute as pc  # noqa: PLC0415
+
+    kind = column.type
+    if pa.types.is_dictionary(kind):
+        words = column.dictionary.cast(pa.large_string())
+        text = pc.sum(pc.take(pc.binary_length(words), column.indices)).as_py() or 0
+        return int(text) + TEXT_CELL * len(column)
+    if pa.types.is_nested(kind):
+        raise ValueError(f"numbers, times or text belong in each column, not {kind}")
+    number = pa.types.is_primitive(kind) or pa.types.is_decimal(kind) or pa.types.is_null(kind)
+    return int(column.nbytes) + (0 if number else TEXT_CELL * len(column))
 
 
 def _column(path: Path, name: str, column: Any) -> Column:  # noqa: ANN401 - pyarrow has no types

@@ -128,3 +128,25 @@ def test_neither_unit_nor_direction_matters(op):
     count = significant_reversals(op)
     assert significant_reversals(-op) == count
     assert significant_reversals(op * 2.0) == count
+
+
+def loop_in_noise(seed, gain):
+    """OP and PV of a sound loop whose controller answers noise of the measurement."""
+    noise = np.random.default_rng(seed).normal(0.0, 0.5, T.size)
+    process = integral = waiting = 50.0
+    op, pv = np.empty(T.size), np.empty(T.size)
+    for k in range(T.size):
+        pv[k] = process + noise[k]
+        integral += gain * (50.0 - pv[k]) / 20.0
+        op[k] = integral + gain * (50.0 - pv[k])
+        process += (waiting - process) / 10.0
+        waiting = op[k]
+    return op, pv
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_alone_is_not_worth_a_fit(seed):
+    seen = look(window(*loop_in_noise(seed, gain=0.8)))
+    assert seen.testable
+    assert seen.reversals == 0
+    assert not worth_a_fit(seen)

@@ -6,8 +6,8 @@ import math
 from aiomqtt import Message
 
 from connectors.base import LoopRole, Quality
-from connectors.mqtt.client import Inbox
 from connectors.mqtt.connector import MqttConnector, MqttSession
+from connectors.mqtt.inbox import Inbox, Losses
 from connectors.mqtt.options import MqttOptions, MqttTag
 from connectors.options import LoopTags
 
@@ -43,12 +43,28 @@ async def test_a_topic_the_broker_refuses_is_reported_and_the_others_go_on():
     assert (pv.tag, pv.value) == (LoopRole("FIC101", "pv"), 1.5)
 
 
-async def test_a_full_inbox_drops_what_is_new_and_says_so_once(caplog):
-    inbox = Inbox(maxsize=2)
+async def test_a_flooded_topic_leaves_room_for_its_neighbours_and_what_is_lost_is_counted(caplog):
+    losses = Losses()
+    inbox = Inbox(4, losses)
     for i in range(5):
-        inbox.put_nowait(message("plant/pv", str(i).encode()))
-    assert [inbox.get_nowait().payload for _ in range(2)] == [b"0", b"1"]
+        inbox.put_nowait(message("plant/flood", str(i).encode()))
+    for i in range(2):
+        inbox.put_nowait(message(f"plant/quiet{i}", b"7"))
+    assert losses.count == 3
+    read = [inbox.get_nowait() for _ in range(inbox.qsize())]
+    assert [each.payload for each in read] == [b"0", b"1", b"7", b"7"]  # in the order in which they came
+    for i in range(3):  # what was read makes room again
+        inbox.put_nowait(message("plant/flood", str(i).encode()))
+    assert inbox.qsize() == 2
+    assert losses.count == 4
     assert isinstance(inbox, asyncio.Queue)
     assert [record.message for record in caplog.records] == [
-        "topic plant/pv: messages are dropped, the reader is too slow"
+        "topic plant/flood: messages are discarded, they come faster than they are read"
     ]
+
+
+def test_losses_are_counted_over_all_sessions_of_a_connector():
+    connector = MqttConnector("plant", MqttOptions(), {})
+    assert connector.lost == 0
+    connector._losses.note("plant/pv")
+    assert connector.lost == 1

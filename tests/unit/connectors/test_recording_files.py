@@ -191,3 +191,18 @@ def test_industrial_recordings(recordings):
     assert refinery.sp is not None
     assert set(refinery.mode) == {"AUTO"}
     assert refinery.time[0] == datetime(2024, 8, 24, 21, 55, tzinfo=UTC).timestamp()
+
+
+def test_a_long_text_that_is_stored_once_for_many_rows_is_refused_before_it_is_unpacked(tmp_path):
+    n = 600_000
+    words = pa.DictionaryArray.from_arrays(pa.array(np.zeros(n, np.int8)), pa.array(["x" * 2000]))
+    path = tmp_path / "bomb.parquet"
+    pq.write_table(pa.table({"time": np.arange(n, dtype=float), "OP": words}), path)
+    assert path.stat().st_size < 6e6
+    assert "unpacks to more than" in fault(path)
+
+
+def test_a_column_of_lists_is_refused(tmp_path):
+    path = tmp_path / "lists.parquet"
+    pq.write_table(pa.table({"OP": pa.array([[0.0, 1.0]] * 10)}), path)
+    assert "not list" in fault(path)

@@ -35,7 +35,7 @@ async def test_modbus():
     target = ModbusTarget(connection="plant", active={"address": 5}, fields={"s": {"address": 20}})
     client = SimpleNamespace(write_coil=write, write_registers=write)
     await publish(
-        ModbusSession(client, ModbusOptions(), {"FIC101": LoopTags({}, [target])}, Parking("plant"))
+        ModbusSession([client], ModbusOptions(), {"FIC101": LoopTags({}, [target])}, Parking("plant"))
     )
     assert written == [20, 5]
 
@@ -63,7 +63,7 @@ async def test_of_a_loop_that_is_gone_no_alarm_stays_on_a_device_and_nothing_wit
     target = ModbusTarget(connection="plant", active={"address": 5}, fields={"s": {"address": 20}})
     client = SimpleNamespace(write_coil=write, write_registers=write)
     loops = {"FIC101": LoopTags({}, [target])}
-    await ModbusSession(client, ModbusOptions(), loops, Parking("plant")).publish(gone)
+    await ModbusSession([client], ModbusOptions(), loops, Parking("plant")).publish(gone)
     assert written == [(20, encode(math.nan, "float32")), (5, False)]
     written.clear()
     loops = {"FIC101": LoopTags({}, [MqttTarget(connection="plant")])}

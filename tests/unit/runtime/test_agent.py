@@ -90,9 +90,43 @@ def test_a_diagnosis_that_fails_does_not_end_its_loop(caplog):
 class SlowExecutor:
     """Takes its time, as a pool does."""
 
-    async def run(self, function, *args):
+    async def run_in_turn(self, _expected, work):
+        calculation = work()
+        await asyncio.sleep(240.0)
+        return calculation()
+
+
+class BusyExecutor:
+    """Has its only worker free now and then."""
+
+    async def run_in_turn(self, _expected, work):
         await asyncio.sleep(250.0)
-        return function(*args)
+        return work()()
+
+
+def test_who_waits_for_a_worker_has_the_newest_window_judged():
+    ends = []
+
+    def diagnose(window, _seen=None):
+        ends.append(window.time[-1] - START)
+        return judged()(window)
+
+    agent = agent_of(FakeBus(stream(["FIC101"], 1200)), diagnose=diagnose, executor=BusyExecutor())
+    virtual(worked(agent, 1200.0))
+    assert ends == [599.0, 899.0]
+
+
+def test_a_source_whose_clock_races_begins_no_more_than_a_diagnosis_a_second():
+    begun = []
+
+    def diagnose(window, _seen=None):
+        begun.append(asyncio.get_running_loop().time())
+        return judged()(window)
+
+    # 1000 s of the source each 0.25 s: ten windows come due in that time.
+    racing = agent_of(FakeBus(stream(["FIC101"], 100_000, step=0.25 / 1000)), diagnose=diagnose)
+    virtual(worked(racing, 4.0))
+    assert 5 <= len(begun) <= 9  # of some 160
 
 
 def test_a_loop_has_one_diagnosis_at_a_time_and_the_newest_window_is_next():

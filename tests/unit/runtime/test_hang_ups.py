@@ -3,7 +3,7 @@
 import asyncio
 
 from connectors.base import ConnectionLostError
-from tests.unit.runtime.agents import agent_of, stream, virtual
+from tests.unit.runtime.agents import agent_of, stream, swinging, virtual, worked
 from tests.unit.runtime.fake_bus import FakeBus
 
 LOOPS = ("FIC101", "FIC102")
@@ -18,6 +18,43 @@ class HangsUp(FakeBus):
         if publication.subject == self.forbidden:
             raise ConnectionLostError("connection closed by the broker")
         await super().publish(publication)
+
+
+def on_and_on(_session):
+    """Two loops that oscillate, at the time of the event loop."""
+    while True:
+        for loop in LOOPS:
+            yield from swinging(loop, round(asyncio.get_running_loop().time()))
+        yield 1.0
+
+
+class EndsReading(HangsUp):
+    """The same, where the end shows to who reads, as with aiomqtt; the publication just gets no answer."""
+
+    hung_up = False
+
+    async def samples(self):
+        self.hung_up = False
+        async for each in super().samples():
+            if self.hung_up:
+                raise ConnectionLostError("disconnected during message iteration")
+            yield each
+
+    async def publish(self, publication):
+        if publication.subject == self.forbidden:
+            self.hung_up = True
+            await asyncio.Event().wait()
+        await FakeBus.publish(self, publication)
+
+
+def test_the_same_where_the_reader_notices_it_first():
+    bus = EndsReading(on_and_on)
+    agent = agent_of(bus, LOOPS)
+    virtual(worked(agent, 3600.0))
+    refusals = agent.outboxes["bus"].refusals
+    assert {each.subject for each in bus.published} == {"FIC102"}
+    assert "ends the connection at this publication" in refusals.reasons[0]
+    assert len(bus.opened) < 60
 
 
 def test_a_topic_at_which_the_broker_hangs_up_is_parked_and_the_rest_is_published():

@@ -1,7 +1,9 @@
 """What outlives the process: alarms, unpublished messages and commands."""
 
 import asyncio
+import os
 import sqlite3
+from contextlib import closing
 
 import pytest
 from hypothesis import given, settings
@@ -216,3 +218,56 @@ async def test_nothing_is_sent_before_it_is_on_disk(path):
     kept = opened(path, Store.read).waiting
     assert sent.id in {each.publication.id for each in kept.values()}
     await journal.close()
+
+
+def _removed(path):
+    path.unlink()
+
+
+def _replaced(path):
+    other = path.with_name("other.sqlite")
+    Store(other).close()
+    other.replace(path)
+
+
+def _overwritten(path):
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("PRAGMA wal_checkpoint(TRUNCATE)")  # else the log mends it
+    size = path.stat().st_size
+    path.write_bytes(b"garbage!" * (size // 8))
+    os.utime(path, ns=(1, 1))
+
+
+@pytest.mark.parametrize("harm", [_removed, _replaced, _overwritten])
+async def test_a_file_that_somebody_removes_or_overwrites_is_noticed_and_written_anew(harm, tmp_path, caplog):
+    path = tmp_path / "state.sqlite"
+    journal = Journal(path)
+    await journal.open()
+    outbox = Outbox("broker", journal)
+    outbox.put(Publication("FIC101", "state", "1", {}))
+    await journal.flush()
+    harm(path)
+    await journal.commands()  # the agent looks for them twice a second
+    assert "removed, replaced or overwritten" in caplog.text
+    outbox.put(Publication("FIC102", "state", "2", {}))
+    await journal.flush()
+    assert journal.problem == ""
+    await journal.close()
+    store = Store(path)
+    assert [each.publication.subject for each in store.read().waiting.values()] == ["FIC101", "FIC102"]
+    store.close()
+    assert caplog.text.count("removed, replaced or overwritten") == 1
+
+
+async def test_commands_of_another_process_are_no_harm(tmp_path, caplog):
+    path = tmp_path / "state.sqlite"
+    journal = Journal(path)
+    await journal.open()
+    other = Store(path, create=False)
+    for k in range(3):
+        other.command("FIC101", Command(Event.ACKNOWLEDGE, "me", float(k)))
+        other._database._database.execute("PRAGMA wal_checkpoint")
+        assert len(await journal.commands()) == k + 1
+    other.close()
+    await journal.close()
+    assert "overwritten" not in caplog.text

@@ -88,15 +88,18 @@ def test_no_worker_outlives_an_agent_that_is_killed(tmp_path):
         cwd=ROOT,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
     ) as process:
         worker = int(process.stdout.readline())
         family = {worker, *descendants(process.pid)}
         assert len(family) > 3  # two workers, who forks them, and who keeps track of their resources
         process.kill()
+        said = process.stderr.read()  # ends with the last that could say anything
     deadline = time.monotonic() + 30
     while left := [pid for pid in family if running(pid)]:
         assert time.monotonic() < deadline, f"{left} outlived their agent"
         time.sleep(0.02)
+    assert said == b""
 
 
 def descendants(pid):

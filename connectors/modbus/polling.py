@@ -1,0 +1,119 @@
+"""Polls loops: those of one request together, over as many connections as the device has for us."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import time
+from collections import deque
+from collections.abc import AsyncIterator, Mapping, Sequence
+
+from connectors.base import LoopRole, Sample
+from connectors.modbus.block_reader import BlockReader
+from connectors.modbus.blocks import Block, plan
+from connectors.modbus.client import ILLEGAL_ADDRESS, DeviceError, ModbusClient
+from connectors.modbus.neighbours import NeighbourReader, span_of_each, spans
+from connectors.modbus.options import ModbusTag
+from connectors.modbus.parking import Parking
+
+
+class LoopPoller:
+    """Reads one loop; remembers the source time it saw last, and which blocks the device does not allow."""
+
+    def __init__(self, loop: str, blocks: list[Block]) -> None:
+        self._loop = loop
+        self.blocks = blocks
+        self._has_time = any("time" in block.tags for block in blocks)
+        self._last_time = math.nan
+
+    async def poll(self, reader: NeighbourReader) -> list[Sample]:
+        """Return one sample for each tag; none where the source's own time says that nothing is new."""
+        values: dict[str, float] = {}
+        refused: dict[str, DeviceError] = {}
+        for block in list(self.blocks):
+            try:
+                values |= block.values(await reader.read(block))
+            except DeviceError as error:
+                refused |= dict.fromkeys(block.tags, error)
+                if error.code == ILLEGAL_ADDRESS and len(block.tags) > 1:
+                    self.blocks = [b for b in self.blocks if b is not block] + block.split()
+        arrival = time.time()
+        source_time = values.pop("time", math.nan)
+        if self._has_time and "time" not in refused:
+            if math.isnan(source_time) or source_time == self._last_time:
+                return []
+            self._last_time = arrival = source_time
+        refused.pop("time", None)
+        return [
+            Sample.measured(LoopRole(self._loop, role), arrival, value) for role, value in values.items()
+        ] + [
+            Sample.missing(LoopRole(self._loop, role), arrival, error.code, str(error))
+            for role, error in refused.items()
+        ]
+
+
+class Rounds:
+    """Reads all loops of a device again and again."""
+
+    def __init__(
+        self,
+        clients: Sequence[ModbusClient],
+        loops: Mapping[str, Mapping[str, ModbusTag]],
+        address_base: int,
+        parking: Parking,
+    ) -> None:
+        """Plan it.
+
+        Args:
+            clients: Connections to the device, one request under way on each.
+            loops: Loop -> role -> tag; those without tags are left out.
+            address_base: Number of a table's first register.
+            parking: Of the device.
+        """
+        pollers = [LoopPoller(name, plan(tags, address_base)) for name, tags in loops.items() if tags]
+        blocks = [block for each in pollers for block in each.blocks]
+        alone = [each.blocks[0] for each in pollers if len(each.blocks) == 1]
+        together = span_of_each(spans(alone))
+        self._groups = _groups(pollers, together)
+        self._lanes = [
+            NeighbourReader(BlockReader(client, blocks, parking), parking, together) for client in clients
+        ]
+
+    async def read(self) -> AsyncIterator[Sample]:
+        """Yield the values of every loop once; raises ConnectionLostError."""
+        for lane in self._lanes:
+            lane.begin_round()
+        waiting = deque(self._groups)
+        tasks = {asyncio.create_task(_poll(waiting, lane), name="poll") for lane in self._lanes[1:]}
+        try:
+            async for sample in _poll_each(waiting, self._lanes[0]):
+                yield sample
+            for task in tasks:
+                for sample in await task:
+                    yield sample
+        finally:
+            for task in tasks:
+                task.cancel()
+            if tasks:
+                await asyncio.wait(tasks)
+
+
+async def _poll_each(waiting: deque[list[LoopPoller]], lane: NeighbourReader) -> AsyncIterator[Sample]:
+    """Read what waits until nothing does."""
+    while waiting:
+        for poller in waiting.popleft():
+            for sample in await poller.poll(lane):
+                yield sample
+
+
+async def _poll(waiting: deque[list[LoopPoller]], lane: NeighbourReader) -> list[Sample]:
+    return [sample async for sample in _poll_each(waiting, lane)]
+
+
+def _groups(pollers: Sequence[LoopPoller], together: Mapping[int, object]) -> list[list[LoopPoller]]:
+    """Return the loops of each request, in the order of the first of them."""
+    groups: dict[int, list[LoopPoller]] = {}
+    for poller in pollers:
+        span = together.get(id(poller.blocks[0])) if len(poller.blocks) == 1 else None
+        groups.setdefault(id(poller if span is None else span), []).append(poller)
+    return list(groups.values())
