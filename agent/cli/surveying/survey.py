@@ -63,6 +63,8 @@ def survey(
     pattern: reading.Pattern = None,
     modes: reading.Modes = None,
     mapping: reading.MappingFile = None,
+    start: reading.Start = None,
+    end: reading.End = None,
 ) -> None:
     """Diagnose an archive of loops on all cores, and rank the valves.
 
@@ -85,7 +87,9 @@ def survey(
     from connectors.sources.archive import archive_name, parts_of
 
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
-    options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping, modes)
+    options = reading.read_options(
+        columns, zone, time_format, date_order, decimal, pattern, mapping, modes, start, end
+    )
     executor = _executor(cluster, workers)
     parts = parts_of(sources, without=output)
     file = output / "survey.sqlite"
