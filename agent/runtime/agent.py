@@ -236,7 +236,7 @@ class Agent:
             hung=self.hung(),
             faults=sum(health.faults for health, _ in self._beside),
             store_failures=self.journal.failures,
-            history_dropped=0 if self.history is None else self.history.dropped,
+            history_dropped=sum(each.dropped for each in (self.history, self.forwarder) if each is not None),
             orders_taken=self.orders.taken,
             orders_refused=self.orders.refused,
             queued=self._executor.queued,

@@ -38,7 +38,7 @@ class Forwarder:
         """
         self.sent = 0
         """Entries that the database took since the start."""
-        self.lost = 0
+        self.dropped = 0
         """Entries that the file dropped, being full, before the database came back."""
         self._path, self._settings = path, settings
         self._problem = ""
@@ -101,7 +101,7 @@ class Forwarder:
             return 0
         missed = entries[0].number - self._position - 1
         if missed and self._position:
-            self.lost += missed
+            self.dropped += missed
             text = "%s: %d entries were dropped by the full file before they could be sent"
             LOG.error(text, self._settings.url, missed, extra={"event": "history_database"})
         self._database.take(self._origin, entries)

@@ -10,15 +10,21 @@ import pytest
 import yaml
 
 from agent.cli import main
+from agent.runtime.agent import Agent
+from agent.runtime.loop.workers import InlineExecutor
 from agent.runtime.store import forwarder as module
 from agent.runtime.store.database import StoreError
 from agent.runtime.store.forwarder import Forwarder
 from agent.runtime.store.history import History
 from agent.runtime.store.history_file import Entry, HistoryFile
 from agent.runtime.store.postgres_history import PostgresHistory
-from agent.settings import HistoryDatabase, HistorySettings
+from agent.settings import AgentSettings, ConnectionSettings, HistoryDatabase, HistorySettings, Settings
 from agent.settings.load import settings_of
 from connectors.base import ConfigError
+from connectors.options import Options
+from tests.unit.runtime.agents import judged, stream
+from tests.unit.runtime.fake_bus import FakeBus
+from tests.unit.runtime.loops import loop_settings
 
 DEADLINE = 60.0
 
@@ -140,7 +146,7 @@ def test_what_a_full_file_dropped_meanwhile_is_counted(tmp_path, postgres, datab
     file = HistoryFile(path)
     file.forget(6.0, 1e9)
     forwarder.send()
-    assert (forwarder.lost, numbers(postgres)) == (2, [0, 1, 2, 3, 6, 7])
+    assert (forwarder.dropped, numbers(postgres)) == (2, [0, 1, 2, 3, 6, 7])
     assert "2 entries were dropped" in caplog.text
     file.forget(100.0, 1e9)
     assert [each.number for each in file.after(0, 9)] == [8], "numbers never begin anew"
@@ -188,10 +194,32 @@ async def test_a_database_that_is_killed_under_load_loses_and_doubles_nothing(
     await history.close()
     await forwarder.close()
     assert numbers(postgres) == list(range(count))
-    assert history.dropped == forwarder.lost == 0
+    assert history.dropped == forwarder.dropped == 0
     outages = [each for each in caplog.messages if "entries wait in the file" in each]
     assert 2 <= len(outages) <= 4, "one line an outage, however long it lasts"
     assert sum("takes entries again" in each for each in caplog.messages) in (0, len(outages))
+
+
+async def test_an_agent_sends_what_it_finds_with_the_methods(tmp_path, postgres, database, monkeypatch):
+    monkeypatch.setattr(module, "PAUSE", 0.01)
+    kept = HistorySettings(database=database)
+    settings = Settings(
+        AgentSettings(state=tmp_path / "plant.sqlite", clock_error=None, history=kept),
+        {"bus": ConnectionSettings("fake", Options())},
+        (loop_settings(seconds=400.0, hop=0.25, quantify="always"),),
+    )
+    bus = FakeBus(stream(["FIC101"], 700, step=0.0))
+    agent = Agent(settings, InlineExecutor(), lambda _: None, connectors=[bus], diagnose=judged())
+    task = asyncio.create_task(agent.run())
+    async with asyncio.timeout(DEADLINE):
+        while agent.forwarder.sent < 3:  # noqa: ASYNC110 - the test has no event of the agent
+            await asyncio.sleep(0.01)
+    task.cancel()
+    await asyncio.wait({task})
+    found = [content for _, _, content in await asyncio.to_thread(rows, postgres)]
+    verdicts = [content["verdict"] for content in found if "methods" in content]
+    alarms = [content["state"] for content in found if "state" in content]
+    assert (verdicts[0], alarms, len(verdicts) + 1) == ("stiction", ["unacked_active"], len(found))
 
 
 def test_the_command_shows_the_database(tmp_path, postgres, database, capsys):
