@@ -25,6 +25,7 @@ from benchmarks import (
     simulated,
     soak,
     start_up,
+    survey,
     table_one,
     wrong_cases,
 )
@@ -41,6 +42,7 @@ BENCHMARKS = {
     "start_up": start_up.run,
     "looked_once": looked_once.run,
     "many_files": many_files.run,
+    "survey": survey.run,
     "oscillation": oscillation.run,
     "diagnosis": diagnosis.run,
     "one_valve": one_valve.run,

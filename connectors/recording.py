@@ -1,4 +1,4 @@
-"""Recordings of control loops: OP, PV and what else there is, from files of one loop or of many."""
+"""Recordings of control loops: OP, PV and what else there is, from files and addresses."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from connectors.exports.fault import RecordingError
 from connectors.exports.reading import read_export
 from connectors.exports.recorded import STANDARD, Columns, Export, ReadOptions, RecordedLoop
+from connectors.sources.kinds import address_in, opened
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,7 +35,7 @@ def read_recording(
     unless their column was named otherwise than by the standard.
 
     Args:
-        path: The file.
+        path: The file, or an address of ``connectors.sources``.
         columns: Names of its columns.
         options: What else is known of the file; None: recognised.
         loop: Which loop; None: the file has one.
@@ -43,19 +44,33 @@ def read_recording(
         RecordingError: one line that names the file, the line and what was expected.
     """
     known = options or ReadOptions()
+    address = address_in(path)
+    if address is not None:
+        with opened(address, known) as source:
+            return source.read(loop or _only(path, source.loops().loops))
     ts = columns.ts if columns.ts is not None else known.columns.ts
     export = read_export(path, replace(known, columns=replace(columns, ts=ts)))
     found = [each for each in export.loops if loop in {None, each.name}]
     if len(found) == 1:
         return found[0]
-    names = ", ".join(each.name for each in export.loops[:10])
+    names = tuple(each.name for each in export.loops)
     if not found:
-        raise RecordingError(f"{path}: has no loop {loop!r}, it holds: {names}")
-    raise RecordingError(
-        f"{path}: holds {len(export.loops)} loops ({names}), expected one: name it by --loop"
-    )
+        raise RecordingError(f"{path}: has no loop {loop!r}, it holds: {', '.join(names[:10])}")
+    _only(path, names)
+    raise RecordingError(f"{path}: has no loop")
+
+
+def _only(path: Path, names: tuple[str, ...]) -> str:
+    if len(names) != 1:
+        shown = ", ".join(names[:10])
+        raise RecordingError(f"{path}: holds {len(names)} loops ({shown}), expected one: name it by --loop")
+    return names[0]
 
 
 def loops_in(path: Path, options: ReadOptions) -> tuple[str, ...]:
     """Return the names of the loops of a file; raises RecordingError as ``read_recording`` does."""
+    address = address_in(path)
+    if address is not None:
+        with opened(address, options) as source:
+            return source.loops().loops
     return tuple(each.name for each in read_export(path, options).loops)

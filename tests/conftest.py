@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.postgres import Postgres, binaries
+
 IN_CI = os.environ.get("SLIPJUMP_CI") == "1"
 ROOT = Path(__file__).parent.parent
 
@@ -49,6 +51,19 @@ def chromium() -> str:
     if path is None:
         missing("chromium")
     return str(path)
+
+
+@pytest.fixture(scope="module")
+def postgres():
+    """A running PostgreSQL server of the system, for the tests of one file."""
+    if binaries() is None:
+        missing("postgresql")
+    server = Postgres()
+    try:
+        server.start()
+        yield server
+    finally:
+        server.close()
 
 
 @pytest.fixture(scope="session")

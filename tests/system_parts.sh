@@ -5,6 +5,7 @@ set -u
 missing=""
 command -v mosquitto >/dev/null || [ -x /usr/sbin/mosquitto ] || missing="$missing mosquitto"
 command -v chromium >/dev/null || command -v chromium-browser >/dev/null || missing="$missing chromium"
+ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || missing="$missing postgresql"
 [ -z "$missing" ] && exit 0
 sudo=""; [ "$(id -u)" = 0 ] || sudo="sudo -n"
 # shellcheck disable=SC2086 # names of packages

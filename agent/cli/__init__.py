@@ -27,6 +27,7 @@ from agent.cli.replay import replay
 from agent.cli.run import run
 from agent.cli.serve import serve
 from agent.cli.simulate import simulate
+from agent.cli.surveying.survey import survey
 from agent.cli.warm import warm
 from connectors.base import ConfigError
 
@@ -37,6 +38,8 @@ slipjump demo  (a simulated plant on three buses, with its alarms)
 slipjump diagnose FIC101.csv --plot pictures  (does it stick, how much)
 
 slipjump diagnose *.csv --op CO --ts 5 --json  (one JSON object a line)
+
+slipjump survey archive/ -o survey  (thousands of loops, resumed where it was interrupted)
 
 slipjump compare FIC101.csv --auto  (which physical effect is missing)
 
@@ -68,6 +71,7 @@ app = typer.Typer(
 COMMANDS: tuple[Callable[..., None], ...] = (
     demo,
     diagnose,
+    survey,
     compare,
     workbench,
     import_,

@@ -92,12 +92,16 @@ def compare(
     pattern: reading.Pattern = None,
     modes: reading.Modes = None,
     mapping: reading.MappingFile = None,
+    start: reading.Start = None,
+    end: reading.End = None,
 ) -> None:
     """Compare a recording with a model, and learn which physical effect the model lacks."""
     from connectors.recording import Columns
 
     columns = Columns(time, op, pv, sp, mv, mode, option.positive(ts))
-    options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping, modes)
+    options = reading.read_options(
+        columns, zone, time_format, date_order, decimal, pattern, mapping, modes, start, end
+    )
     effects = _effects(effect or ())
     _check_names(base, [*(add or ()), *(drop or ())], effects)
     if page:

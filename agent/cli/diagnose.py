@@ -101,6 +101,8 @@ def diagnose(
     pattern: reading.Pattern = None,
     modes: reading.Modes = None,
     mapping: reading.MappingFile = None,
+    start: reading.Start = None,
+    end: reading.End = None,
 ) -> None:
     """Report from recordings whether the valve sticks, and by how much.
 
@@ -119,7 +121,9 @@ def diagnose(
     if one_valve and (each or (method is not None and not _shares_evidence(method))):
         other = "--each says the contrary" if each else f"--quantifier {quantifier} has no evidence to share"
         raise typer.BadParameter(f"{other}: take one of them", param_hint="'--one-valve'")
-    options = reading.read_options(columns, zone, time_format, date_order, decimal, pattern, mapping, modes)
+    options = reading.read_options(
+        columns, zone, time_format, date_order, decimal, pattern, mapping, modes, start, end
+    )
     entries = [each for path in option.in_folders(recordings) for each in _loops(path, options, loop)]
     names = [path if name is None else path.with_name(f"{name}.csv") for path, name in entries]
     valve = valves(names, each=each, one_valve=one_valve)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+from contextlib import closing
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,7 +13,10 @@ import typer
 from agent.cli.common.state_file import ConfigPath, StatePath, opened, state_file
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from agent.runtime.store.history_file import Entry
+    from agent.settings import HistoryDatabase
 
 LAST = 50
 """Entries shown by default."""
@@ -30,12 +34,20 @@ def history(
     last: Annotated[int, typer.Option(min=1, max=1_000_000, help="Number of entries, the newest.")] = LAST,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object a line.")] = False,
 ) -> None:
-    """Show verdicts and changes of alarms, the oldest first. It may run beside the agent."""
+    """Show verdicts and changes of alarms, the oldest first. It may run beside the agent.
+
+    With --config, where the history goes to a database, that is shown; with --state the agent's file.
+    """
     from agent.runtime.store.history_file import HistoryFile, history_path
 
-    path, start = history_path(state_file(state, config)), None if since is None else _time(since)
-    with opened(path, functools.partial(HistoryFile, create=False), "with its first verdict") as file:
-        entries = file.read(loop, start, last)
+    start = None if since is None else _time(since)
+    database = None if config is None or state is not None else _database(config)
+    if database is not None:
+        entries = _in_database(database, loop, start, last)
+    else:
+        path = history_path(state_file(state, config))
+        with opened(path, functools.partial(HistoryFile, create=False), "with its first verdict") as file:
+            entries = file.read(loop, start, last)
     if as_json:
         for entry in entries:
             typer.echo(
@@ -43,6 +55,27 @@ def history(
             )
     else:
         _show(entries)
+
+
+def _database(config: Path) -> HistoryDatabase | None:
+    from agent.settings import load_settings
+
+    kept = load_settings(config).agent.history
+    return None if kept is None else kept.database
+
+
+def _in_database(
+    settings: HistoryDatabase, loop: str | None, since: float | None, last: int
+) -> tuple[Entry, ...]:
+    from agent.runtime.store.database import StoreError
+    from agent.runtime.store.postgres_history import PostgresHistory
+    from connectors.base import ConfigError
+
+    try:
+        with closing(PostgresHistory(settings, create=False)) as database:
+            return database.read(loop, since, last)
+    except StoreError as error:
+        raise ConfigError([f"{error} (the newest are in the agent's file: --state)"]) from error
 
 
 def _time(text: str) -> float:

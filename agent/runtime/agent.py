@@ -24,6 +24,7 @@ from agent.runtime.operate.operators import Operators
 from agent.runtime.operate.orders import Orders
 from agent.runtime.operate.plan import AT_START, difference
 from agent.runtime.operate.status import AgentStatus, LoopStatus, connection_status, loop_status
+from agent.runtime.store.forwarder import Forwarder
 from agent.runtime.store.history import History
 from agent.runtime.store.history_file import history_path
 from agent.runtime.store.journal import Journal
@@ -78,10 +79,15 @@ class Agent:
         self._wiring = Wiring(self.journal, executor, diagnose, self._observers, clock)
         self._pipelines = self._wiring.pipelines
         self.history: History | None = None
+        self.forwarder: Forwarder | None = None
         if settings.agent.state is not None and settings.agent.history is not None:
             self.history = History(history_path(settings.agent.state), settings.agent.history, clock)
             self._observers.append(self.history)
             self.accompany(Health("history"), self.history.run)
+            if settings.agent.history.database is not None:
+                path = history_path(settings.agent.state)
+                self.forwarder = Forwarder(path, settings.agent.history.database)
+                self.accompany(Health("history database"), self.forwarder.run)
         operators = Operators(self._pipelines, self.journal, clock)
         self.accompany(operators.health, operators.run)
         made = connectors_of(settings) if connectors is None else connectors
@@ -143,6 +149,8 @@ class Agent:
             self._crew = None
             if self.history is not None:
                 await self.history.close()
+            if self.forwarder is not None:
+                await self.forwarder.close()
             await self.journal.close()
 
     async def reload(self, settings: Settings, connectors: Sequence[Connector] | None = None) -> None:
@@ -229,7 +237,7 @@ class Agent:
             faults=sum(health.faults for health, _ in self._beside),
             store_problem=self.journal.problem,
             store_failures=self.journal.failures,
-            history_dropped=0 if self.history is None else self.history.dropped,
+            history_dropped=sum(each.dropped for each in (self.history, self.forwarder) if each is not None),
             orders_taken=self.orders.taken,
             orders_refused=self.orders.refused,
             queued=self._executor.queued,

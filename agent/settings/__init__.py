@@ -9,12 +9,13 @@ from agent.settings.models import (
     Settings,
     WindowSettings,
 )
-from agent.settings.service import HistorySettings, HttpSettings
+from agent.settings.service import HistoryDatabase, HistorySettings, HttpSettings
 
 __all__ = [
     "AgentSettings",
     "AlarmSettings",
     "ConnectionSettings",
+    "HistoryDatabase",
     "HistorySettings",
     "HttpSettings",
     "LoopSettings",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ipaddress
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from connectors.options import Options, Port
 from connectors.secret import Secret
@@ -37,9 +37,36 @@ class HttpSettings(Options):
             return self.host == "localhost"
 
 
+class HistoryDatabase(Options):
+    """PostgreSQL or TimescaleDB: gets every entry of the history, and keeps it for ever."""
+
+    url: Annotated[
+        str,
+        Field(
+            pattern=r"^postgresql://([^:/@\s]+@)?[^:/@\s]+(:\d{1,5})?/[^/?#\s]+$",
+            examples=["postgresql://slipjump@db.plant.example/history"],
+        ),
+    ]
+    """With user and database, without a password."""
+    password: Secret | None = None
+    """None: none is needed, or libpq finds it (PGPASSWORD, PGPASSFILE)."""
+    tls: bool = True
+    """Whether the server must speak TLS; False: it need not, on this machine or a network of its own."""
+
+    @field_validator("url", mode="before")
+    @classmethod
+    def _without_password(cls, value: object) -> object:
+        if ":" in str(value).partition("://")[2].rpartition("@")[0]:
+            # the value itself must not be printed: this message goes to screens and logs
+            raise ValueError("a password does not belong in an address: write password: {env: NAME}")
+        return value
+
+
 class HistorySettings(Options):
     """How many diagnoses and alarms are kept; the oldest are deleted first."""
 
     days: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 90.0
     max_mb: Annotated[float, Field(ge=1, allow_inf_nan=False)] = 500.0
     """Size of the file, MB."""
+    database: HistoryDatabase | None = None
+    """Where entries are kept beyond this file, which then is the store for outages. None: nowhere."""

@@ -12,6 +12,7 @@ from connectors.exports.loops_of_columns import loops_of_columns
 from connectors.exports.loops_of_rows import loops_of_rows
 from connectors.exports.plain_table import plain_layout
 from connectors.exports.recorded import Export, ReadOptions
+from connectors.exports.span import within
 from connectors.exports.tables.decoded import decoded
 from connectors.exports.tables.delimited import rows_of
 from connectors.exports.tables.header import sheet_of
@@ -36,9 +37,11 @@ def read_export(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> Export:
             are possible the option that settles it.
     """
     export = _export(path, options)
-    if not options.modes:
+    if not options.modes and options.span is None:
         return export
     loops = tuple(replace(loop, modes=options.modes) for loop in export.loops)
+    if options.span is not None:
+        loops = tuple(within(loop, *options.span) for loop in loops)
     return replace(export, loops=loops)
 
 

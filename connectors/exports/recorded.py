@@ -44,6 +44,8 @@ class ReadOptions:
     """How a tag is made of its loop and role, such as ``{loop}.{role}``."""
     loops: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     """Loop -> role -> column or tag; empty: recognised."""
+    span: tuple[float, float] | None = None
+    """What is read: from, and up to but without, s UTC; None: all."""
     modes: Mapping[str, bool] = field(default_factory=dict)
     """Words of the controller's mode beside those that are known -> whether they mean automatic."""
 

@@ -11,6 +11,10 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
         "slipjump diagnose plant/ --report plant.html  (all valves, the most urgent first; or .pdf, .csv)",
         "slipjump diagnose export.csv --loop FIC101 --delay 17s  (one loop of many, its dead time known)",
     ),
+    "survey": (
+        "slipjump survey archive/ -o survey  (all files in all folders; a table and a ranking)",
+        "slipjump survey export.csv --cluster tcp://host:8786 -o survey  (on the machines of a dask cluster)",
+    ),
     "compare": (
         "slipjump compare FIC101.csv  (on a terminal: a conversation, step by step; the session is kept)",
         "slipjump compare FIC101.csv --auto  (add the effects that the record confirms)",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import typer
 
@@ -81,6 +83,18 @@ MappingFile = Annotated[
 ]  # fmt: skip
 
 
+Start = Annotated[
+    str | None,
+    typer.Option(
+        "--start", metavar="TIME", rich_help_panel=PANEL,
+        help="Read from here, as 2026-03-01T06:00 (in --zone, else UTC). Addresses need it.",
+    ),
+]  # fmt: skip
+End = Annotated[
+    str | None, typer.Option("--end", metavar="TIME", help="Read up to here.", rich_help_panel=PANEL)
+]
+
+
 def read_options(
     columns: Columns,
     zone: str | None,
@@ -90,12 +104,14 @@ def read_options(
     pattern: str | None,
     mapping: Path | None,
     modes: str | None = None,
+    start: str | None = None,
+    end: str | None = None,
 ) -> ReadOptions:
     """Return what the user states about a file.
 
     Raises:
         RecordingError: The mapping cannot be read.
-        BadParameter: ``modes`` is no list of WORD=automatic or WORD=manual.
+        BadParameter: ``modes`` is no list of WORD=automatic or WORD=manual, or start and end are no span.
     """
     from connectors.exports.cells.times import TimeOptions
     from connectors.exports.mapping import with_mapping
@@ -104,8 +120,30 @@ def read_options(
     mark = None if decimal is None else ("," if decimal is Decimal.COMMA else ".")
     day = None if order is None else order.value
     times = TimeOptions(zone, time_format, day)  # type: ignore[arg-type]
-    options = ReadOptions(columns, times, mark, pattern, modes=_modes(modes))  # type: ignore[arg-type]
+    span = _span(start, end, zone)
+    options = ReadOptions(columns, times, mark, pattern, modes=_modes(modes), span=span)  # type: ignore[arg-type]
     return options if mapping is None else with_mapping(options, mapping)
+
+
+def _span(start: str | None, end: str | None, zone: str | None) -> tuple[float, float] | None:
+    """Return a span of time in s UTC; None: all."""
+    if start is None and end is None:
+        return None
+    low = float("-inf") if start is None else _moment(start, zone, "--start")
+    high = float("inf") if end is None else _moment(end, zone, "--end")
+    if low >= high:
+        raise typer.BadParameter(f"{end} is not later than {start}", param_hint="'--end'")
+    return low, high
+
+
+def _moment(text: str, zone: str | None, option: str) -> float:
+    try:
+        time = datetime.fromisoformat(text)
+        place = ZoneInfo(zone or "UTC")
+    except (ValueError, OSError, ZoneInfoNotFoundError) as error:
+        fault = f"{text!r} is not a time like 2026-03-01T06:00"
+        raise typer.BadParameter(fault, param_hint=f"'{option}'") from error
+    return (time if time.tzinfo else time.replace(tzinfo=place)).timestamp()
 
 
 def _modes(text: str | None) -> dict[str, bool]:

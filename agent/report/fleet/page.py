@@ -54,16 +54,24 @@ tr { break-inside: avoid; } thead { display: table-header-group; }
 """
 
 
-def fleet_html(rows: Sequence[ValveRow], title: str) -> str:
+def fleet_html(rows: Sequence[ValveRow], title: str, not_read: Sequence[str] = ()) -> str:
     """Return the page.
 
     Args:
         rows: The most urgent first.
         title: For a reader, not escaped.
+        not_read: What could not be read or was left out, a line each.
     """
     head = f'<meta charset="utf-8"><title>{escape(title)}</title><style>{STYLE}</style>'
     body = "\n".join(
-        (f"<h1>{escape(title)}</h1>", *_summary(rows), *_valves(rows), *_data(rows), *_indices(rows))
+        (
+            f"<h1>{escape(title)}</h1>",
+            *_summary(rows),
+            *_valves(rows),
+            *_data(rows),
+            *_indices(rows),
+            *_not_read(not_read),
+        )
     )
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{body}\n</body></html>\n'
 
@@ -141,6 +149,13 @@ def _indices(rows: Sequence[ValveRow]) -> Iterator[str]:
         )
         yield f"<tr><td>{escape(row.name)}</td>{cells}</tr>"
     yield "</tbody></table>"
+
+
+def _not_read(lines: Sequence[str]) -> Iterator[str]:
+    if lines:
+        yield "<h2>Not read</h2><ul>"
+        yield from (f"<li>{escape(line)}</li>" for line in lines)
+        yield "</ul>"
 
 
 def _open(heads: Iterable[str], kind: str = "") -> str:

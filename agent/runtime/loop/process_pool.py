@@ -77,6 +77,13 @@ def process_pool(
     return ProcessPoolExecutor(count, CONTEXT, _begin, (ready, args))
 
 
+def end_workers() -> None:
+    """Kill every worker of this program, whatever it does."""
+    for process in multiprocessing.active_children():
+        if isinstance(process, CONTEXT.Process):
+            process.kill()
+
+
 def _begin(ready: Callable[..., object] | None, args: tuple[object, ...]) -> None:
     threading.Thread(target=_end_with_the_parent, name="watch the parent", daemon=True).start()
     if ready is not None:

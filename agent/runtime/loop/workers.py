@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import functools
-import multiprocessing
 import signal
 from collections.abc import Callable
 from concurrent.futures.process import BrokenProcessPool
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self, TypeVar
 
-from agent.runtime.loop.process_pool import CONTEXT, process_pool
+from agent.runtime.loop.process_pool import end_workers, process_pool
 from agent.runtime.loop.turns import Turns
 
 if TYPE_CHECKING:
@@ -96,7 +95,7 @@ class PoolExecutor:
                 async with asyncio.timeout(self._within):
                     return await self._run(work())
             except TimeoutError:
-                self._end_workers()  # those of other calculations are started once more
+                end_workers()  # those of other calculations are started once more
                 raise
 
     async def _run(self, function: Callable[[], T]) -> T:
@@ -122,15 +121,9 @@ class PoolExecutor:
     ) -> None:
         """End the workers at once, whatever they do: nobody waits for their answers any more."""
         self._ended = True
-        self._end_workers()
+        end_workers()
         # Waits for the pool's own thread: the end of Python 3.11 would race it for a pipe that it is closing.
         await asyncio.to_thread(self._pool.shutdown, cancel_futures=True)
-
-    @staticmethod
-    def _end_workers() -> None:
-        for process in multiprocessing.active_children():
-            if isinstance(process, CONTEXT.Process):
-                process.kill()
 
     def _new_pool(self) -> ProcessPoolExecutor:
         return process_pool(self._workers, _prepare)

@@ -58,7 +58,9 @@ class History:
     def judged(self, judged: Judged) -> None:
         """Remember a verdict."""
         content = diagnosis_json(judged.diagnosis, "")
-        del content["recording"], content["methods"]
+        del content["recording"]
+        if self._settings.database is None:  # large, and only a database keeps the evidence
+            del content["methods"]
         self._put(Entry(judged.end, judged.diagnosis.loop, "diagnosis", content))
 
     def announced(self, announcement: Announcement) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
+from uuid import uuid4
 
 from agent.runtime.store.database import Database, Format
 
@@ -47,6 +48,17 @@ class Entry:
     of a person on the page, with the comment."""
 
 
+@dataclass(frozen=True, slots=True)
+class NumberedEntry:
+    """An entry with its place in the file."""
+
+    number: int
+    """Rises from one entry to the next."""
+    written: float
+    """When, by this machine's clock, s UTC."""
+    entry: Entry
+
+
 def history_path(state: Path) -> Path:
     """Return the path of the history of the agent that keeps its alarms in ``state``."""
     return state.with_suffix(".history.sqlite")
@@ -77,11 +89,14 @@ class HistoryFile:
     def forget(self, before: float, max_bytes: float) -> None:
         """Drop what was written before a time (s UTC), and the oldest while the file is too large."""
         with self._database.transaction("IMMEDIATE") as database:
-            database.execute("DELETE FROM entry WHERE written < ?", (before,))
+            # the newest stays: numbers would begin anew in an empty table
+            database.execute(
+                "DELETE FROM entry WHERE written < ? AND number < (SELECT max(number) FROM entry)", (before,)
+            )
         while self._used() > max_bytes:
             with self._database.transaction("IMMEDIATE") as database:
                 count = database.execute("SELECT count(*) FROM entry").fetchone()[0]
-                if count == 0:
+                if count <= 1:
                     break
                 database.execute(
                     "DELETE FROM entry WHERE number IN (SELECT number FROM entry ORDER BY number LIMIT ?)",
@@ -101,6 +116,29 @@ class HistoryFile:
                 (loop, since, -1 if limit is None else limit),
             ).fetchall()
         return tuple(Entry(time, name, kind, json.loads(text)) for time, name, kind, text in reversed(rows))
+
+    def origin(self) -> str:
+        """Return the identity of this file: its numbers mean nothing in another one."""
+        with self._database.transaction("IMMEDIATE") as database:
+            database.execute("CREATE TABLE IF NOT EXISTS origin (id TEXT NOT NULL)")
+            held = database.execute("SELECT id FROM origin").fetchone()
+            if held is None:
+                held = (str(uuid4()),)
+                database.execute("INSERT INTO origin VALUES (?)", held)
+        return str(held[0])
+
+    def after(self, number: int, limit: int) -> tuple[NumberedEntry, ...]:
+        """Return the next entries behind a number, in the order in which they were written."""
+        with self._database.transaction("DEFERRED") as database:
+            rows = database.execute(
+                "SELECT number, written, time, loop, kind, content FROM entry WHERE number > ? "
+                "ORDER BY number LIMIT ?",
+                (number, limit),
+            ).fetchall()
+        return tuple(
+            NumberedEntry(number, written, Entry(time, name, kind, json.loads(text)))
+            for number, written, time, name, kind, text in rows
+        )
 
     def notes(self) -> tuple[Entry, ...]:
         """Return what people decided, the oldest first."""

@@ -1,4 +1,4 @@
-"""One agent per state file: two would both publish, and each would overwrite the other's state."""
+"""One program per file that it keeps: two agents would both publish, and overwrite each other's state."""
 
 from __future__ import annotations
 
@@ -16,32 +16,45 @@ LOG = logging.getLogger(__name__)
 
 @contextmanager
 def only_agent_of(state: Path | None) -> Iterator[None]:
-    """Hold the lock of a state file, ``NAME.lock`` beside it; raises ConfigError where another agent does.
+    """Hold the lock of a state file; raises ConfigError where another agent does.
 
-    The kernel lets go of it when the process ends, however it ends; the file stays and means nothing by
-    itself. A file of its own, because SQLite loses its locks where a process closes its file once more. An
-    agent that keeps nothing (None) needs no lock.
+    An agent that keeps nothing (None) needs no lock.
     """
     if state is None:
         yield
         return
-    own = state.resolve()  # through a symlink it is the same file, and the same lock
+    with only_user_of(state, "agent"):
+        yield
+
+
+@contextmanager
+def only_user_of(file: Path, who: str) -> Iterator[None]:
+    """Hold the lock of a file, ``NAME.lock`` beside it; raises ConfigError where another process does.
+
+    The kernel lets go of it when the process ends, however it ends; the file stays and means nothing by
+    itself. A file of its own, because SQLite loses its locks where a process closes its file once more.
+
+    Args:
+        file: What is used by one process at a time.
+        who: What such a process is called.
+    """
+    own = file.resolve()  # through a symlink it is the same file, and the same lock
     path = own.with_name(f"{own.name}.lock")
     try:
         handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     except OSError as error:
-        _warn_unlocked(path, error)
+        _warn_unlocked(path, who, error)
         yield
         return
     try:
         try:
             if not try_lock(handle):
-                raise ConfigError([f"{state}: is used by another agent{_holder(handle)}"])
+                raise ConfigError([f"{file}: is used by another {who}{_holder(handle)}"])
             os.ftruncate(handle, 0)
             os.lseek(handle, 0, os.SEEK_SET)
             os.write(handle, f"{os.getpid()}\n".encode())
         except OSError as error:
-            _warn_unlocked(path, error)
+            _warn_unlocked(path, who, error)
         yield
     finally:
         os.close(handle)
@@ -53,6 +66,6 @@ def _holder(handle: int) -> str:
     return f", process {holder}" if holder.isdigit() else ""
 
 
-def _warn_unlocked(path: Path, error: OSError) -> None:
+def _warn_unlocked(path: Path, who: str, error: OSError) -> None:
     """Log it only: as with the state file itself, a disk failure must not stop the agent."""
-    LOG.warning("%s: %s; cannot check whether another agent uses the same state", path, error.strerror)
+    LOG.warning("%s: %s; cannot check whether another %s uses the same file", path, error.strerror, who)

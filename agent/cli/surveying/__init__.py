@@ -1,0 +1,1 @@
+"""SURVEY: the command, its progress and its results as files."""

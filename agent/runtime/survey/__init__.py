@@ -1,0 +1,1 @@
+"""SURVEY: an archive of loops diagnosed on many cores or machines, resumed where it was interrupted."""

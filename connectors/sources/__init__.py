@@ -1,0 +1,1 @@
+"""SOURCES: where recorded loops lie, a file each: exports, historians and databases behind one interface."""

@@ -1,0 +1,268 @@
+"""The history in PostgreSQL: every entry once, whatever dies on the way. Against a real server."""
+
+import asyncio
+import contextlib
+import json
+import math
+
+import psycopg
+import pytest
+import yaml
+
+from agent.cli import main
+from agent.runtime.agent import Agent
+from agent.runtime.loop.workers import InlineExecutor
+from agent.runtime.store import forwarder as module
+from agent.runtime.store.database import StoreError
+from agent.runtime.store.forwarder import Forwarder
+from agent.runtime.store.history import History
+from agent.runtime.store.history_file import Entry, HistoryFile
+from agent.runtime.store.postgres_history import PostgresHistory
+from agent.settings import AgentSettings, ConnectionSettings, HistoryDatabase, HistorySettings, Settings
+from agent.settings.load import settings_of
+from connectors.base import ConfigError
+from connectors.options import Options
+from tests.unit.runtime.agents import judged, stream
+from tests.unit.runtime.fake_bus import FakeBus
+from tests.unit.runtime.loops import loop_settings
+
+DEADLINE = 60.0
+
+
+@pytest.fixture
+def database(postgres):
+    """Settings of an empty database."""
+    with psycopg.connect(postgres.url, autocommit=True) as connection:
+        connection.execute("DROP TABLE IF EXISTS slipjump_entry, slipjump_origin")
+    return HistoryDatabase(url=postgres.url, tls=False)
+
+
+def entry(number, time=None):
+    return Entry(float(number if time is None else time), "FIC101", "note", {"n": number, "comment": "ü"})
+
+
+def write(path, entries, now=0.0):
+    file = HistoryFile(path)
+    file.write(entries, now)
+    file.close()
+
+
+def rows(postgres):
+    """Return number and content of each row, as they were written."""
+    with psycopg.connect(postgres.url) as connection:
+        text = "SELECT origin::text, number, content FROM slipjump_entry ORDER BY origin, number"
+        return connection.execute(text).fetchall()
+
+
+def numbers(postgres):
+    return [content["n"] for _, _, content in rows(postgres)]
+
+
+def sent(path, database):
+    """Send all that waits, by a forwarder that knows nothing yet."""
+    forwarder = Forwarder(path, database)
+    try:
+        while forwarder.send():
+            pass
+    finally:
+        forwarder._let_go()
+        forwarder._thread.shutdown()
+    return forwarder
+
+
+def test_entries_arrive_once_in_their_order_and_are_read_back(tmp_path, postgres, database, monkeypatch):
+    monkeypatch.setattr(module, "BATCH", 7)
+    path = tmp_path / "a.sqlite"
+    entries = [entry(k) for k in range(30)]
+    write(path, entries)
+    sent(path, database)
+    write(path, [entry(30)])
+    for _ in range(2):
+        sent(path, database)
+    assert numbers(postgres) == list(range(31))
+    with contextlib.closing(PostgresHistory(database, create=False)) as history:
+        assert history.read() == (*entries, entry(30))
+        assert history.read("FIC101", 28.0, 2) == (entry(29), entry(30))
+        assert history.read("FIC999") == ()
+
+
+def test_an_answer_that_is_lost_doubles_nothing(tmp_path, postgres, database, monkeypatch):
+    path = tmp_path / "a.sqlite"
+    write(path, [entry(k) for k in range(5)])
+    whole = PostgresHistory.take
+
+    def takes_and_is_cut_off(self, *words):
+        whole(self, *words)
+        raise StoreError("connection lost")
+
+    monkeypatch.setattr(PostgresHistory, "take", takes_and_is_cut_off)
+    with pytest.raises(StoreError):
+        sent(path, database)
+    monkeypatch.setattr(PostgresHistory, "take", whole)
+    write(path, [entry(5)])
+    sent(path, database)
+    assert numbers(postgres) == list(range(6))
+
+
+def test_half_a_batch_is_none(tmp_path, postgres, database, monkeypatch):
+    path = tmp_path / "a.sqlite"
+    write(path, [entry(k) for k in range(5)])
+    with contextlib.closing(PostgresHistory(database)) as history:
+        monkeypatch.setattr("agent.runtime.store.postgres_history._row", lambda *_: (None,) * 7)
+        with pytest.raises(StoreError, match="null value"):
+            history.take("0b0e6a4e-7c1f-4a3a-9d0c-000000000001", HistoryFile(path).after(0, 10))
+    monkeypatch.undo()
+    assert rows(postgres) == []
+    sent(path, database)
+    assert numbers(postgres) == list(range(5))
+
+
+def test_agents_share_a_database(tmp_path, postgres, database):
+    for name in ("a", "b"):
+        write(tmp_path / f"{name}.sqlite", [entry(k) for k in range(3)])
+        sent(tmp_path / f"{name}.sqlite", database)
+    write(tmp_path / "a.sqlite", [entry(3)])
+    sent(tmp_path / "a.sqlite", database)
+    assert sorted(numbers(postgres)) == [0, 0, 1, 1, 2, 2, 3]
+
+
+def test_no_content_holds_up_what_comes_after_it(tmp_path, postgres, database):
+    path = tmp_path / "a.sqlite"
+    odd = {"n": 0, "s": math.nan, "list": [math.inf, "a\0b"], "text": "\ud800", "deep": {"\0k": None}}
+    write(path, [Entry(time, "L\0", "note", odd) for time in (1e300, -1e300, math.inf, -1.0)])
+    write(path, [entry(1)])
+    sent(path, database)
+    assert numbers(postgres) == [0, 0, 0, 0, 1]
+    assert rows(postgres)[0][2] == {"n": 0, "s": None, "list": [None, "ab"], "text": "?", "deep": {"k": None}}
+
+
+def test_what_a_full_file_dropped_meanwhile_is_counted(tmp_path, postgres, database, caplog):
+    path = tmp_path / "a.sqlite"
+    write(path, [entry(k) for k in range(4)])
+    forwarder = Forwarder(path, database)
+    forwarder.send()
+    for k in range(4, 8):
+        write(path, [entry(k)], now=float(k))
+    file = HistoryFile(path)
+    file.forget(6.0, 1e9)
+    forwarder.send()
+    assert (forwarder.dropped, numbers(postgres)) == (2, [0, 1, 2, 3, 6, 7])
+    assert "2 entries were dropped" in caplog.text
+    file.forget(100.0, 1e9)
+    assert [each.number for each in file.after(0, 9)] == [8], "numbers never begin anew"
+    file.close()
+    forwarder._let_go()
+
+
+async def test_a_database_that_is_killed_under_load_loses_and_doubles_nothing(
+    tmp_path, postgres, database, monkeypatch, caplog
+):
+    monkeypatch.setattr(module, "AGAIN", 0.05)
+    monkeypatch.setattr(module, "PAUSE", 0.01)
+    monkeypatch.setattr(module, "BATCH", 20)
+    monkeypatch.setattr("agent.runtime.store.history.GATHER", 0.01)
+    path = tmp_path / "a.sqlite"
+    history, forwarder = History(path, HistorySettings(database=database)), Forwarder(path, database)
+    tasks = [asyncio.create_task(history.run()), asyncio.create_task(forwarder.run())]
+    count = 0
+
+    async def load(condition):
+        nonlocal count
+        end = asyncio.get_running_loop().time() + DEADLINE
+        while not condition():
+            assert asyncio.get_running_loop().time() < end
+            for _ in range(5):
+                history.noted(entry(count))
+                count += 1
+            await asyncio.sleep(0.005)
+
+    for _ in range(2):
+        before = forwarder.sent
+        await load(lambda before=before: forwarder.sent > before + 60)
+        postgres.kill()
+        at_outage = count
+        await load(lambda at_outage=at_outage: forwarder._problem and count > at_outage + 200)
+        await asyncio.to_thread(postgres.start)
+        await load(lambda: not forwarder._problem)
+    end = asyncio.get_running_loop().time() + DEADLINE
+    while len(await asyncio.to_thread(rows, postgres)) < count:
+        assert asyncio.get_running_loop().time() < end
+        await asyncio.sleep(0.05)
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
+    await history.close()
+    await forwarder.close()
+    assert numbers(postgres) == list(range(count))
+    assert history.dropped == forwarder.dropped == 0
+    outages = [each for each in caplog.messages if "entries wait in the file" in each]
+    assert 2 <= len(outages) <= 4, "one line an outage, however long it lasts"
+    assert sum("takes entries again" in each for each in caplog.messages) in (0, len(outages))
+
+
+async def test_an_agent_sends_what_it_finds_with_the_methods(tmp_path, postgres, database, monkeypatch):
+    monkeypatch.setattr(module, "PAUSE", 0.01)
+    kept = HistorySettings(database=database)
+    settings = Settings(
+        AgentSettings(state=tmp_path / "plant.sqlite", clock_error=None, history=kept),
+        {"bus": ConnectionSettings("fake", Options())},
+        (loop_settings(seconds=400.0, hop=0.25, quantify="always"),),
+    )
+    bus = FakeBus(stream(["FIC101"], 700, step=0.0))
+    agent = Agent(settings, InlineExecutor(), lambda _: None, connectors=[bus], diagnose=judged())
+    task = asyncio.create_task(agent.run())
+    async with asyncio.timeout(DEADLINE):
+        while agent.forwarder.sent < 3:  # noqa: ASYNC110 - the test has no event of the agent
+            await asyncio.sleep(0.01)
+    task.cancel()
+    await asyncio.wait({task})
+    found = [content for _, _, content in await asyncio.to_thread(rows, postgres)]
+    verdicts = [content["verdict"] for content in found if "methods" in content]
+    alarms = [content["state"] for content in found if "state" in content]
+    assert (verdicts[0], alarms, len(verdicts) + 1) == ("stiction", ["unacked_active"], len(found))
+
+
+def test_the_command_shows_the_database(tmp_path, postgres, database, capsys):
+    path = tmp_path / "plant.history.sqlite"
+    write(
+        path,
+        [
+            Entry(float(k), "FIC101", "note", {"action": "tagged", "by": "me", "comment": ""})
+            for k in range(3)
+        ],
+    )
+    sent(path, database)
+    tags = {role: {"topic": f"plant/{role}"} for role in ("pv", "op")}
+    config = {
+        "agent": {
+            "state": str(tmp_path / "plant.sqlite"),
+            "history": {"database": {"url": postgres.url, "tls": False}},
+        },
+        "connections": {"broker": {"kind": "mqtt", "host": "127.0.0.1"}},
+        "loops": [{"name": "FIC101", "connection": "broker", "ts": 1.0, "tags": tags}],
+    }
+    (tmp_path / "plant.yaml").write_text(yaml.safe_dump(config))
+    with pytest.raises(SystemExit) as left:
+        main(["history", "--config", str(tmp_path / "plant.yaml"), "--json", "--last", "2"])
+    printed = capsys.readouterr()
+    assert left.value.code == 0, printed.err
+    assert [json.loads(line)["time"] for line in printed.out.splitlines()] == [1.0, 2.0]
+
+
+def test_passwords_are_in_no_message(postgres, monkeypatch):
+    url = "postgresql://me:s3cret@db/history"
+    with pytest.raises(ConfigError) as fault:
+        settings_of({"agent": {"history": {"database": {"url": url}}}, "connections": {}, "loops": []})
+    assert "s3cret" not in str(fault.value)
+    monkeypatch.setenv("PASSWORD", "s3cret")
+    for given in ({"tls": True}, {"tls": False, "url": postgres.url.replace("/postgres", "/nothing")}):
+        settings = HistoryDatabase.model_validate(
+            {"url": postgres.url, "password": {"env": "PASSWORD"}} | given
+        )
+        with pytest.raises(StoreError) as refused:
+            PostgresHistory(settings)
+        assert str(refused.value).startswith(str(settings.url))
+        assert "s3cret" not in str(refused.value)
+    absent = HistoryDatabase.model_validate({"url": postgres.url, "password": {"env": "NOT_THERE"}})
+    with pytest.raises(StoreError, match="NOT_THERE is not set"):
+        PostgresHistory(absent)
