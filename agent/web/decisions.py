@@ -31,6 +31,19 @@ class OperatorDecision(BaseModel):
     """Id of the activation that is meant; None: whichever stands."""
 
 
+class RepairNote(BaseModel):
+    """Work that was done on a valve: it stands in the history of S, to see what it changed."""
+
+    by: Annotated[str, Field(min_length=1, max_length=80)]
+    """Who reports it."""
+    comment: Annotated[str, Field(min_length=1, max_length=1000)]
+    """What was done."""
+
+    def note(self) -> dict[str, str]:
+        """Return it as it is kept."""
+        return {"action": "repaired", "by": self.by.strip(), "comment": self.comment}
+
+
 async def decide(plant: Plant, loop: str, decision: OperatorDecision) -> str | None:
     """Obey and keep it; return why it is refused, None where it is not."""
     until = None if decision.hours is None else plant.clock() + decision.hours * HOUR

@@ -7,6 +7,7 @@ import urllib.parse
 from collections.abc import Mapping
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -60,8 +61,7 @@ class Guard:
             return
         limit = self._uploads.get(scope["path"], BODY)
         if int(headers.get("content-length", "0") or 0) > limit:
-            too_large = JSONResponse({"detail": f"the body is larger than {limit} bytes"}, 413)
-            await too_large(scope, receive, _with_headers(send))
+            await JSONResponse({"detail": _too_large(limit)}, 413)(scope, receive, _with_headers(send))
             return
         await self._app(scope, _bounded(receive, limit), _with_headers(send))
 
@@ -113,15 +113,21 @@ def _token_needed(headers: Headers, scope: Scope) -> Response:
     return PlainTextResponse(text, 401, {"WWW-Authenticate": "Bearer"})
 
 
+def _too_large(limit: int) -> str:
+    return f"the body is larger than {limit} bytes"
+
+
 def _bounded(receive: Receive, limit: int) -> Receive:
-    """Return ``receive`` that ends the connection where a body without a length grows beyond ``limit``."""
+    """Return ``receive`` that refuses a body without a length as soon as it is larger than ``limit``."""
     taken = 0
 
     async def bounded() -> Message:
         nonlocal taken
         message = await receive()
         taken += len(message.get("body", b""))
-        return {"type": "http.disconnect"} if taken > limit else message
+        if taken > limit:
+            raise HTTPException(413, _too_large(limit))
+        return message
 
     return bounded
 

@@ -8,7 +8,7 @@ from fastapi import APIRouter, HTTPException, Query
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
 from agent.report.diagnosis_json import diagnosis_json
-from agent.web.decisions import OperatorDecision, decide
+from agent.web.decisions import OperatorDecision, RepairNote, decide
 from agent.web.event_stream import EventStream
 from agent.web.judgement import PersonalJudgement
 from agent.web.pictures.loop_pictures import map_json, method_picture, profile_json
@@ -142,6 +142,13 @@ def screen(plant: Plant) -> PageScreen:
         loop_of(plant, name)
         plant.judge(name, said)
         return row_of(plant.look().by_name[name])
+
+    @router.post("/{name}/repair", status_code=204)
+    async def repaired(name: str, said: RepairNote) -> Response:
+        """Say that a valve was repaired: the history of S shows when and what."""
+        loop_of(plant, name)
+        plant.note(name, dict(said.note()))
+        return Response(status_code=204)
 
     @router.get("/{name}/work-order", response_class=HTMLResponse)
     async def ordered(name: str) -> HTMLResponse:

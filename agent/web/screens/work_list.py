@@ -13,7 +13,7 @@ from agent.report.ranking import GROUPS, estimate_of
 from agent.web.event_stream import EventStream
 from agent.web.plant import Look, Plant
 from agent.web.ranking import Item, probability_of
-from agent.web.rows import row_of, sparkline_of
+from agent.web.rows import plain, row_of, sparkline_of
 from agent.web.screens.answers import too_many_pages
 from agent.web.screens.screen import PageScreen
 
@@ -82,10 +82,12 @@ def listed(look: Look, wanted: Wanted) -> dict[str, Any]:
 
 
 def map_of(look: Look) -> list[dict[str, Any]]:
-    """Return the loops of each area: name, group, and whether it is stale, the most urgent first."""
+    """Return the loops of each area: name, group, whether it is stale, and S, the most urgent first."""
     areas: dict[str, list[list[object]]] = {}
     for item in look.items:
-        areas.setdefault(item.area, []).append([item.status.loop, item.group, int(item.stale)])
+        s = estimate_of(item.status.diagnosis)
+        width = None if s is None else plain(float(f"{s.value:.3g}"))
+        areas.setdefault(item.area, []).append([item.status.loop, item.group, int(item.stale), width])
     return [{"area": area, "loops": loops} for area, loops in sorted(areas.items())]
 
 
@@ -108,7 +110,7 @@ def screen(plant: Plant) -> PageScreen:
 
     @router.get("/map")
     async def areas() -> list[dict[str, Any]]:
-        """Loops by area, each [name, group, stale]."""
+        """Loops by area, each [name, group, stale, S]; S in OP units, null where there is none."""
         return map_of(plant.look())
 
     return PageScreen("work_list", "Work list", "/", router)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 from typing import Annotated, Any
 
-from fastapi import APIRouter, HTTPException, Query, Request
+from fastapi import APIRouter, Depends, HTTPException, Query, Request
 from pydantic import BaseModel, Field
-from starlette.responses import HTMLResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, Response
 
 from agent.web.event_stream import EventStream
 from agent.web.screens.answers import too_many_pages
@@ -25,6 +26,7 @@ MOST_PAGES = 16
 SAFE_NAME = 120
 """Characters of a file's name that are kept."""
 Name = Annotated[str, Query(min_length=1, max_length=300)]
+ColumnName = Annotated[str | None, Query(max_length=200)]
 Live = Callable[[str], bytes | None]
 """Returns the held window of a loop as CSV; None where there is no such loop."""
 
@@ -60,6 +62,21 @@ class OwnColumns(BaseModel):
     columns: dict[str, Annotated[str, Field(max_length=200)]]
 
 
+@dataclass(frozen=True, slots=True)
+class ColumnRoles:
+    """Columns of an upload by role, where they are not to be recognised."""
+
+    time: ColumnName = None
+    op: ColumnName = None
+    pv: ColumnName = None
+    sp: ColumnName = None
+
+    def by_role(self) -> dict[str, str]:
+        """Return what was named."""
+        named = {"time": self.time, "OP": self.op, "PV": self.pv, "SP": self.sp}
+        return {role: column for role, column in named.items() if column}
+
+
 def screen(sessions: Sessions, live: Live | None = None, path: str = "/workbench") -> PageScreen:
     """Return the screen.
 
@@ -82,17 +99,19 @@ def screen(sessions: Sessions, live: Live | None = None, path: str = "/workbench
         except WorkbenchError as error:
             raise HTTPException(422, str(error)) from error
 
-    async def begun(content: bytes, name: str, base: str) -> dict[str, str]:
+    async def begun(
+        content: bytes, name: str, base: str, columns: Mapping[str, str] | None = None
+    ) -> Response:
         try:
             session = sessions.create()
         except WorkbenchError as error:
             raise HTTPException(409, str(error)) from error
-        opening = await asyncio.to_thread(_stored, session, content, name, base)
+        stored = await asyncio.to_thread(_stored, session, content, name, base)
         try:
-            await opened(sessions, opening, session)
+            await opened(sessions, replace(stored, columns=columns), session)
         except WorkbenchError as error:
-            raise HTTPException(422, str(error)) from error
-        return {"session": session.name}
+            return JSONResponse({"detail": str(error), "columns": session.names}, 422)
+        return JSONResponse({"session": session.name})
 
     @router.get("/sessions")
     async def all_sessions() -> dict[str, Any]:
@@ -103,16 +122,23 @@ def screen(sessions: Sessions, live: Live | None = None, path: str = "/workbench
             "sessions": [
                 {"session": each.name, "recording": (each.state or {}).get("recording")}
                 for each in sessions.open.values()
+                if not each.ended
             ],
         }
 
-    @router.post("/sessions")
-    async def create(request: Request, name: Name, base: Name = "fopdt") -> dict[str, str]:
-        """Begin a session with a recording: the body is the file, `name` its name."""
-        return await begun(await request.body(), name, base)
+    @router.post("/sessions", response_class=JSONResponse)
+    async def create(
+        request: Request, name: Name, own: Annotated[ColumnRoles, Depends()], base: Name = "fopdt"
+    ) -> Response:
+        """Begin a session with a recording: the body is the file, `name` its name.
 
-    @router.post("/loops/{name}")
-    async def create_live(name: str) -> dict[str, str]:
+        Columns that are not recognised are named by `time`, `op`, `pv` and `sp`; the answer 422 has the columns
+        of the file.
+        """
+        return await begun(await request.body(), name, base, own.by_role())
+
+    @router.post("/loops/{name}", response_class=JSONResponse)
+    async def create_live(name: str) -> Response:
         """Begin a session with the window that is held of a loop of the plant."""
         content = None if live is None else live(name)
         if content is None:
@@ -176,6 +202,12 @@ def screen(sessions: Sessions, live: Live | None = None, path: str = "/workbench
         found: dict[str, Any] = await done(name, "against", axis, quiet=True)
         return found
 
+    @router.get("/sessions/{name}/columns")
+    async def names(name: str) -> list[str]:
+        """Columns of the recording, to choose from."""
+        found: list[str] = await done(name, "names", quiet=True)
+        return found
+
     @router.post("/sessions/{name}/columns")
     async def columns(name: str, own: OwnColumns) -> None:
         """Read the recording again by other columns; its steps begin anew."""
@@ -192,7 +224,8 @@ def screen(sessions: Sessions, live: Live | None = None, path: str = "/workbench
         """Score each step of a session on another recording of the loop: the body is the file."""
         found = session_of(session)
         opening = await asyncio.to_thread(_stored, found, await request.body(), f"other-{name}", "fopdt")
-        await done(session, "validate", opening)
+        columns = None if found.source is None else found.source.columns  # as the user chose them
+        await done(session, "validate", replace(opening, columns=columns))
 
     @router.get("/sessions/{name}/report", response_class=HTMLResponse)
     async def report(name: str) -> HTMLResponse:

@@ -15,8 +15,10 @@ from connectors.base import ConfigError
 
 NICE = 5
 """How much a session gives way to the diagnoses of an agent."""
+MOST_NAMES = 200
+"""Columns that a user chooses from."""
 Send = Callable[[str, object], None]
-"""Sends a kind of message and its content: ``progress``, ``curve`` or ``state``."""
+"""Sends a kind of message and its content: ``progress``, ``curve``, ``state`` or ``names`` of columns."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +54,11 @@ class Desk:
         """
         from agent.workbench.session.step_tree import StepTree  # noqa: PLC0415 - in the session's process only
 
-        window, self._columns = _read(opening)
+        try:
+            window, self._columns = _read(opening)
+        except (ConfigError, ValueError):
+            self._send("names", _names(opening))
+            raise
         self._opening = opening
         self._tree = StepTree(window, opening.base, run, self._progress)
         self._settle()
@@ -102,6 +108,10 @@ class Desk:
         self._tree.validation = other_record(window, self._tree.node.bench.base)
         self._state()
 
+    def names(self) -> list[str]:
+        """Return the columns of the recording, as its header has them."""
+        return [] if self._opening is None else _names(self._opening)
+
     def report(self) -> str:
         """Return the page of the steps on the way to the one that is looked at."""
         from agent.plots.workbench.comparison_figures import comparison_figures  # noqa: PLC0415
@@ -142,6 +152,17 @@ def _read(opening: Opening) -> tuple[Any, dict[str, str]]:
         ) from error
     except (TypeError, ValueError) as error:
         raise ValueError(f"{opening.name}: {error}") from error
+
+
+def _names(opening: Opening) -> list[str]:
+    """Return the columns of a file, to choose from; none where it is no table."""
+    from connectors.exports.reading import sheet_of_file  # noqa: PLC0415
+
+    try:
+        columns = sheet_of_file(opening.file).columns
+    except (ConfigError, ValueError):
+        return []
+    return [each.name for each in columns if each.name][:MOST_NAMES]
 
 
 def work(connection: Any) -> None:  # noqa: ANN401 - a multiprocessing connection

@@ -62,6 +62,8 @@ class WorkbenchSession:
         self.used = clock()
         self.state: dict[str, Any] | None = None
         """Newest state for the page; None before the first."""
+        self.names: list[str] = []
+        """Columns of a recording whose roles were not recognised."""
         self.first = asyncio.Event()
         """Set when there is a state."""
         self.source: Opening | None = None
@@ -78,6 +80,11 @@ class WorkbenchSession:
         self._process.start()
         other.close()
         threading.Thread(target=self._listen, name=f"workbench {name}", daemon=True).start()
+
+    @property
+    def ended(self) -> bool:
+        """Whether its process is gone."""
+        return self._look.ended
 
     def page(self) -> Page[SessionLook]:
         """Return a new stream, with its full state already."""
@@ -161,6 +168,8 @@ class WorkbenchSession:
                 future = self._waiting.get(number)
                 if future is not None and not future.done():
                     future.set_result((answer, fault))
+            case "names":
+                self.names = content
             case "progress":
                 self._publish(progress=content)
             case _:
@@ -186,11 +195,14 @@ class Sessions:
         self.open: dict[str, WorkbenchSession] = {}
 
     def create(self, name: str | None = None) -> WorkbenchSession:
-        """Return a new session, with a folder for its files.
+        """Return a new session, with a folder for its files; those that ended by themselves make room.
 
         Raises:
             WorkbenchError: Too many are open.
         """
+        for each in [*self.open.values()]:
+            if each.ended:
+                self.end(each.name)
         idle = [each for each in self.open.values() if not each.pages]
         if len(self.open) >= MOST:
             if not idle:

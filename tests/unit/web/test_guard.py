@@ -111,6 +111,20 @@ async def test_a_large_body_is_refused_where_no_upload_belongs():
         assert (await web.post("/api/other", content=b"x" * 70_000, headers=head)).status_code == 413
 
 
+async def test_a_body_that_hides_its_length_is_refused_in_words_as_soon_as_it_is_too_large():
+    taken = []
+
+    async def endless():
+        while True:
+            taken.append(None)
+            yield b"x" * 10_000
+
+    async with client(app_of()) as web:
+        answer = await web.post("/api/thing", content=endless(), headers=await csrf(web))
+    assert (answer.status_code, answer.json()["detail"]) == (413, "the body is larger than 100000 bytes")
+    assert len(taken) < 20
+
+
 async def test_only_own_scripts_run_and_nobody_frames_the_page():
     async with client(app_of()) as web:
         for path in ("/", "/api/session", "/api/nothing", "/static/app.js"):

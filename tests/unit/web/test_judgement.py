@@ -29,6 +29,18 @@ async def test_a_judgement_is_signed_shown_kept_and_withdrawn():
             assert (await web.post(PATH, json=wrong, headers=headers)).status_code == 422
 
 
+async def test_a_repair_is_signed_and_stands_in_the_history():
+    async with plant_of() as (web, _):
+        path, said = "/api/loops/FIC101/repair", {"by": " jane ", "comment": "new packing"}
+        headers = await csrf(web)
+        assert (await web.post(path, json=said, headers=headers)).status_code == 204
+        newest = (await web.get("/api/loops/FIC101/history")).json()[-1]
+        assert (newest["action"], newest["by"], newest["comment"]) == ("repaired", "jane", "new packing")
+        assert (await web.post(path, json={**said, "comment": ""}, headers=headers)).status_code == 422
+        nobody = "/api/loops/NOBODY/repair"
+        assert (await web.post(nobody, json=said, headers=headers)).status_code == 404
+
+
 def test_what_was_said_stands_after_a_restart(tmp_path):
     file = HistoryFile(tmp_path / "agent.history.sqlite")
 

@@ -118,6 +118,19 @@ async def test_a_bad_upload_gets_one_clear_line_and_leaves_no_session(served, na
     assert not sessions.open
 
 
+async def test_columns_that_nobody_recognises_are_chosen_from_the_file(served):
+    web, _ = served
+    other = recording().replace(b"time,OP,PV", b"t,u <b>,y")
+    answer = await web.post("/api/workbench/sessions", params={"name": "x.csv"}, content=other)
+    assert (answer.status_code, answer.json()["columns"]) == (422, ["t", "u <b>", "y"])
+    chosen = {"name": "x.csv", "time": "t", "op": "u <b>", "pv": "y"}
+    answer = await web.post("/api/workbench/sessions", params=chosen, content=other)
+    assert answer.status_code == 200, answer.text
+    base = f"/api/workbench/sessions/{answer.json()['session']}"
+    assert (await web.get(base)).json()["columns"]["OP"] == "u <b>"
+    assert (await web.get(f"{base}/columns")).json() == ["t", "u <b>", "y"]
+
+
 async def test_a_body_that_is_too_large_is_refused_before_it_is_read(served):
     web, _ = served
     huge = {"Content-Length": str(workbench.LARGEST + 1)}
@@ -162,6 +175,7 @@ async def test_a_session_whose_process_dies_says_so(served):
     session._process.kill()
     with pytest.raises(WorkbenchError, match="has ended"):
         await session.command("open", Opening(session.folder / "none.csv", "none.csv"))
+    assert (await web.get("/api/workbench/sessions")).json()["sessions"] == []  # nobody can go on with it
     answer = await web.post(f"/api/workbench/sessions/{session.name}/go", json={"number": 0})
     assert answer.status_code == 422
 

@@ -2,9 +2,10 @@
 let session = null;
 
 export class Refused extends Error {
-  constructor(status, detail) {
+  constructor(status, detail, more = {}) {
     super(detail);
     this.status = status;
+    this.columns = more.columns ?? []; // of a file whose columns nobody recognised
   }
 }
 
@@ -45,9 +46,11 @@ async function answered(answer) {
   if (answer.ok) return answer.status === 204 ? null : answer.json();
   const text = await answer.text();
   let detail = text || answer.statusText;
+  let more = {};
   try {
-    const said = JSON.parse(text).detail;
+    more = JSON.parse(text);
+    const said = more.detail;
     detail = typeof said === "string" ? said : said.map((each) => `${each.loc.at(-1)}: ${each.msg}`).join("; ");
   } catch { /* not JSON: the text itself is the reason */ }
-  throw new Refused(answer.status, detail);
+  throw new Refused(answer.status, detail, more);
 }

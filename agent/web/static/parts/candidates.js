@@ -1,29 +1,41 @@
-// Effects to tick: what each would gain, and what rejects it.
-import { number, words } from "./format.js";
+// Effects to tick: what each would gain, what rejects it, and which of them this record cannot tell apart.
+import { number } from "./format.js";
 import { html } from "./html.js";
+import { named, plainly } from "./names.js";
+
+const SEEN = 1; // %: a smaller fall of the error is none
 
 export function Candidates({ state, busy, tick, untick }) {
   const { found, model } = state;
-  const ticked = model.effects;
   const tried = found ? found.candidates : [];
   const verdict = found?.verdict;
-  const alike = new Set(verdict?.effect ? [verdict.effect, ...verdict.indistinguishable] : []);
-  return html`<section class="card"><h2>Effects</h2>
-    ${ticked.map((each) => html`<${Row} key=${each} effect=${each} on=${true} busy=${busy} change=${() => untick(each)} note="in the model" />`)}
-    ${!found && html`<p class="quiet" role="status">Each effect is being tried</p>`}
-    ${tried.map((each) => html`<${Row} key=${each.effect} effect=${each.effect} on=${false} busy=${busy} change=${() => tick(each.effect)} each=${each} loud=${each.effect === verdict?.effect} />`)}
-    ${alike.size > 1 && html`<p class="quiet">This record cannot distinguish ${[...alike].map(words).join(" from ")}. In manual, step OP up and down by less and by more than the stick band, each side of a reversal: they differ in the first slip.</p>`}
+  const alike = new Set(verdict?.effect && verdict.indistinguishable.length ? [verdict.effect, ...verdict.indistinguishable] : []);
+  const together = tried.filter((each) => alike.has(each.effect));
+  const others = tried.filter((each) => !alike.has(each.effect));
+  const row = (each) => html`<${Row} key=${each.effect} effect=${each.effect} on=${false} busy=${busy} change=${() => tick(each.effect)} each=${each} loud=${each.effect === verdict?.effect} />`;
+  return html`<section class="card wb-candidates"><h2>Effects</h2>
+    <p class="quiet">Tick one: everything is fitted again. The bar is how far the held-out squared error is expected to fall, with its 90 % interval.</p>
+    ${model.effects.map((each) => html`<${Row} key=${each} effect=${each} on=${true} busy=${busy} change=${() => untick(each)} note="in the model" />`)}
+    ${!found && html`<p class="quiet working" role="status">Each effect is being tried</p>`}
+    ${together.length > 0 && html`<div class="wb-alike" role="group" aria-label="Effects that this record cannot distinguish"><p class="wb-alike-title">This record cannot tell these apart</p>
+      ${together.map(row)}
+      <p class="quiet"><strong>The test that would:</strong> in manual, step OP up and down by less and by more than S, on each side of a reversal. They differ in the first slip.</p></div>`}
+    ${others.map(row)}
     ${found && !verdict.effect && html`<p class="quiet">Nothing more is confirmed.</p>`}</section>`;
 }
 
 function Row({ effect, on, busy, change, each, note, loud }) {
   const place = (value) => `${Math.min(Math.max(value, 0), 100)}%`;
-  return html`<label class=${`wb-effect ${loud ? "loud" : ""}`} data-effect=${effect}>
+  const idle = each && each.percent < SEEN;
+  return html`<label class=${`wb-effect ${loud ? "loud" : ""} ${idle ? "idle" : ""}`} data-effect=${effect}>
     <input type="checkbox" checked=${on} disabled=${busy} onChange=${change} />
-    <span class="wb-name">${words(effect)}</span>
-    ${each ? html`<span class="wb-gain">${each.percent.toFixed(1)} % <small>(${each.low.toFixed(1)} to ${each.high.toFixed(1)}), p = ${number(each.p, 2)}</small></span>
-      <svg class="wb-bar" height="8" width="100%" aria-hidden="true"><line x1="0" x2="100%" y1="4" y2="4" class="scale" />
-        <line x1=${place(each.low)} x2=${place(each.high)} y1="4" y2="4" class="interval" /><line x1=${place(each.percent)} x2=${place(each.percent)} y1="0" y2="8" class="value" /></svg>
-      ${each.objection && html`<small class="wb-why">rejected: ${each.objection}</small>`}` : html`<span class="quiet">${note}</span>`}
+    <span class="wb-name">${named(effect)}${loud && html` <span class="tag">proposed</span>`}</span>
+    ${each ? html`<span class="wb-gain">${fall(each.percent)}${!idle && html`<small>${fall(each.low)} to ${fall(each.high)}, p ${chance(each.p)}</small>`}</span>
+      ${!idle && html`<svg class="wb-bar" height="8" width="100%" role="img" aria-label=${`Error falls by ${fall(each.percent)}, ${fall(each.low)} to ${fall(each.high)}`}><line x1="0" x2="100%" y1="4" y2="4" class="scale" />
+        <line x1=${place(each.low)} x2=${place(each.high)} y1="4" y2="4" class="interval" /><line x1=${place(each.percent)} x2=${place(each.percent)} y1="0" y2="8" class="value" /></svg>`}
+      ${!idle && each.objection && html`<small class="wb-why">Rejected: ${plainly(each.objection)}</small>`}` : html`<span class="quiet">${note}</span>`}
   </label>`;
 }
+
+const fall = (value) => (Math.abs(value) < 0.5 ? "0 %" : `${value < 0 ? "−" : ""}${Math.abs(value).toFixed(0)} %`);
+const chance = (p) => (p !== null && p < 0.001 ? "< 0.001" : number(p, 2));

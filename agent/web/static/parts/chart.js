@@ -15,6 +15,40 @@ const axis = (label, size) => ({
   ticks: { stroke: () => colour("grid"), width: 1, size: 4 },
 });
 
+const NONE = [];
+
+/** Stretches and moments, behind the lines. */
+function drawBehind(plot, { spans, marks }) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+  for (const each of spans) {
+    const [left, right] = [each.from, each.to].map((value) => plot.valToPos(value, "x", true));
+    ctx.globalAlpha = 0.16;
+    ctx.fillStyle = colour(each.colour);
+    ctx.fillRect(left, bbox.top, right - left, bbox.height);
+    if (each.label) sign(ctx, each.label, left + 4, bbox.top);
+  }
+  for (const each of marks) {
+    const at = Math.round(plot.valToPos(each.at, "x", true));
+    ctx.globalAlpha = 1;
+    ctx.fillStyle = colour("ink");
+    ctx.fillRect(at, bbox.top, devicePixelRatio, bbox.height);
+    sign(ctx, each.label, at + 4, bbox.top);
+  }
+  ctx.restore();
+}
+
+function sign(ctx, text, left, top) {
+  ctx.globalAlpha = 1;
+  ctx.fillStyle = colour("muted");
+  ctx.textBaseline = "top";
+  ctx.fillText(text, left, top + 3);
+}
+
 const two = (value) => String(value).padStart(2, "0");
 
 /** Times of an axis, 24 hours; with the day where the axis spans more than one. */
@@ -33,10 +67,14 @@ function clock(_, splits) {
 /**
  * A chart. ``lines``: [{label, colour (a name of the theme), width, dash, points}]; ``data``: [x, ...one array a line],
  * null is a gap; ``x``: {label, time}; ``y``: {label, range}; ``text``: what the chart shows, in words.
+ * ``spans``: [{from, to, colour, label}] behind the lines; ``marks``: [{at, label}], moments with a name. ``kind``: "whole" where
+ * the last line belongs to the one before and has no name of its own.
  */
-export function Chart({ data, lines, x = {}, y = {}, height = 220, text, sync, options = {} }) {
+export function Chart({ data, lines, x = {}, y = {}, height = 220, text, sync, options = {}, spans = NONE, marks = NONE, kind = "" }) {
   const place = useRef(null);
   const plot = useRef(null);
+  const behind = useRef({ spans, marks });
+  behind.current = { spans, marks };
   const shape = JSON.stringify([lines, x, y, height, sync, Object.keys(options)]);
   useLayoutEffect(() => {
     const made = new uPlot(
@@ -60,6 +98,7 @@ export function Chart({ data, lines, x = {}, y = {}, height = 220, text, sync, o
           })),
         ],
         ...options,
+        hooks: { ...options.hooks, drawClear: [(drawn) => drawBehind(drawn, behind.current), ...(options.hooks?.drawClear ?? [])] },
       },
       data,
       place.current,
@@ -82,5 +121,6 @@ export function Chart({ data, lines, x = {}, y = {}, height = 220, text, sync, o
   useEffect(() => {
     if (plot.current && plot.current.data !== data) plot.current.setData(data);
   }, [data]);
-  return html`<figure class="chart" role="img" aria-label=${text}><div ref=${place}></div></figure>`;
+  useEffect(() => plot.current?.redraw(false, true), [spans, marks]);
+  return html`<figure class=${`chart ${kind}`} role="img" aria-label=${text}><div ref=${place}></div></figure>`;
 }

@@ -7,6 +7,7 @@ const SYNC = "workbench";
 
 export function Curves({ model, quick, stretch, brush }) {
   const { curves, step } = model;
+  const spans = useMemo(() => model.left_out.map(([from, to]) => ({ from, to, colour: "muted", label: "left out" })), [model]);
   const time = useMemo(() => curves.pv.map((_, k) => k * step), [curves]);
   const shown = quick ?? curves.model;
   const residual = useMemo(() => (quick ? curves.pv.map((value, k) => (value === null || quick[k] === null ? null : value - quick[k])) : curves.residual), [curves, quick]);
@@ -14,10 +15,10 @@ export function Curves({ model, quick, stretch, brush }) {
   const middle = useMemo(() => [time, curves.op], [time, curves]);
   const low = useMemo(() => [time, residual], [time, residual]);
   const light = useLight(stretch, brush);
-  return html`<${Chart} data=${top} sync=${SYNC} height=${230} y=${{ label: "PV" }} options=${light} text=${`PV and PV of the model, fit ${number(model.fit_percent)} %`}
-      lines=${[{ label: "PV", colour: "measured" }, { label: "PV of the model", colour: "model" }]} />
-    <${Chart} data=${middle} sync=${SYNC} height=${120} y=${{ label: "OP" }} options=${light} text="OP" lines=${[{ label: "OP", colour: "valve" }]} />
-    <${Chart} data=${low} sync=${SYNC} height=${150} x=${{ label: "time, s" }} y=${{ label: "residual" }} options=${light} text=${`Residual, held-out error ${number(model.rmse)}`}
+  return html`<${Chart} data=${top} sync=${SYNC} height=${240} y=${{ label: "PV" }} options=${light} spans=${spans} text=${`PV and PV of the model, fit ${number(model.fit_percent)} %`}
+      lines=${[{ label: "PV", colour: "measured" }, { label: quick ? "PV of the model, before its fit" : "PV of the model", colour: "model", width: 1.6 }]} />
+    <${Chart} data=${middle} sync=${SYNC} height=${130} y=${{ label: "OP" }} options=${light} spans=${spans} text="OP" lines=${[{ label: "OP", colour: "measured" }]} />
+    <${Chart} data=${low} sync=${SYNC} height=${160} x=${{ label: "time, s" }} y=${{ label: "residual, PV units" }} options=${light} spans=${spans} text=${`Residual, held-out error ${number(model.rmse)}`}
       lines=${[{ label: "PV less the model", colour: "model" }]} />`;
 }
 

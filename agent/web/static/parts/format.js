@@ -25,3 +25,20 @@ export function moment(seconds) {
 }
 
 export const words = (text) => (text ?? "").replaceAll("_", " ");
+
+/** Where a line begins, with a capital letter. */
+export const sentence = (text) => (text ? text[0].toUpperCase() + text.slice(1) : "");
+
+const MONTHS = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
+
+/** A time as short as it can be: the hour of today, the day of this year, or the whole date. */
+export function when(seconds) {
+  if (seconds === null || seconds === undefined) return dash;
+  const date = new Date(1000 * seconds);
+  const now = new Date();
+  const two = (value) => String(value).padStart(2, "0");
+  const hour = `${two(date.getHours())}:${two(date.getMinutes())}`;
+  if (date.toDateString() === now.toDateString()) return hour;
+  const day = `${date.getDate()} ${MONTHS[date.getMonth()]}`;
+  return date.getFullYear() === now.getFullYear() ? `${day}, ${hour}` : `${day} ${date.getFullYear()}`;
+}

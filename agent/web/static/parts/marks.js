@@ -31,11 +31,13 @@ const ALARMS = {
   normal: ["", ""],
 };
 
-export const alarmWords = (state) => ALARMS[state]?.[0] || "None";
+export const alarmWords = (state) => ALARMS[state]?.[0] || "Normal";
+const BRIEF = { unacked_active: "Unacknowledged", acked_active: "Acknowledged", returned_unacked: "Returned" };
 
-export function AlarmMark({ row }) {
+/** The state of an alarm; ``brief`` in a column that is called so already. */
+export function AlarmMark({ row, brief = false }) {
   const [text, kind] = ALARMS[row.alarm] ?? ["", ""];
-  if (!text) return html`<span class="quiet">none</span>`;
+  if (!text) return html`<span class="quiet">Normal</span>`;
   const sign = { alarm: "●", acked: "◉", returned: "○", silent: "◌" }[kind];
-  return html`<span class=${`alarm-mark ${kind}`}><span aria-hidden="true">${sign}</span> ${text}${row.alarm === "unacked_active" && row.priority ? html` <span class="priority">${row.priority}</span>` : ""}</span>`;
+  return html`<span class=${`alarm-mark ${kind}`}><span aria-hidden="true">${sign}</span>\u00a0${brief ? BRIEF[row.alarm] ?? text : text}${row.alarm === "unacked_active" && row.priority ? html` <span class="priority">${row.priority}</span>` : ""}</span>`;
 }

@@ -75,8 +75,9 @@ export function ValveMap({ map }) {
     return () => removeEventListener("slipjump:theme", draw);
   }, [map]);
   const top = map.f_s.at(-1);
-  return html`<canvas ref=${canvas} class="map-canvas" role="img"
-      aria-label=${`Error of every valve: least at f_S ${number(map.best.f_s)}, f_D ${number(map.best.f_d)} OP units`}></canvas>
-    <p class="under">Across: f_D from 0 to ${number(top / 2)}; up: f_S from 0 to ${number(top)} OP units. Least error at
-      f_S = ${number(map.best.f_s)}, f_D = ${number(map.best.f_d)}; in colour: within ${Math.round(100 * (map.alike - 1))} % of it.</p>`;
+  return html`<div class="map-frame"><span class="map-y"><span>${number(top)}</span><span>f_S</span><span>0</span></span>
+      <canvas ref=${canvas} class="map-canvas" role="img"
+        aria-label=${`Error of every valve: least at f_S ${number(map.best.f_s)}, f_D ${number(map.best.f_d)} OP units`}></canvas>
+      <span class="map-x"><span>0</span><span>f_D, OP units</span><span>${number(top / 2)}</span></span></div>
+    <p class="under">Least error at f_S = ${number(map.best.f_s)}, f_D = ${number(map.best.f_d)}. Dark is as good as the best; in colour: within ${Math.round(100 * (map.alike - 1))} % of it.</p>`;
 }

@@ -2,8 +2,9 @@
 import { get } from "./api.js";
 import { number, words } from "./format.js";
 import { html, useEffect, useState } from "./html.js";
+import { named, plainly } from "./names.js";
 
-const SIZE = { width: 640, height: 240, left: 46, right: 8, top: 8, bottom: 34 };
+const SIZE = { width: 640, height: 270, left: 54, right: 10, top: 8, bottom: 38 };
 
 export function ResidualAxis({ base, state, stretch }) {
   const axes = state.found?.axes ?? [];
@@ -19,7 +20,7 @@ export function ResidualAxis({ base, state, stretch }) {
   if (!axis) return null;
   return html`<section class="card"><h2>Where it fails</h2>
     <label class="field wb-axis">Residual against<select data-testid="axis" value=${axis} onChange=${(event) => choose(event.target.value)}>
-      ${axes.map((each) => html`<option value=${each.axis}>${words(each.axis)}: ${number(100 * each.share)} %, p = ${number(each.p, 2)}</option>`)}</select></label>
+      ${axes.map((each) => html`<option value=${each.axis}>${named(each.axis)}: ${number(100 * each.share)} %, p = ${number(each.p, 2)}</option>`)}</select></label>
     ${panel?.axis === axis && html`<${Panel} panel=${panel} stretch=${stretch} />`}</section>`;
 }
 
@@ -34,15 +35,27 @@ function Panel({ panel, stretch }) {
   const steps = (values) => values.map((value, k) => `${k ? "L" : "M"}${sx(panel.edges[k])} ${sy(value)}L${sx(panel.edges[k + 1])} ${sy(value)}`).join("");
   const back = [...panel.low].map((value, k) => [k, value]).reverse().map(([k, value]) => `L${sx(panel.edges[k + 1])} ${sy(value)}L${sx(panel.edges[k])} ${sy(value)}`).join("");
   const fails = panel.p < 0.05;
+  const bottom = SIZE.height - SIZE.bottom;
   const text = `Mean residual in ${panel.means.length} bins of ${words(panel.axis)}; ${number(100 * panel.share)} % of the variance, p = ${number(panel.p, 2)}`;
   return html`<svg class="wb-panel" viewBox=${`0 0 ${SIZE.width} ${SIZE.height}`} role="img" aria-label=${text}>
+      ${ticks(-reach, reach, 5).map((value) => html`<line x1=${SIZE.left} x2=${SIZE.width - SIZE.right} y1=${sy(value)} y2=${sy(value)} class=${value === 0 ? "axis" : "grid"} /><text x=${SIZE.left - 6} y=${sy(value) + 4} text-anchor="end">${number(value, 2)}</text>`)}
+      ${ticks(x0, x1, 8).map((value) => html`<line x1=${sx(value)} x2=${sx(value)} y1=${SIZE.top} y2=${bottom} class="grid" /><text x=${sx(value)} y=${bottom + 15} text-anchor="middle">${number(value)}</text>`)}
       <path d=${`${steps(panel.high)}${back}Z`} class="band-area" />
       ${panel.x.map((x, k) => x !== null && panel.residual[k] !== null && html`<circle cx=${sx(x)} cy=${sy(panel.residual[k])} r=${lit(panel.time[k]) ? 2.6 : 1.4} class=${lit(panel.time[k]) ? "lit" : "dot"} />`)}
-      <line x1=${SIZE.left} x2=${SIZE.width - SIZE.right} y1=${sy(0)} y2=${sy(0)} class="axis" />
       <path d=${steps(panel.means)} class=${fails ? "means fails" : "means"} />
-      <text x=${SIZE.left} y=${SIZE.height - 18}>${number(x0)}</text><text x=${SIZE.width - SIZE.right} y=${SIZE.height - 18} text-anchor="end">${number(x1)}</text>
-      <text x=${SIZE.width / 2} y=${SIZE.height - 4} text-anchor="middle">${words(panel.axis)}, ${panel.unit}</text>
-      <text x=${SIZE.left - 6} y=${sy(reach) + 10} text-anchor="end">${number(reach, 2)}</text><text x=${SIZE.left - 6} y=${sy(-reach)} text-anchor="end">${number(-reach, 2)}</text>
+      <text x=${(SIZE.left + SIZE.width) / 2} y=${SIZE.height - 4} text-anchor="middle">${words(panel.axis)}, ${panel.unit}</text>
+      <text transform=${`translate(11 ${(SIZE.top + bottom) / 2}) rotate(-90)`} text-anchor="middle">residual, PV units</text>
     </svg>
-    <p>${fails ? `The model fails here: ${number(100 * panel.share)} % of the residual, p = ${number(panel.p, 2)}. Such a pattern is made by ${panel.causes}.` : `No failure beyond chance on this axis, p = ${number(panel.p, 2)}. The band holds the mean where residual and axis are not related.`}</p>`;
+    <ul class="key"><li><i class=${fails ? "model" : "ink"}></i>mean of each bin</li><li><i class="band-key"></i>where the mean lies if the two are not related</li></ul>
+    <p>${fails ? html`<strong>The model fails here:</strong> ${number(100 * panel.share)} % of the residual, p = ${number(panel.p, 2)}. Such a pattern is made by ${plainly(panel.causes)}.` : `No failure beyond chance on this axis, p = ${number(panel.p, 2)}.`}</p>`;
+}
+
+/** Round values between two ends, about ``count`` of them. */
+function ticks(low, high, count) {
+  const rough = (high - low) / count || 1;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((each) => each * power).find((each) => each >= rough);
+  const found = [];
+  for (let k = Math.ceil(low / step); k * step <= high; k++) found.push(k * step);
+  return found;
 }

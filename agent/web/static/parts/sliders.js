@@ -1,7 +1,8 @@
 // Parameters of the model: with interval, and as sliders whose curve follows while they move.
 import { send } from "./api.js";
-import { number, words } from "./format.js";
+import { number } from "./format.js";
 import { html, useEffect, useRef, useState } from "./html.js";
+import { parameterWords } from "./names.js";
 
 const FINE = 1000;
 
@@ -10,7 +11,7 @@ export function Sliders({ base, state, busy, show, fit }) {
   const [own, setOwn] = useState({});
   const running = useRef({ busy: false, next: null });
   useEffect(() => setOwn({}), [state.current, state.model]);
-  const ask = async (values) => {
+  const simulate = async (values) => {
     const at = running.current;
     if (at.busy) {
       at.next = values;
@@ -24,20 +25,27 @@ export function Sliders({ base, state, busy, show, fit }) {
     if (at.next) {
       const next = at.next;
       at.next = null;
-      ask(next);
+      simulate(next);
     }
   };
   const move = (each, place) => {
     const values = { ...own, [each.name]: valueOf(each, place / FINE) };
     setOwn(values);
-    ask(values);
+    simulate(values);
   };
   const moved = Object.keys(own).length > 0;
-  return html`<section class="card"><h2>Parameters</h2>
-    ${parameters.map((each) => html`<label class="wb-slider" key=${each.name}>
-      <span>${words(each.name)} <strong>${number(own[each.name] ?? each.value)}</strong> ${each.unit === "1" ? "" : each.unit} <small class="quiet">(${number(each.low)} to ${number(each.high)})${each.at_bound ? ", at the bound" : ""}</small></span>
-      <input type="range" min="0" max=${FINE} step="1" disabled=${busy} value=${Math.round(FINE * placeOf(each, own[each.name] ?? each.fitted))} onInput=${(event) => move(each, Number(event.target.value))} /></label>`)}
-    <p class="buttons"><button type="button" disabled=${busy || !moved} onClick=${() => fit(own)}>Fit from here</button>
+  const groups = new Map();
+  for (const each of parameters) {
+    const [effect] = parameterWords(each.name);
+    groups.set(effect, [...(groups.get(effect) ?? []), each]);
+  }
+  return html`<section class="card"><h2>Parameters</h2><p class="quiet">Move one: the curve follows.</p>
+    ${[...groups].map(([effect, rows]) => html`<fieldset class="group" key=${effect}><legend>${effect || "Process"}</legend>
+      ${rows.map((each) => html`<label class=${`wb-slider ${each.name in own ? "moved" : ""}`} key=${each.name}>
+        <span class="wb-slider-line"><span>${parameterWords(each.name)[1]}</span><span><strong>${number(own[each.name] ?? each.value)}</strong> ${each.unit === "1" ? "" : each.unit}</span></span>
+        <input type="range" min="0" max=${FINE} step="1" disabled=${busy} value=${Math.round(FINE * placeOf(each, own[each.name] ?? each.fitted))} onInput=${(event) => move(each, Number(event.target.value))} />
+        <small class="quiet">90 % interval ${number(each.low)} to ${number(each.high)}${each.at_bound ? ", at the bound" : ""}</small></label>`)}</fieldset>`)}
+    <p class="buttons"><button type="button" class=${moved ? "primary" : ""} disabled=${busy || !moved} onClick=${() => fit(own)}>Fit from here</button>
       <button type="button" disabled=${!moved} onClick=${() => { setOwn({}); show(null); }}>Back to the fit</button></p></section>`;
 }
 

@@ -1,5 +1,5 @@
 // The agent itself: connections with their rates and what peers refuse, and loops without data.
-import { duration, number } from "../parts/format.js";
+import { duration, number, sentence } from "../parts/format.js";
 import { html, useEffect } from "../parts/html.js";
 import { useStream } from "../parts/stream.js";
 
@@ -9,9 +9,9 @@ export default function System() {
   if (!parts) return html`<h1>System</h1><p class="loading" role="status">Loading</p>`;
   const { agent, silent } = parts;
   const connections = Object.entries(parts).filter(([name]) => name.startsWith("connection:")).map(([, each]) => each);
-  const facts = [["State", agent.status], ["Waiting for a worker", agent.worker_queue], ["Orders taken, refused", `${agent.orders.taken}, ${agent.orders.refused}`],
+  const facts = [["State", sentence(agent.status)], ["Waiting for a worker", agent.worker_queue], ["Orders taken, refused", `${agent.orders.taken}, ${agent.orders.refused}`],
     ["Faults of the program", agent.faults], ["Store failures", agent.store_failures], ["History dropped", agent.history_dropped]];
-  return html`<div class="headline"><h1>System</h1><p class="lead">${agent.summary}.</p></div>
+  return html`<div class="headline"><h1>System</h1><p class="lead">${sentence(agent.summary).replace(/\b1 (loop|connection)s\b/g, "1 $1")}.</p></div>
     <dl class="facts card">${facts.map(([key, value]) => html`<div><dt>${key}</dt><dd>${value}</dd></div>`)}</dl>
     ${agent.hung.length > 0 && html`<p class="problem" role="alert">Hangs: ${agent.hung.join("; ")}</p>`}
     <section class="card" style=${{ margin: "1rem 0" }}><h2>Connections</h2><div class="scroll" tabindex="0" role="group" aria-label="Table"><table><caption class="unseen">Connections</caption>

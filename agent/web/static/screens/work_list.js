@@ -1,6 +1,6 @@
 // The work list: loops ranked by what to do next. Ranked, filtered and paged by the server; rows change by themselves.
 import { StickBand, Sparkline } from "../parts/bars.js";
-import { duration, moment, percent } from "../parts/format.js";
+import { duration, moment, percent, sentence, when } from "../parts/format.js";
 import { html, useEffect, useState } from "../parts/html.js";
 import { AlarmMark, GROUPS, Shape } from "../parts/marks.js";
 import { navigate } from "../parts/router.js";
@@ -8,6 +8,7 @@ import { useStream } from "../parts/stream.js";
 import { PlantMap } from "../parts/plant_map.js";
 
 const FILTERS = ["sticks", "suspected", "tight_tuning", "disturbance", "undecided", "not_testable", "healthy", "waiting", "stale"];
+const NAMED = ["sticks", "suspected", "tight_tuning", "disturbance", "not_testable", "stale"]; // filters that are always there
 const SORTS = { next: "What to do next", name: "Name", s: "Widest S", probability: "Probability", since: "Newest" };
 const SIZE = 50;
 
@@ -40,8 +41,8 @@ export default function WorkList({ address }) {
     </div>
     <div class="filters" role="group" aria-label="Filter by verdict">
       <button type="button" class="filter" aria-pressed=${!query.get("group")} onClick=${() => go({ group: "" })}>All <span class="count">${loops}</span></button>
-      ${FILTERS.filter((group) => counts && (counts[group] > 0 || ["sticks", "suspected", "stale"].includes(group) || query.get("group") === group)).map((group) => html`
-        <button type="button" class=${`filter ${group}`} key=${group} aria-pressed=${query.get("group") === group}
+      ${FILTERS.filter((group) => counts && (counts[group] > 0 || NAMED.includes(group) || query.get("group") === group)).map((group) => html`
+        <button type="button" class=${`filter ${group} ${counts[group] ? "" : "nobody"}`} key=${group} aria-pressed=${query.get("group") === group}
           onClick=${() => go({ group: query.get("group") === group ? "" : group })}>
           <${Shape} group=${group} size=${13} /> ${GROUPS[group]} <span class="count">${counts[group]}</span></button>`)}
     </div>
@@ -51,15 +52,22 @@ export default function WorkList({ address }) {
       ${view === "list" && html`<label class="inline">Order <select value=${query.get("sort") ?? "next"} onChange=${(event) => go({ sort: event.target.value === "next" ? "" : event.target.value })}>
         ${Object.entries(SORTS).map(([value, text]) => html`<option value=${value} selected=${value === (query.get("sort") ?? "next")}>${text}</option>`)}</select></label>`}
     </div>
-    ${view === "map" ? html`<${PlantMap} parts=${parts} choose=${(area) => go({ area, view: "" })} />` : html`<${List} parts=${parts} />`}
+    ${view === "map" ? html`<${PlantMap} choose=${(area) => go({ area, view: "" })} shown=${fits(query)} />` : html`<${List} parts=${parts} />`}
     ${view === "list" && parts && html`<${Pages} plant=${parts.plant} page=${Number(query.get("page") ?? 0)} go=${go} />`}`;
+}
+
+/** Which loops of the map the filter and the search mean; the others are dimmed. */
+function fits(query) {
+  const [wanted, search] = [query.get("group"), (query.get("search") ?? "").toLowerCase()];
+  if (!wanted && !search) return null;
+  return (name, group, stale) => (!wanted || (wanted === "stale" ? stale : group === wanted)) && name.toLowerCase().includes(search);
 }
 
 function summary(counts, loops) {
   if (loops === 0) return "The configuration has no loops.";
   const said = [];
   if (counts.sticks) said.push(`${counts.sticks} of ${loops} valves stick`);
-  else said.push(`no valve of ${loops} is known to stick`);
+  else said.push(`No valve of ${loops} is known to stick`);
   if (counts.suspected) said.push(`${counts.suspected} suspected`);
   if (counts.stale) said.push(`${counts.stale} without fresh data`);
   return `${said.join(", ")}.`;
@@ -83,11 +91,13 @@ function List({ parts }) {
       <caption class="unseen">Loops, what needs somebody first</caption>
       <thead><tr>
         <th scope="col">Loop</th><th scope="col">Verdict</th><th scope="col">S, OP units, 90 % interval</th>
-        <th scope="col" class="number">Sticks with</th><th scope="col">OP and PV</th><th scope="col">Alarm</th><th scope="col">Since</th><th scope="col" class="number">Data age</th>
+        <th scope="col" class="number">Probability</th><th scope="col"><span class="ink-op">OP</span> and <span class="ink-pv">PV</span></th><th scope="col">Alarm</th><th scope="col">Since</th><th scope="col" class="number">Data age</th>
       </tr></thead>
       <tbody>${order.map((name) => html`<${Row} key=${name} row=${parts[`row:${name}`]} spark=${parts[`spark:${name}`]} age=${parts.ages[name]} widest=${parts.plant.widest} />`)}</tbody>
     </table>
-    ${parts && order.length === 0 && html`<p class="empty">No loop fits.</p>`}
+    ${!parts && html`<p class="empty" role="status">Looking at the plant</p>`}
+    ${parts && order.length === 0 && html`<div class="empty"><p><strong>${parts.plant.loops ? "No loop fits." : "No loop yet."}</strong></p>
+      <p>${parts.plant.loops ? "Choose another filter, or clear the search." : "Add loops to the configuration file, or under Configure."}</p></div>`}
   </div>`;
 }
 
@@ -96,12 +106,12 @@ function Row({ row, spark, age, widest }) {
   return html`<tr data-loop=${row.loop} data-verdict=${row.verdict} class=${`${row.group} ${row.alarm}`}>
     <th scope="row" class="loop"><a href=${`/loops/${encodeURIComponent(row.loop)}`}>${row.loop}</a><span class="under">${row.connection}</span></th>
     <td class="verdict"><span class=${`verdict-words ${row.group}`}><${Shape} group=${row.group} /> ${row.words}</span>${row.judgement && html`<span class="under">judged by ${row.judgement.by}</span>`}
-      ${row.next && html`<span class="under next">${row.next}</span>`}</td>
-    <td data-label="S"><${StickBand} s=${row.s} widest=${widest} doubt=${row.doubt} /></td>
-    <td class="number" data-label="Sticks with">${percent(row.probability)}</td>
+      ${row.next && html`<span class="under next" title=${sentence(row.next)}>${sentence(row.next.split(/[:;]/)[0])}</span>`}</td>
+    <td class="band-cell" data-label="S, OP units"><${StickBand} s=${row.s} widest=${widest} doubt=${row.doubt} /></td>
+    <td class="number" data-label="Probability">${percent(row.probability)}</td>
     <td class="spark-cell"><${Sparkline} spark=${spark} loop=${row.loop} /></td>
-    <td data-label="Alarm"><${AlarmMark} row=${row} /></td>
-    <td data-label="Since" class="nowrap">${moment(row.since)}</td>
+    <td data-label="Alarm" class="alarm-cell"><${AlarmMark} row=${row} brief=${true} /></td>
+    <td data-label="Since" class="nowrap" title=${moment(row.since)}>${when(row.since)}</td>
     <td class=${`number age ${stale ? "stale" : ""}`} data-label="Data age">${stale && html`<${Shape} group="stale" size=${13} /> `}${age === null ? "never" : duration(age)}${stale ? html`<span class="unseen"> stale</span>` : ""}</td>
   </tr>`;
 }
