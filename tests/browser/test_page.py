@@ -2,6 +2,7 @@
 
 import json
 import queue
+import re
 
 import paho.mqtt.client as mqtt
 import pytest
@@ -120,6 +121,41 @@ def test_filter_search_and_hostile_name(plant, open_page):
     page.wait_for_selector("h1")
     assert page.locator("h1").inner_text() == HOSTILE
     assert page.title() == HOSTILE
+
+
+def test_filters_that_an_engineer_looks_for_are_always_there_and_the_map_dims_the_others(plant, open_page):
+    page = open_page()
+    page.goto(plant.address)
+    page.wait_for_selector(STICKS)
+    for group in ("sticks", "suspected", "tight_tuning", "disturbance", "not_testable", "stale"):
+        assert re.fullmatch(r".+ \d+", page.locator(f"button.filter.{group}").inner_text().replace("\n", " "))
+    page.goto(f"{plant.address}?view=map&group=sticks")
+    page.wait_for_selector(".mark.sticks:not(.dim)")
+    page.wait_for_selector(".mark.healthy.dim, .mark.waiting.dim, .mark.undecided.dim")
+    assert serious(page) == []
+    assert "S " in page.locator(".mark.sticks").inner_text()
+
+
+def test_what_needs_a_reason_is_refused_without_one_and_a_repair_stands_in_the_history(plant, open_page):
+    page = open_page()
+    page.goto(f"{plant.address}loops/FIC103")
+    page.fill("#decision-by", "jane")
+    page.click("[data-testid=repaired]")
+    page.wait_for_selector("text=Enter what was done as the comment first.")
+    assert page.evaluate("document.activeElement.id") == "decision-comment"
+    page.fill("#decision-comment", "positioner <i>replaced</i>")
+    page.click("[data-testid=repaired]")
+    page.wait_for_selector("tr:has-text('Repaired'):has-text('positioner <i>replaced</i>')")
+    page.click("[data-testid=shelve]")
+    page.wait_for_selector("text=Enter a reason as the comment first.")
+    page.fill("#decision-comment", "stop in week 48")
+    page.click("[data-testid=shelve]")
+    page.click("button:has-text('Unshelve')")
+    page.wait_for_selector("button:has-text('Unshelve')", state="detached")
+    page.click("summary:has-text('Download')")
+    assert page.locator(".menu-items a").count() >= 1
+    opening = page.locator("a:has-text('Open in the workbench')").get_attribute("href")
+    assert opening == "/workbench?loop=FIC103"
 
 
 def test_the_theme_button_changes_the_theme_and_it_is_kept(plant, open_page):

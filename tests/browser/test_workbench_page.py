@@ -83,6 +83,11 @@ def test_the_missing_effect_is_seen_ticked_and_taken_back(workbench, recording, 
     page.locator("input[type=range]").first.focus()
     page.keyboard.press("ArrowRight")
     page.wait_for_selector("button:has-text('Fit from here'):not([disabled])")
+    page.fill("[aria-label^='Begin of the stretch']", "300")
+    page.fill("[aria-label^='End of the stretch']", "500")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("button:has-text('Leave it out and fit again'):not([disabled])")
+    page.wait_for_selector(".wb-panel .lit")  # in every picture
     page.reload()
     page.wait_for_selector("[data-testid=staircase] [data-step='1']")
     assert errors(page) == first
@@ -97,6 +102,51 @@ def test_a_bad_file_gets_a_clear_line_and_the_next_one_is_taken(workbench, recor
     page.set_input_files("[data-testid=upload]", str(bad))
     page.wait_for_selector("[data-testid=fault]")
     assert "<img src=x" in page.inner_text("[data-testid=fault]")
+    page.wait_for_selector("[data-testid=roles]")
+    assert serious(page) == []
+    renamed = tmp_path / "renamed.csv"
+    columns = recording.read_text(encoding="utf-8").split("\n", 1)
+    header = ",".join({"OP": "u", "PV": "y"}.get(each, each) for each in columns[0].split(","))
+    renamed.write_text(f"{header}\n{columns[1]}", encoding="utf-8")
+    page.set_input_files("[data-testid=upload]", str(renamed))
+    page.wait_for_selector("[data-testid=roles]:has-text('renamed.csv')")
+    page.select_option("[data-testid=roles] [data-role=op]", "u")
+    page.select_option("[data-testid=roles] [data-role=pv]", "y")
+    page.click("text=Read it by these columns")
+    page.wait_for_selector("[data-testid=staircase] [data-step='0']")
+    page.wait_for_selector("text=OP = u")
     uploaded(page, workbench, recording)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     assert serious(page) == []
+
+
+MOVES = 40
+PAINTED = """
+async (moves) => {
+  const slider = document.querySelector('input[type=range]');
+  const waits = [];
+  for (let k = 0; k < moves; k++) {
+    const begun = performance.now();
+    const answered = new Promise((done) => new PerformanceObserver((list, self) => {
+      if (list.getEntries().some((each) => each.name.endsWith('/simulate'))) {
+        self.disconnect();
+        done();
+      }
+    }).observe({ type: 'resource' }));
+    slider.value = String(100 + 15 * k);
+    slider.dispatchEvent(new Event('input', { bubbles: true }));
+    await answered;
+    await new Promise((done) => requestAnimationFrame(() => done()));
+    waits.push(performance.now() - begun);
+  }
+  return waits.sort((a, b) => a - b)[moves >> 1];
+}
+"""
+
+
+@pytest.mark.bench
+def test_the_curve_of_a_slider_is_there_within_50_ms_in_the_median(workbench, recording, open_page):
+    page = open_page()
+    uploaded(page, workbench, recording)
+    page.wait_for_selector("input[type=range]:not([disabled])")
+    assert page.evaluate(PAINTED, MOVES) < 50

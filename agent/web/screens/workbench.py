@@ -132,8 +132,8 @@ def screen(sessions: Sessions, live: Live | None = None, path: str = "/workbench
     ) -> Response:
         """Begin a session with a recording: the body is the file, `name` its name.
 
-        Columns that are not recognised are named by `time`, `op`, `pv` and `sp`; the answer 422 has the columns
-        of the file.
+        Columns that are not recognised are named by `time`, `op`, `pv` and `sp`; the answer 422 has the
+        columns of the file.
         """
         return await begun(await request.body(), name, base, own.by_role())
 

@@ -1,4 +1,4 @@
-// Effects to tick: what each would gain, what rejects it, and which of them this record cannot tell apart.
+// Effects to tick: what each would gain, what rejects it, and which of them this record cannot distinguish.
 import { number } from "./format.js";
 import { html } from "./html.js";
 import { named, plainly } from "./names.js";
@@ -17,7 +17,7 @@ export function Candidates({ state, busy, tick, untick }) {
     <p class="quiet">Tick one: everything is fitted again. The bar is how far the held-out squared error is expected to fall, with its 90 % interval.</p>
     ${model.effects.map((each) => html`<${Row} key=${each} effect=${each} on=${true} busy=${busy} change=${() => untick(each)} note="in the model" />`)}
     ${!found && html`<p class="quiet working" role="status">Each effect is being tried</p>`}
-    ${together.length > 0 && html`<div class="wb-alike" role="group" aria-label="Effects that this record cannot distinguish"><p class="wb-alike-title">This record cannot tell these apart</p>
+    ${together.length > 0 && html`<div class="wb-alike" role="group" aria-label="Effects that this record cannot distinguish"><p class="wb-alike-title">This record cannot distinguish these</p>
       ${together.map(row)}
       <p class="quiet"><strong>The test that would:</strong> in manual, step OP up and down by less and by more than S, on each side of a reversal. They differ in the first slip.</p></div>`}
     ${others.map(row)}

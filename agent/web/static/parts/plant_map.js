@@ -1,8 +1,9 @@
 // The plant as a treemap: each area as large as it has loops, each loop a tile in it. Colour: somebody should look.
 import { get } from "./api.js";
 import { number } from "./format.js";
-import { html, useEffect, useRef, useState } from "./html.js";
+import { html, useEffect, useState } from "./html.js";
 import { GROUPS, Shape } from "./marks.js";
+import { useWidth } from "./width.js";
 
 const AGAIN = 5000; // ms
 const TALL = 620; // px
@@ -14,19 +15,15 @@ const LOUD = new Set(["sticks", "suspected", "tight_tuning", "disturbance"]);
 
 export function PlantMap({ choose, shown }) {
   const [areas, set] = useState(null);
-  const [width, setWidth] = useState(0);
-  const place = useRef(null);
+  const [place, width] = useWidth();
   useEffect(() => {
     const stop = new AbortController();
     const load = () => get("/api/work-list/map", stop.signal).then(set, () => {});
     load();
     const timer = setInterval(load, AGAIN);
-    const observer = new ResizeObserver(() => setWidth(place.current?.clientWidth ?? 0));
-    observer.observe(place.current);
     return () => {
       stop.abort();
       clearInterval(timer);
-      observer.disconnect();
     };
   }, []);
   const sorted = [...(areas ?? [])].sort((a, b) => b.loops.length - a.loops.length);

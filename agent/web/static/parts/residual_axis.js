@@ -3,8 +3,9 @@ import { get } from "./api.js";
 import { number, words } from "./format.js";
 import { html, useEffect, useState } from "./html.js";
 import { named, plainly } from "./names.js";
+import { useWidth } from "./width.js";
 
-const SIZE = { width: 640, height: 270, left: 54, right: 10, top: 8, bottom: 38 };
+const FRAME = { height: 270, left: 54, right: 10, top: 8, bottom: 38 };
 
 export function ResidualAxis({ base, state, stretch }) {
   const axes = state.found?.axes ?? [];
@@ -25,6 +26,8 @@ export function ResidualAxis({ base, state, stretch }) {
 }
 
 function Panel({ panel, stretch }) {
+  const [place, width] = useWidth();
+  const SIZE = { ...FRAME, width: Math.max(width, 240) };
   const finite = (values) => values.filter((value) => value !== null);
   const x0 = panel.edges[0];
   const x1 = panel.edges.at(-1);
@@ -37,15 +40,15 @@ function Panel({ panel, stretch }) {
   const fails = panel.p < 0.05;
   const bottom = SIZE.height - SIZE.bottom;
   const text = `Mean residual in ${panel.means.length} bins of ${words(panel.axis)}; ${number(100 * panel.share)} % of the variance, p = ${number(panel.p, 2)}`;
-  return html`<svg class="wb-panel" viewBox=${`0 0 ${SIZE.width} ${SIZE.height}`} role="img" aria-label=${text}>
+  return html`<div ref=${place}><svg class="wb-panel" viewBox=${`0 0 ${SIZE.width} ${SIZE.height}`} role="img" aria-label=${text}>
       ${ticks(-reach, reach, 5).map((value) => html`<line x1=${SIZE.left} x2=${SIZE.width - SIZE.right} y1=${sy(value)} y2=${sy(value)} class=${value === 0 ? "axis" : "grid"} /><text x=${SIZE.left - 6} y=${sy(value) + 4} text-anchor="end">${number(value, 2)}</text>`)}
-      ${ticks(x0, x1, 8).map((value) => html`<line x1=${sx(value)} x2=${sx(value)} y1=${SIZE.top} y2=${bottom} class="grid" /><text x=${sx(value)} y=${bottom + 15} text-anchor="middle">${number(value)}</text>`)}
+      ${ticks(x0, x1, SIZE.width / 80).map((value) => html`<line x1=${sx(value)} x2=${sx(value)} y1=${SIZE.top} y2=${bottom} class="grid" /><text x=${sx(value)} y=${bottom + 15} text-anchor="middle">${number(value)}</text>`)}
       <path d=${`${steps(panel.high)}${back}Z`} class="band-area" />
       ${panel.x.map((x, k) => x !== null && panel.residual[k] !== null && html`<circle cx=${sx(x)} cy=${sy(panel.residual[k])} r=${lit(panel.time[k]) ? 2.6 : 1.4} class=${lit(panel.time[k]) ? "lit" : "dot"} />`)}
       <path d=${steps(panel.means)} class=${fails ? "means fails" : "means"} />
       <text x=${(SIZE.left + SIZE.width) / 2} y=${SIZE.height - 4} text-anchor="middle">${words(panel.axis)}, ${panel.unit}</text>
       <text transform=${`translate(11 ${(SIZE.top + bottom) / 2}) rotate(-90)`} text-anchor="middle">residual, PV units</text>
-    </svg>
+    </svg></div>
     <ul class="key"><li><i class=${fails ? "model" : "ink"}></i>mean of each bin</li><li><i class="band-key"></i>where the mean lies if the two are not related</li></ul>
     <p>${fails ? html`<strong>The model fails here:</strong> ${number(100 * panel.share)} % of the residual, p = ${number(panel.p, 2)}. Such a pattern is made by ${plainly(panel.causes)}.` : `No failure beyond chance on this axis, p = ${number(panel.p, 2)}.`}</p>`;
 }

@@ -1,6 +1,6 @@
 // Parameters of the model: with interval, and as sliders whose curve follows while they move.
 import { send } from "./api.js";
-import { number } from "./format.js";
+import { number, sentence } from "./format.js";
 import { html, useEffect, useRef, useState } from "./html.js";
 import { parameterWords } from "./names.js";
 
@@ -42,7 +42,7 @@ export function Sliders({ base, state, busy, show, fit }) {
   return html`<section class="card"><h2>Parameters</h2><p class="quiet">Move one: the curve follows.</p>
     ${[...groups].map(([effect, rows]) => html`<fieldset class="group" key=${effect}><legend>${effect || "Process"}</legend>
       ${rows.map((each) => html`<label class=${`wb-slider ${each.name in own ? "moved" : ""}`} key=${each.name}>
-        <span class="wb-slider-line"><span>${parameterWords(each.name)[1]}</span><span><strong>${number(own[each.name] ?? each.value)}</strong> ${each.unit === "1" ? "" : each.unit}</span></span>
+        <span class="wb-slider-line"><span>${sentence(parameterWords(each.name)[1])}</span><span><strong>${number(own[each.name] ?? each.value)}</strong> ${each.unit === "1" ? "" : each.unit}</span></span>
         <input type="range" min="0" max=${FINE} step="1" disabled=${busy} value=${Math.round(FINE * placeOf(each, own[each.name] ?? each.fitted))} onInput=${(event) => move(each, Number(event.target.value))} />
         <small class="quiet">90 % interval ${number(each.low)} to ${number(each.high)}${each.at_bound ? ", at the bound" : ""}</small></label>`)}</fieldset>`)}
     <p class="buttons"><button type="button" class=${moved ? "primary" : ""} disabled=${busy || !moved} onClick=${() => fit(own)}>Fit from here</button>
