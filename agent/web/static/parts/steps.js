@@ -42,7 +42,7 @@ export function Staircase({ state }) {
       <text x=${SIZE.left} y=${bottom + 15}>0</text><text x=${SIZE.width - SIZE.right} y=${bottom + 15} text-anchor="end">steps ›</text>
     </svg>
     <ol>${steps.map((each, k) => html`<li data-step=${k} data-error=${each.rmse_held_out}><span>${called(each)}</span> <strong>${number(each.rmse_held_out, 4)}${k > 0 && steps[0].rmse_held_out ? html` <small>${change(each.rmse_held_out / steps[k - 1].rmse_held_out - 1)}</small>` : ""}</strong></li>`)}</ol>
-    <p class="quiet">Held-out RMSE, PV units.${floor ? ` Noise floor ${number(floor.low)} to ${number(floor.high)}.` : ""}</p></div>`;
+    <p class="quiet">${floor ? `Noise floor ${number(floor.low)} to ${number(floor.high)}, PV units` : "RMSE, PV units"}</p></div>`;
 }
 
 const change = (part) => `${part < 0 ? "−" : "+"}${Math.abs(100 * part).toFixed(0)} %`;
