@@ -7,7 +7,7 @@ const NAMES = {
 };
 const PARAMETERS = { s: "S", tau: "time constant", start: "at the start", j_over_s: "J / S", u_low: "low limit", u_high: "high limit", share: "share of S" };
 
-const plain = (name) => NAMES[name] ?? name.replaceAll("_", " ");
+const plain = (name) => NAMES[name] ?? name.replaceAll("_", " ").replace(/\b(op|pv|sp)\b/g, (role) => role.toUpperCase());
 
 /** An effect, a model, an axis or a method. */
 export const named = (name) => sentence(plain(name ?? ""));
