@@ -67,6 +67,7 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
             quantification=None,
             faults=seen.faults,
             record=RecordSummary.of(window, seen.oscillation),
+            no_response=seen.no_response,
         )
     found = with_likelihood(quantifier.quantify(window), window)
     samples = samples_per_period(window, seen.oscillation)
@@ -88,8 +89,12 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
         faults=seen.faults,
         weighed=weighed,
         record=RecordSummary.of(window, seen.oscillation),
+        no_response=seen.no_response,
     )
-    return with_verdict(without_verdict, window, *verdict_of(found, weighed))
+    verdict, confidence = verdict_of(found, weighed)
+    if verdict == "no_stiction" and seen.no_response is not None:
+        verdict, confidence = "undecided", 0.0  # a valve that PV does not show may be stuck
+    return with_verdict(without_verdict, window, verdict, confidence)
 
 
 def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, confidence: float) -> Diagnosis:

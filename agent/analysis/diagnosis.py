@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from agent.analysis.evidence.weighing import Weighed
     from agent.analysis.gates.fault import GateFault
     from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.response.no_response import NoResponse
     from agent.analysis.results import (
         Cause,
         CauseShare,
@@ -106,6 +107,8 @@ class Diagnosis:
     record: RecordSummary | None = None
     indices: Mapping[str, float | None] = field(default_factory=dict)
     """Performance indices by name (`agent.analysis.indices`), each in its unit; None where not determined."""
+    no_response: NoResponse | None = None
+    """The finding that PV does not respond to OP; None where there is none."""
     others: OtherRecordings | None = None
     """None where the recording was judged alone."""
     same_event_as: str | None = None

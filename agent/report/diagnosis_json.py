@@ -8,6 +8,7 @@ from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.indices import INDICES
 from agent.analysis.results import IntervalEstimate, ProcessEstimate, ProcessIntervals, StictionEstimate
 from agent.report.advice import advice
+from agent.report.no_response_words import POSSIBLE
 from agent.report.reasons import reasons
 
 
@@ -32,6 +33,7 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
             "period_s": None if oscillation is None else _number(oscillation.period),
             "regularity": None if oscillation is None else _number(oscillation.regularity),
         },
+        "no_response": no_response_json(diagnosis),
         "stiction": stiction_json(None if found is None else found.stiction),
         "process": _process_json(None if found is None else found.process),
         "fit": {
@@ -58,6 +60,23 @@ def stiction_json(stiction: StictionEstimate | None) -> dict[str, object]:
             "s": None if stiction is None else stiction.identifiable_s,
             "j": None if stiction is None else stiction.identifiable_j,
         },
+    }
+
+
+def no_response_json(diagnosis: Diagnosis) -> dict[str, object]:
+    """Return whether PV does not respond to OP, why not, and the numbers; null where that is not found."""
+    found = diagnosis.no_response
+    return {
+        "found": found is not None,
+        "cause": None if found is None else found.cause,
+        "possible": [] if found is None else list(POSSIBLE[found.cause]),
+        "probability": None if found is None else _number(found.probability),
+        "op_travel": None if found is None else _number(found.op_travel),
+        "op_spans": None if found is None else _number(found.op_spans),
+        "pv": None if found is None else _number(found.level),
+        "expected_pv": None if found is None else _number(found.expected),
+        "deviations": None if found is None else _number(found.deviations),
+        "samples": None if found is None else [found.begin, found.end],
     }
 
 
