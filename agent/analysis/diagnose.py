@@ -12,6 +12,7 @@ from agent.analysis.evidence.weighing import weigh
 from agent.analysis.gates.rhythm import samples_per_period
 from agent.analysis.indices import performance
 from agent.analysis.innovations import log_likelihood_ratio
+from agent.analysis.memory.sticks import with_sticks
 from agent.analysis.quantify import quantifier as quantifier_named
 from agent.analysis.quantify.free_run import LEAST_S
 from agent.analysis.results import CauseShare, MethodResult
@@ -51,7 +52,8 @@ def diagnose(
     found = diagnosis.quantification
     delay = None if found is None or found.process is None else found.process.delay
     indices = performance(window, delay)
-    return replace(diagnosis, indices=indices, seconds=before + time.perf_counter() - started)
+    diagnosis = replace(diagnosis, indices=indices, seconds=before + time.perf_counter() - started)
+    return with_sticks(diagnosis)
 
 
 def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         MethodResult,
         Oscillation,
         Quantification,
+        Sticks,
         StictionClass,
         Verdict,
     )
@@ -109,6 +110,8 @@ class Diagnosis:
     """Performance indices by name (`agent.analysis.indices`), each in its unit; None where not determined."""
     no_response: NoResponse | None = None
     """The finding that PV does not respond to OP; None where there is none."""
+    sticks: Sticks | None = None
+    """How probable it is that the valve sticks, at the base rate of the plant; None: not computed."""
     others: OtherRecordings | None = None
     """None where the recording was judged alone."""
     same_event_as: str | None = None

@@ -9,18 +9,25 @@ from agent.analysis.indices import INDICES
 from agent.analysis.results import IntervalEstimate, ProcessEstimate, ProcessIntervals, StictionEstimate
 from agent.report.advice import advice
 from agent.report.no_response_words import POSSIBLE
+from agent.report.ranking import group_of
 from agent.report.reasons import reasons
 
 
 def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
     """Return the object for one recording; ``recording`` is the name of its file."""
-    oscillation, found = diagnosis.oscillation, diagnosis.quantification
+    oscillation, found, sticks = diagnosis.oscillation, diagnosis.quantification, diagnosis.sticks
     return {
         "recording": recording,
         "loop": diagnosis.loop,
         "verdict": diagnosis.verdict,
         "confidence": _number(diagnosis.confidence),
         "probability": _number(diagnosis.probability),
+        "sticks": {
+            "probability": None if sticks is None else _number(sticks.probability),
+            "base_rate": None if sticks is None else _number(sticks.base_rate),
+            "windows": None if sticks is None else _number(sticks.windows),
+            "suspected": group_of(diagnosis) == "suspected",
+        },
         "samples_per_period": _number(diagnosis.samples_per_period),
         "manual_percent": _number(diagnosis.manual_percent),
         "cause": diagnosis.cause,

@@ -11,7 +11,13 @@ from agent.report.reasons import reasons
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
-    from agent.analysis.results import IntervalEstimate, MethodResult, ProcessEstimate, StictionEstimate
+    from agent.analysis.results import (
+        IntervalEstimate,
+        MethodResult,
+        ProcessEstimate,
+        Sticks,
+        StictionEstimate,
+    )
 
 
 ANSWER = 0.5
@@ -24,6 +30,8 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
     verdict = diagnosis.verdict.replace("_", " ")
     confidence = f" (confidence {diagnosis.confidence:.2f})" if diagnosis.confidence else ""
     yield f"{diagnosis.loop}: {verdict}{confidence}"
+    if diagnosis.sticks is not None:
+        yield f"  {sticks_words(diagnosis.sticks)}"
     if diagnosis.cause not in ("stiction", "undecided"):
         yield f"  cause: {diagnosis.cause.replace('_', ' ')}"
     found = diagnosis.quantification
@@ -34,6 +42,12 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
     yield from (f"  - {reason}" for reason in reasons(diagnosis))
     yield from (f"  > {step}" for step in advice(diagnosis))
     yield from (f"  {line}" for line in method_lines(diagnosis.methods))
+
+
+def sticks_words(sticks: Sticks) -> str:
+    """Return the probability that the valve sticks, and where it comes from."""
+    windows = "1 window" if sticks.windows == 1 else f"{sticks.windows:.3g} windows"
+    return f"P(sticks) = {sticks.probability:.2f}, from {windows} at a base rate of {sticks.base_rate:.2g}"
 
 
 def method_lines(methods: Mapping[str, MethodResult]) -> Iterator[str]:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NoReturn, Protocol
 
 from agent.alarms import Alarm, Announcement, Command, Delay
 from agent.analysis.diagnose import diagnose
 from agent.analysis.diagnosis import Diagnosis
+from agent.analysis.memory.sticks import with_memory
+from agent.analysis.memory.valve_memory import ValveMemory, known_process_of, remember
+from agent.analysis.memory.weighing_windows import BASE_RATE
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.routine import Diagnose, routine_diagnosis
 from agent.analysis.stiction.online import OnlineShapes
@@ -67,6 +70,7 @@ class LoopPipeline:
         diagnose: Diagnose = diagnose,
         journal: Journal | None = None,
         clock: SourceClock | None = None,
+        base_rate: float = BASE_RATE,
     ) -> None:
         self.settings = settings
         self.clock = clock
@@ -75,7 +79,10 @@ class LoopPipeline:
         self.usable = UsableValues(settings.name)
         """Whether PV and OP have values that can be used."""
         delay = Delay(settings.alarm.on_delay, settings.alarm.off_delay)
-        self.alarm = Alarm(settings.name, settings.alarm.priority, delay)
+        advises = settings.alarm.advisory == "active"
+        self.alarm = Alarm(settings.name, settings.alarm.priority, delay, advises=advises)
+        self.memory = ValveMemory()
+        """What all windows of the valve said."""
         self.diagnosis: Diagnosis | None = None
         """Of the newest window."""
         self.fitted: LoopWindow | None = None
@@ -88,6 +95,7 @@ class LoopPipeline:
         self._observers = observers
         self._diagnose = diagnose
         self._journal = journal or Journal()
+        self._base_rate = base_rate
         self.heard: float | None = None
         """Monotonic time at which anything arrived, also what was known already, s."""
         self.began: float | None = None
@@ -113,8 +121,9 @@ class LoopPipeline:
         self._due_since = arrival
         self._due.set()
 
-    def resume(self, kept: Alarm | None) -> None:
-        """Go on from the alarm that the store kept; None where it kept none."""
+    def resume(self, kept: Alarm | None, memory: ValveMemory | None = None) -> None:
+        """Go on from the alarm and the memory that the store kept; None where it kept none."""
+        self.memory = memory or self.memory
         self._follow(self.alarm if kept is None else self.alarm.resumed(kept), ())
 
     def take_over(self, former: LoopPipeline) -> None:
@@ -129,7 +138,7 @@ class LoopPipeline:
             self._waiting, self._due_since = former._waiting, former._due_since
             if self._waiting is not None:
                 self._due.set()
-        self.resume(former.alarm)
+        self.resume(former.alarm, former.memory)
 
     def publish_again(self, now: float) -> None:
         """Publish the state as it stands at ``now``, s UTC: a server of our own starts empty."""
@@ -170,12 +179,16 @@ class LoopPipeline:
                     self._judging = False
 
     async def _judge(self, window: LoopWindow, due_since: float) -> None:
-        diagnosis, fitted = await self._diagnosis_of(window)
+        known = known_process_of(self.memory)
+        alone, fitted = await self._diagnosis_of(window.with_hints(replace(window.hints, known=known)))
+        end = float(window.time[-1])
+        self.memory = remember(self.memory, alone, window.start, end + window.ts)
+        diagnosis = with_memory(alone, self.memory, self._base_rate)
+        self._journal.note(Change(memories={self.settings.name: self.memory}))
         self.diagnosis, self.fitted = diagnosis, window if fitted else None
         self.judged_at = asyncio.get_running_loop().time()
         if diagnosis.oscillation is not None:
             self.window.period = diagnosis.oscillation.period if diagnosis.oscillation.detected else None
-        end = float(window.time[-1])
         self._follow(*self.alarm.on_diagnosis(diagnosis, end))
         await self._journal.flush()
         for observer in self._observers:
