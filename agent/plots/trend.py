@@ -5,6 +5,7 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
+from matplotlib.dates import date2num
 from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
@@ -45,9 +46,10 @@ def trend_figure(loop: str, days: Sequence[SDay], trend: Trend, limit: float | N
         axes.axhline(limit, color="C3", linestyle=":", label=f"limit {limit:.3g}")
     axes.set(title=f"{loop}: stick band plus dead band against time", ylabel="S, OP units")
     axes.set_ylim(bottom=0.0)
+    axes.xaxis_date()
     axes.legend(loc="upper left", fontsize="small")
     return figure
 
 
-def _date(time: float) -> datetime:
-    return datetime.fromtimestamp(time, UTC)
+def _date(time: float) -> float:
+    return float(date2num(datetime.fromtimestamp(time, UTC)))

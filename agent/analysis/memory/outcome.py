@@ -10,7 +10,7 @@ from agent.analysis.evidence.weighing import MOST
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
 
-Outcome = Literal["quiet", "against", "hardly", "weak", "fair", "strong", "very_strong", "stuck"]
+Outcome = Literal["against", "hardly", "weak", "fair", "strong", "very_strong", "stuck"]
 OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
 EDGES: tuple[tuple[float, Outcome], ...] = (
     (-1.75, "against"),
@@ -25,15 +25,14 @@ EDGES: tuple[tuple[float, Outcome], ...] = (
 def outcome_of(diagnosis: Diagnosis) -> Outcome | None:
     """Return the outcome of a window; None where it says nothing of the valve.
 
-    A valve that stood while OP travelled far, and then slipped, is ``stuck``: the gain that other windows
-    showed makes it more than an accident.
+    A quiet window, which got no fit, says nothing: how often a loop is quiet depends on its plant, and no
+    simulation knows that. A valve that stood while OP travelled far, and then slipped, is ``stuck``: the gain
+    that other windows showed makes it more than an accident.
     """
     if diagnosis.no_response is not None:
         return "stuck" if diagnosis.no_response.cause == "stuck_valve" else None
-    if diagnosis.verdict == "not_testable":
-        return None
     if diagnosis.weighed is None:
-        return "quiet"
+        return None
     log_odds = logit(diagnosis.weighed.probability)
     return next((outcome for edge, outcome in EDGES if log_odds <= edge), "very_strong")
 

@@ -20,7 +20,7 @@ NORMAL_90 = 1.645
 LEAST_SD = 0.02
 """Smallest standard deviation, part of S: what the models lack is in all windows."""
 SHOWS = 0.5
-"""Probability from which a window shows how much its valve sticks; below, S is what a search found in noise."""
+"""Probability from which a window shows how much its valve sticks; below, S is what a search found."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,11 +1,11 @@
 """The log odds that a valve sticks, from how often its windows had which outcome.
 
 What windows of a valve have in common must not add up to certainty: a process that the models lack is there
-every day. So each valve has rates of outcomes of its own, drawn from a Dirichlet distribution, one for valves
-that stick and one for sound ones (a random effect a valve). Windows then follow the Dirichlet-multinomial
-(Polya) distribution, and the log odds are those of the two. Many windows determine the rates of the valve,
-no more: the log odds go to those of the rates themselves, and that is the cap. Its height is not chosen: it
-follows from how much simulated valves of a kind differ (``rates``).
+every day. So there is a random effect a valve, in two parts. Each valve has rates of outcomes of its own,
+drawn from a Dirichlet distribution, one for valves that stick and one for sound ones; its windows then follow
+the Dirichlet-multinomial (Polya) distribution. And a part of the sound valves, ``MIMICS``, has its rates from
+the distribution of those that stick. So however many windows a valve has, the odds rise by no more than
+1 / ``MIMICS``: that is the cap, and it is measured on simulated valves.
 
 Source: J. E. Mosimann, "On the compound multinomial distribution", Biometrika 49, 1962.
 """
@@ -16,7 +16,7 @@ import math
 from typing import TYPE_CHECKING
 
 from agent.analysis.memory.outcome import OUTCOMES, logit
-from agent.analysis.memory.rates import SOUND, STICKS
+from agent.analysis.memory.rates import MIMICS, SOUND, STICKS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -32,7 +32,10 @@ Counts = tuple[float, ...]
 
 def log_bayes_factor(counts: Counts) -> float:
     """Return the log of how much likelier the windows are if the valve sticks, nats."""
-    return _log_likelihood(counts, STICKS) - _log_likelihood(counts, SOUND)
+    sticks, sound = _log_likelihood(counts, STICKS), _log_likelihood(counts, SOUND)
+    likeliest = max(sticks, sound)
+    both = MIMICS * math.exp(sticks - likeliest) + (1 - MIMICS) * math.exp(sound - likeliest)
+    return sticks - likeliest - math.log(both)
 
 
 def probability_of(counts: Counts, base_rate: float = BASE_RATE) -> float:
