@@ -31,8 +31,9 @@ def outcome_of(diagnosis: Diagnosis) -> Outcome | None:
     """
     if diagnosis.no_response is not None:
         return "stuck" if diagnosis.no_response.cause == "stuck_valve" else None
-    if diagnosis.weighed is None:
-        return None
+    found = diagnosis.quantification
+    if diagnosis.weighed is None or found is None or found.failure or found.quick_evidence is None:
+        return None  # no fit, one that failed, or of a method whose word has no weight
     log_odds = logit(diagnosis.weighed.probability)
     return next((outcome for edge, outcome in EDGES if log_odds <= edge), "very_strong")
 

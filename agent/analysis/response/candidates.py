@@ -27,6 +27,8 @@ UNSURE_GAIN = 1.0
 """Standard deviation of its logarithm: controllers are tuned by a factor of e faster or slower."""
 FEWEST_LAWFUL = 30
 """Samples in which OP moves, from which its law is read."""
+LONGEST = 1e6
+"""Samples beyond which an integral time is none."""
 FEWEST_TAUS = 0.5
 """Shortest time constant, samples: a faster one cannot be distinguished from a gain."""
 
@@ -61,7 +63,7 @@ def candidates(
         return (Candidate(gain, known.log_gain_sd, tau, delay),)
     if law is None:
         return ()
-    integral_time = law.kc / law.ki
+    integral_time = min(law.kc / law.ki, LONGEST)
     return tuple(
         Candidate(
             LOOP_GAIN * over / law.kc,

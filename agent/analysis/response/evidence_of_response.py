@@ -46,6 +46,10 @@ class ResponseEvidence(NamedTuple):
     """The same in standard deviations: by how many PV would have left what is predicted from its own past."""
 
 
+NOTHING = ResponseEvidence(-math.inf, 0.0, 0.0)
+"""Of numbers that nothing can be computed of."""
+
+
 def evidence_of_response(op: FloatArray, pv: FloatArray, tried: Sequence[Candidate]) -> ResponseEvidence:
     """Compare both models on a record without gaps; of the processes tried the likeliest counts.
 
@@ -75,9 +79,12 @@ def filtered(op: FloatArray, tau: float | None, delay: int) -> FloatArray:
 def _compared(op: FloatArray, pv: FloatArray, process: Candidate) -> ResponseEvidence:
     taus = [None] if process.tau is None else [each * process.tau for each in LAGS]
     delays = dict.fromkeys(max(1, round(each * process.delay)) for each in LATER)
-    shapes = [process.gain * filtered(op, tau, delay) for delay in delays for tau in taus]
     rows = len(pv) - ORDER
-    products = _products([pv - pv.mean(), *shapes], rows)
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+        shapes = [process.gain * filtered(op, tau, delay) for delay in delays for tau in taus]
+        products = _products([pv - pv.mean(), *shapes], rows)
+    if not np.isfinite(products).all():
+        return NOTHING
     moved = float(np.mean([products[k, 0, k, 0] for k in range(1, len(shapes) + 1)]))
     least = LEAST_SHARE * moved + 1e-300
 
