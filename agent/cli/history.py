@@ -49,7 +49,7 @@ def history(
     with opened(path, functools.partial(HistoryFile, create=False), "with its first verdict") as file:
         entries = file.read(loop, start, None if trend else last)
     if trend:
-        from agent.cli.common.trends import show_trends
+        from agent.cli.trending.trends import show_trends
 
         show_trends(entries, limit, plot, as_json=as_json)
     elif as_json:

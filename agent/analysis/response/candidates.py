@@ -33,7 +33,7 @@ FEWEST_TAUS = 0.5
 """Shortest time constant, samples: a faster one cannot be distinguished from a gain."""
 
 
-class Candidate(NamedTuple):
+class LikelyProcess(NamedTuple):
     """A process that the loop may have."""
 
     gain: float
@@ -47,7 +47,7 @@ class Candidate(NamedTuple):
 
 def candidates(
     window: LoopWindow, known: KnownProcess | None, law: PiController | None
-) -> tuple[Candidate, ...]:
+) -> tuple[LikelyProcess, ...]:
     """Return the processes that the loop may have; empty where nothing is known of them.
 
     Args:
@@ -60,12 +60,12 @@ def candidates(
         delay = max(1, round(known.delay / ts))
         gain = known.gain if known.tau is not None else known.gain * ts
         tau = None if known.tau is None else max(known.tau / ts, FEWEST_TAUS)
-        return (Candidate(gain, known.log_gain_sd, tau, delay),)
+        return (LikelyProcess(gain, known.log_gain_sd, tau, delay),)
     if law is None:
         return ()
     integral_time = min(law.kc / law.ki, LONGEST)
     return tuple(
-        Candidate(
+        LikelyProcess(
             LOOP_GAIN * over / law.kc,
             UNSURE_GAIN,
             max(over * integral_time, FEWEST_TAUS),

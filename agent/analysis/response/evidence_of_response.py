@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.record.recording import FloatArray
-    from agent.analysis.response.candidates import Candidate
+    from agent.analysis.response.candidates import LikelyProcess
 
 ORDER = 6
 """Of the autoregression."""
@@ -50,7 +50,7 @@ NOTHING = ResponseEvidence(-math.inf, 0.0, 0.0)
 """Of numbers that nothing can be computed of."""
 
 
-def evidence_of_response(op: FloatArray, pv: FloatArray, tried: Sequence[Candidate]) -> ResponseEvidence:
+def evidence_of_response(op: FloatArray, pv: FloatArray, tried: Sequence[LikelyProcess]) -> ResponseEvidence:
     """Compare both models on a record without gaps; of the processes tried the likeliest counts.
 
     Args:
@@ -76,7 +76,7 @@ def filtered(op: FloatArray, tau: float | None, delay: int) -> FloatArray:
     return np.asarray(lfilter([1 - keep], [1.0, -keep], late - late[0]), dtype=np.float64)
 
 
-def _compared(op: FloatArray, pv: FloatArray, process: Candidate) -> ResponseEvidence:
+def _compared(op: FloatArray, pv: FloatArray, process: LikelyProcess) -> ResponseEvidence:
     taus = [None] if process.tau is None else [each * process.tau for each in LAGS]
     delays = dict.fromkeys(max(1, round(each * process.delay)) for each in LATER)
     rows = len(pv) - ORDER

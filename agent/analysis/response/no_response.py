@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from agent.analysis.loop.pi_controller import PiController
     from agent.analysis.record.known_process import KnownProcess
     from agent.analysis.record.recording import FloatArray, LoopWindow
-    from agent.analysis.response.candidates import Candidate
+    from agent.analysis.response.candidates import LikelyProcess
     from agent.analysis.response.why_not import NoResponseCause
 
 FAR = 0.05
@@ -77,7 +77,7 @@ class _Found(NamedTuple):
     log_odds: float
     expected: float | None
     deviations: float | None
-    tried: tuple[Candidate, ...]
+    tried: tuple[LikelyProcess, ...]
 
 
 def no_response(window: LoopWindow) -> NoResponse | None:
@@ -186,7 +186,7 @@ def _by_likelihood(window: LoopWindow, span: float, known: KnownProcess | None) 
     return best if best is not None and best.log_odds >= ENOUGH else None
 
 
-def _response(process: Candidate, travel: float, samples: int) -> float:
+def _response(process: LikelyProcess, travel: float, samples: int) -> float:
     """Return what a travel of OP gives PV in the end, PV units; where it integrates, within the record."""
     return abs(process.gain) * travel * (samples if process.tau is None else 1.0)
 
@@ -201,7 +201,7 @@ def _op_range(window: LoopWindow) -> float:
     return high - low
 
 
-def _wanted(op: FloatArray, tried: tuple[Candidate, ...]) -> float:
+def _wanted(op: FloatArray, tried: tuple[LikelyProcess, ...]) -> float:
     """Return to which side OP pulled PV at last, 1 or -1; 0: the sign of the gain is not known."""
     if not tried:
         return 0.0

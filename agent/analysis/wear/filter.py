@@ -20,7 +20,7 @@ OUTLIER = 0.05
 """Probability that a day is an outlier: windows whose fit is in a wrong valley."""
 
 
-class Walk(NamedTuple):
+class LevelWalk(NamedTuple):
     """How a level may move, all in units of the level and days."""
 
     level_sd: float
@@ -46,12 +46,12 @@ class Filtered(NamedTuple):
     """Of all days of the stretch so far, nats."""
 
 
-def begin(walk: Walk, time: float) -> Filtered:
+def begin(walk: LevelWalk, time: float) -> Filtered:
     """Return the state just after a jump."""
     return Filtered(time, np.array([walk.middle, 0.0]), np.diag([walk.spread**2, walk.slope_sd**2]), 0.0)
 
 
-def step(state: Filtered, walk: Walk, time: float, value: float, sd: float) -> Filtered:
+def step(state: Filtered, walk: LevelWalk, time: float, value: float, sd: float) -> Filtered:
     """Return the state after one more day.
 
     Args:
@@ -77,7 +77,7 @@ def step(state: Filtered, walk: Walk, time: float, value: float, sd: float) -> F
     )
 
 
-def forecast(state: Filtered, walk: Walk, time: float) -> Filtered:
+def forecast(state: Filtered, walk: LevelWalk, time: float) -> Filtered:
     """Return the state at a later time, with nothing seen since."""
     days = time - state.time
     move = np.array([[1.0, days], [0.0, 1.0]])

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.wear.filter import Filtered, Walk, begin, forecast, step
+from agent.analysis.wear.filter import Filtered, LevelWalk, begin, forecast, step
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -81,7 +81,7 @@ class Trend:
     worse_since: float | None
     """Time from which S rises, s UTC; None: it does not rise for certain."""
     last: Filtered
-    walk: Walk
+    walk: LevelWalk
 
     @property
     def repaired(self) -> float | None:
@@ -114,7 +114,7 @@ def trend_of(days: Sequence[SDay]) -> Trend | None:
     middle = max(float(np.median(values)), 1e-9)
     top = float(values.max())
     sds = np.hypot([each.sd for each in days], LEAST_SD * middle)
-    walk = Walk(WALK * middle, SLOPE * middle, max(top, middle), middle)
+    walk = LevelWalk(WALK * middle, SLOPE * middle, max(top, middle), middle)
     starts = _starts(times, values, sds, walk)
     levels: list[Level] = []
     jumps: list[Jump] = []
@@ -163,7 +163,7 @@ def _first_beyond(trend: Trend, limit: float, z: float) -> float | None:
     return next(((trend.last.time + days) * DAY for days in tried.tolist() if beyond(days)), None)
 
 
-def _starts(times: np.ndarray, values: np.ndarray, sds: np.ndarray, walk: Walk) -> tuple[int, ...]:
+def _starts(times: np.ndarray, values: np.ndarray, sds: np.ndarray, walk: LevelWalk) -> tuple[int, ...]:
     """Return the first day of each stretch of the most likely partition, 0 first."""
     count = len(times)
     best = np.full(count + 1, -math.inf)
