@@ -6,6 +6,7 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from agent.analysis.benefit.benefit import benefit
 from agent.analysis.cause import cause_without_stiction, causes_with_stiction
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
 from agent.analysis.evidence.weighing import weigh
@@ -52,6 +53,8 @@ def diagnose(
     found = diagnosis.quantification
     delay = None if found is None or found.process is None else found.process.delay
     indices = performance(window, delay)
+    if diagnosis.verdict == "stiction" and found is not None:
+        diagnosis = replace(diagnosis, benefit=benefit(window, found))
     diagnosis = replace(diagnosis, indices=indices, seconds=before + time.perf_counter() - started)
     return with_sticks(diagnosis)
 

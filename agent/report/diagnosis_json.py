@@ -8,6 +8,7 @@ from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.indices import INDICES
 from agent.analysis.results import IntervalEstimate, ProcessEstimate, ProcessIntervals, StictionEstimate
 from agent.report.advice import advice
+from agent.report.benefit_words import benefit_json
 from agent.report.no_response_words import POSSIBLE
 from agent.report.ranking import group_of
 from agent.report.reasons import reasons
@@ -42,6 +43,7 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
         },
         "no_response": no_response_json(diagnosis),
         "stiction": stiction_json(None if found is None else found.stiction),
+        "repair": benefit_json(diagnosis.benefit, None if diagnosis.record is None else diagnosis.record.ts),
         "process": _process_json(None if found is None else found.process),
         "fit": {
             "free_run_percent": None if found is None else _number(found.free_run_percent),

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from agent.report.advice import advice
+from agent.report.benefit_words import benefit_lines
 from agent.report.numbers import interval_words
 from agent.report.reasons import reasons
 
@@ -39,6 +40,8 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
         numbers = [] if found.stiction is None else _stiction(found.stiction)
         numbers += [] if found.process is None else _process(found.process)
         yield from (f"  {line}" for line in numbers)
+    if diagnosis.benefit is not None:
+        yield from (f"  {line}" for line in benefit_lines(diagnosis.benefit))
     yield from (f"  - {reason}" for reason in reasons(diagnosis))
     yield from (f"  > {step}" for step in advice(diagnosis))
     yield from (f"  {line}" for line in method_lines(diagnosis.methods))

@@ -36,6 +36,7 @@ KEYS = [
     "oscillation",
     "no_response",
     "stiction",
+    "repair",
     "process",
     "fit",
     "methods",

@@ -54,6 +54,7 @@ KEYS = {
         "samples",
     },
     "stiction": {"f_s", "f_d", "s", "j", "identifiable"},
+    "repair": {"as_is", "repaired", "retuned", "simc"},
     "process": {"kind", "gain", "tau_s", "delay_s", "intervals"},
     "fit": {"free_run_percent", "linear_percent"},
     "methods": None,
