@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 def benefit_lines(found: Benefit) -> Iterator[str]:
     """Yield one line for each measure."""
-    for name, changed in (("a repair (S = 0)", found.repaired), ("SIMC tuning", found.retuned)):
+    for name, changed in (("a repair", found.repaired), ("SIMC tuning", found.retuned)):
         if changed is None:
             yield f"{name}: the loop would become unstable"
             continue

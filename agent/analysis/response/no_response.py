@@ -167,7 +167,8 @@ def _by_likelihood(window: LoopWindow, span: float, known: KnownProcess | None) 
     smooth = smoothed(window.pv[whole])
     noise = noise_of(window.pv[whole])
     law = known_law(window, whole)
-    tried = candidates(window, known, law)
+    # A load that wanders behind an integrator is not the noise of these models: they accused sound loops.
+    tried = tuple(each for each in candidates(window, known, law) if each.tau is not None)
     if not tried:
         return None
     would = min(_response(each, FAR * span, len(smooth)) for each in tried)
