@@ -16,6 +16,8 @@ from benchmarks import (
     lee2008_map,
     looked_once,
     many_files,
+    memory_rates,
+    no_response,
     one_valve,
     oscillation,
     page_load,
@@ -23,10 +25,12 @@ from benchmarks import (
     record_length,
     sampling_rate,
     simulated,
+    simulated_weeks,
     soak,
     start_up,
     survey,
     table_one,
+    valve_ranking,
     wrong_cases,
 )
 from benchmarks.cases.options import Options
@@ -46,6 +50,9 @@ BENCHMARKS = {
     "oscillation": oscillation.run,
     "diagnosis": diagnosis.run,
     "one_valve": one_valve.run,
+    "no_response": no_response.run,
+    "simulated_weeks": simulated_weeks.run,
+    "valve_ranking": valve_ranking.run,
     "page_load": page_load.run,
     "hidden_effects": hidden_effects.run,
     "fault_matrix": fault_matrix.run,
@@ -55,6 +62,7 @@ BENCHMARKS = {
 ONLY_NAMED = {
     "evidence_weights": evidence_weights.run,
     "gallery": gallery.run,
+    "memory_rates": memory_rates.run,
     "wrong_cases": wrong_cases.run,
 }
 """Run only if named: they set something, or write into the docs."""

@@ -33,6 +33,7 @@ class Field:
         self._load = Load(scenario.disturbance, scenario.drift, scenario.load_steps, scenario.wander, ts, rng)
         self._keep = math.exp(-ts / scenario.sensor_tau) if scenario.sensor_tau else 0.0
         self._sensed = 0.0
+        self._jammed_at: float | None = None
 
     @property
     def pv(self) -> float:
@@ -48,9 +49,23 @@ class Field:
         """Hold ``op`` from ``elapsed`` s after the start of the record to the next sample."""
         scenario = self._scenario
         flow = self._valve.flow(self._valve.stroke(op, self._steps, self._dt)) - self._balance
+        if scenario.fault.kind != "none" and elapsed >= scenario.fault.time:
+            flow = self._faulty(flow)
         factor = at_time([(step.time, step.factor) for step in scenario.gain_steps], elapsed, 1.0)
-        self._process.respond(factor * flow, self._load.over(elapsed))
+        load = self._load.over(elapsed)
+        stopped = scenario.fault.kind == "no_flow" and elapsed >= scenario.fault.time
+        self._process.respond(factor * flow, 0.0 if stopped else load)
         self._sensed = self._process.pv + (self._sensed - self._process.pv) * self._keep
+
+    def _faulty(self, flow: FloatArray) -> FloatArray:
+        """Return what flows in place of ``flow`` (steps,) where plug or line have a fault."""
+        if self._jammed_at is None:
+            self._jammed_at = float(flow[0])
+        if self._scenario.fault.kind == "jammed":
+            return np.full_like(flow, self._jammed_at)
+        if self._scenario.fault.kind == "no_flow":
+            return np.full_like(flow, -self._scenario.controller.sp / self._scenario.process.gain)
+        return flow
 
 
 def response(scenario: Scenario, op: FloatArray) -> FloatArray:

@@ -184,3 +184,17 @@ class SetPointStep(Part):
     """s from the start of the record."""
     sp: float
     """PV units."""
+
+
+class FieldFault(Part):
+    """Something in the field that breaks the way from OP to PV from a time on."""
+
+    kind: Literal["none", "jammed", "no_flow", "transmitter_holds", "transmitter_fails"] = "none"
+    """``jammed``: the plug stands; ``no_flow``: nothing flows, and PV falls to zero; ``transmitter_holds``:
+    it repeats its last value; ``transmitter_fails``: it goes to ``value``."""
+    time: NotNegative = 0.0
+    """s from the start of the record."""
+    value: float = 0.0
+    """PV units."""
+    cut_off: NotNegative = 0.0
+    """PV below it is shown as zero, PV units; only where nothing flows."""

@@ -66,6 +66,7 @@ class SimulatedPlant:
         self._controller = Controller(scenario.controller, scenario.op_range, ts)
         self._field = Field(scenario, load_rng)
         self._noise = FirstOrderNoise(scenario.noise.std, scenario.noise.correlation, ts, noise_rng)
+        self._held: float | None = None
         self._sample = -round(scenario.warm_up / ts)
         while self._sample < 0:
             self.advance()
@@ -76,12 +77,23 @@ class SimulatedPlant:
         elapsed = self._sample * scenario.ts
         sp = scenario.set_point(elapsed)
         measured = self._field.pv + self._noise.next()
-        pv = quantised(measured, scenario.quantisation.pv)
+        pv = self._transmitted(quantised(measured, scenario.quantisation.pv), elapsed)
         op = quantised(self._controller.update(sp, pv), scenario.quantisation.op)
         row = Row(scenario.start + elapsed, {"pv": pv, "op": op, "sp": sp, "mv": self._field.position})
         self._field.hold(op, elapsed)
         self._sample += 1
         return row
+
+    def _transmitted(self, pv: float, elapsed: float) -> float:
+        """Return what the transmitter sends for a measured ``pv``, PV units."""
+        fault = self._scenario.fault
+        if fault.kind in {"none", "jammed"} or elapsed < fault.time:
+            return pv
+        if fault.kind == "no_flow":
+            return 0.0 if pv < fault.cut_off else pv
+        if self._held is None:
+            self._held = pv if fault.kind == "transmitter_holds" else fault.value
+        return self._held
 
 
 def rows(scenario: Scenario) -> Iterator[Row]:

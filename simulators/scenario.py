@@ -19,6 +19,7 @@ from simulators.draws.stability import peak_sensitivity
 from simulators.parameters import (
     ControllerParameters,
     Drift,
+    FieldFault,
     GainStep,
     LoadStepParameters,
     Noise,
@@ -75,6 +76,7 @@ class Scenario(Part):
     drift: Drift = Drift()
     quantisation: Quantisation = Quantisation()
     set_points: tuple[SetPointStep, ...] = ()
+    fault: FieldFault = FieldFault()
     stated: Truth | None = Field(default=None, alias="truth")
     """The truth as the file states it."""
 
@@ -127,6 +129,8 @@ class Scenario(Part):
         if self.process.gain * sign <= 0:
             side = "above" if sign > 0 else "below"
             faults.append(f"process.gain: must lie {side} 0 with a {self.controller.acting} controller")
+        if self.fault.kind == "no_flow" and not self.process.taus:
+            faults.append("fault.kind: no_flow needs a process of first or second order")
         for name in ("set_points", "load_steps", "gain_steps"):
             times = [step.time for step in getattr(self, name)]
             if times != sorted(times):

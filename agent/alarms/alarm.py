@@ -10,6 +10,7 @@ from agent.alarms.delay import Delay
 from agent.alarms.device_health import DeviceHealth, device_health
 from agent.alarms.state import Event, State, next_state
 from agent.analysis.diagnosis import Diagnosis
+from agent.analysis.memory.sticks import is_suspected
 from agent.analysis.results import StictionEstimate, Verdict
 
 Priority = Literal["low", "medium", "high", "critical"]
@@ -60,6 +61,9 @@ class Announcement:
             "j_high": found.j.high if found else None,
             "s_identifiable": found.identifiable_s if found else None,
             "j_identifiable": found.identifiable_j if found else None,
+            "probability": alarm.sticks,
+            "advisory": alarm.advisory,
+            "no_response": alarm.no_response,
         }
 
 
@@ -94,10 +98,25 @@ class Alarm:
     """Estimate from the last window that showed stiction, until the condition is gone; OP units."""
     diagnosed: DeviceHealth = DeviceHealth.NORMAL
     """NE 107 status of the device from the last window."""
+    sticks: float | None = None
+    """Probability that the valve sticks, from all windows that are remembered; None before the first."""
+    suspected: bool = False
+    """Whether it sticks more probably than not and the verdict on the last window is another."""
+    advises: bool = False
+    """Whether a suspicion is published as an active advisory; else as one that is shelved."""
+    no_response: str | None = None
+    """Why PV did not respond to OP in the last window; None where it did, or that is not found."""
     by: str | None = None
     """Person whose command led to this state; None where a diagnosis or the end of shelving did."""
     until: float | None = None
     """End of shelving, s UTC; None in any other state."""
+
+    @property
+    def advisory(self) -> Literal["none", "shelved", "active"]:
+        """Return the state of the advisory, which is no alarm: the valve is suspected, no more."""
+        if not self.suspected:
+            return "none"
+        return "active" if self.advises else "shelved"
 
     @property
     def health(self) -> DeviceHealth:
@@ -127,6 +146,9 @@ class Alarm:
             delay=delay,
             verdict=diagnosis.verdict,
             stiction=stiction,
+            sticks=None if diagnosis.sticks is None else diagnosis.sticks.probability,
+            suspected=is_suspected(diagnosis),
+            no_response=None if diagnosis.no_response is None else diagnosis.no_response.cause,
             diagnosed=device_health(diagnosis, sticks=delay.there),
         )
         if delay.there and not self.delay.there:
@@ -158,7 +180,7 @@ class Alarm:
     def resumed(self, kept: Alarm) -> Alarm:
         """Return the alarm ``kept`` from the last run, with the priority and delays of this one."""
         delay = replace(kept.delay, on=self.delay.on, off=self.delay.off)
-        return replace(kept, priority=self.priority, delay=delay)
+        return replace(kept, priority=self.priority, delay=delay, advises=self.advises)
 
 
 def _after(

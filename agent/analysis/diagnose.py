@@ -6,12 +6,14 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from agent.analysis.benefit.benefit import benefit
 from agent.analysis.cause import cause_without_stiction, causes_with_stiction
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
 from agent.analysis.evidence.weighing import weigh
 from agent.analysis.gates.rhythm import samples_per_period
 from agent.analysis.indices import performance
 from agent.analysis.innovations import log_likelihood_ratio
+from agent.analysis.memory.sticks import with_sticks
 from agent.analysis.quantify import quantifier as quantifier_named
 from agent.analysis.quantify.free_run import LEAST_S
 from agent.analysis.results import CauseShare, MethodResult
@@ -55,7 +57,10 @@ def diagnose(
     found = diagnosis.quantification
     delay = None if found is None or found.process is None else found.process.delay
     indices = performance(window, delay)
-    return replace(diagnosis, indices=indices, seconds=before + time.perf_counter() - started)
+    if diagnosis.verdict == "stiction" and found is not None:
+        diagnosis = replace(diagnosis, benefit=benefit(window, found))
+    diagnosis = replace(diagnosis, indices=indices, seconds=before + time.perf_counter() - started)
+    return with_sticks(diagnosis)
 
 
 def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
@@ -71,6 +76,7 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
             quantification=None,
             faults=seen.faults,
             record=RecordSummary.of(window, seen.oscillation),
+            no_response=seen.no_response,
         )
     found = with_likelihood(quantifier.quantify(window), window)
     samples = samples_per_period(window, seen.oscillation)
@@ -92,8 +98,12 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
         faults=seen.faults,
         weighed=weighed,
         record=RecordSummary.of(window, seen.oscillation),
+        no_response=seen.no_response,
     )
-    return with_verdict(without_verdict, window, *verdict_of(found, weighed))
+    verdict, confidence = verdict_of(found, weighed)
+    if verdict == "no_stiction" and seen.no_response is not None:
+        verdict, confidence = "undecided", 0.0  # a valve that PV does not show may be stuck
+    return with_verdict(without_verdict, window, verdict, confidence)
 
 
 def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, confidence: float) -> Diagnosis:

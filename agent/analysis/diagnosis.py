@@ -10,15 +10,18 @@ from agent.analysis.gates.rhythm import samples_per_period
 from agent.analysis.record.least_step import least_step
 
 if TYPE_CHECKING:
+    from agent.analysis.benefit.benefit import Benefit
     from agent.analysis.evidence.weighing import Weighed
     from agent.analysis.gates.fault import GateFault
     from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.response.no_response import NoResponse
     from agent.analysis.results import (
         Cause,
         CauseShare,
         MethodResult,
         Oscillation,
         Quantification,
+        Sticks,
         StictionClass,
         Verdict,
     )
@@ -106,6 +109,12 @@ class Diagnosis:
     record: RecordSummary | None = None
     indices: Mapping[str, float | None] = field(default_factory=dict)
     """Performance indices by name (`agent.analysis.indices`), each in its unit; None where not determined."""
+    no_response: NoResponse | None = None
+    """The finding that PV does not respond to OP; None where there is none."""
+    sticks: Sticks | None = None
+    """How probable it is that the valve sticks, at the base rate of the plant; None: not computed."""
+    benefit: Benefit | None = None
+    """What a repair or another tuning would gain; None where the valve does not stick, or it is not known."""
     others: OtherRecordings | None = None
     """None where the recording was judged alone."""
     same_event_as: str | None = None

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 from agent.analysis.diagnose import SURE, verdict_of, with_verdict
 from agent.analysis.diagnosis import OtherRecordings
 from agent.analysis.evidence.together import weigh_together
+from agent.analysis.memory.sticks import sticks_of
+from agent.analysis.memory.weighing_windows import BASE_RATE
 from agent.analysis.record.same_event import one_of_each
 
 if TYPE_CHECKING:
@@ -22,7 +24,9 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
 
 
-def judged_together(windows: Sequence[LoopWindow], diagnoses: Sequence[Diagnosis]) -> tuple[Diagnosis, ...]:
+def judged_together(
+    windows: Sequence[LoopWindow], diagnoses: Sequence[Diagnosis], base_rate: float = BASE_RATE
+) -> tuple[Diagnosis, ...]:
     """Return the diagnoses of recordings of one valve, each in view of the others.
 
     Only those are weighed that ``free_run`` has an answer for; any other keeps its verdict, and so do all
@@ -31,16 +35,19 @@ def judged_together(windows: Sequence[LoopWindow], diagnoses: Sequence[Diagnosis
     Args:
         windows: The recordings.
         diagnoses: Of each, alone.
+        base_rate: Part of the valves of the plant that stick.
     """
     usable = [k for k, each in enumerate(diagnoses) if _has_evidence(each)]
     stands = [usable[k] for k in one_of_each([windows[k] for k in usable])]
     events = sorted(set(stands))
     stem = all(windows[k].mv is not None for k in events)
     together = weigh_together([diagnoses[k] for k in events], stem_measured=stem) if len(events) > 1 else None
-    revised = list(diagnoses)
+    testable = [k for k, each in enumerate(diagnoses) if k not in usable or k in events]
+    sticks = sticks_of([diagnoses[k] for k in testable], base_rate)
+    revised = [replace(each, sticks=sticks) for each in diagnoses]
     for k, place in zip(usable, stands, strict=True):
         if together is not None:
-            revised[k] = _revised(diagnoses[k], windows[k], together, others=len(events) - 1)
+            revised[k] = _revised(revised[k], windows[k], together, others=len(events) - 1)
         if place != k:
             revised[k] = replace(revised[k], same_event_as=windows[place].loop)
     return tuple(revised)

@@ -1,4 +1,7 @@
-"""The diagnosis of a window in which nothing happened that a valve could cause."""
+"""The diagnosis of a window in which nothing happened that a valve could cause.
+
+Where PV does not respond to OP, that says nothing of the valve: it may be stuck.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +23,8 @@ def quiet(window: LoopWindow, seen: Seen) -> Diagnosis:
     """Return the diagnosis of a testable window that neither oscillates nor reverses its valve often."""
     return Diagnosis(
         loop=window.loop,
-        verdict="no_stiction",
-        confidence=CONFIDENCE,
+        verdict="no_stiction" if seen.no_response is None else "undecided",
+        confidence=CONFIDENCE if seen.no_response is None else 0.0,
         cause="no_oscillation",
         causes=(CauseShare("no_oscillation", 1.0),),
         stiction_class=None,
@@ -30,4 +33,5 @@ def quiet(window: LoopWindow, seen: Seen) -> Diagnosis:
         methods=seen.methods_without_pictures,
         record=RecordSummary.of(window, seen.oscillation),
         indices=performance(window, None),
+        no_response=seen.no_response,
     )

@@ -140,6 +140,18 @@ class SimulatedModel:
 
 
 @dataclass(frozen=True, slots=True)
+class Sticks:
+    """How probable it is that a valve sticks, at the base rate of its plant."""
+
+    probability: float
+    """0 to 1, always known: without any evidence it is the base rate."""
+    base_rate: float
+    """Part of the valves of the plant that stick."""
+    windows: float
+    """Windows that it comes from; what counts in part counts in part."""
+
+
+@dataclass(frozen=True, slots=True)
 class Quantification:
     """Answer of one quantifier on one window."""
 

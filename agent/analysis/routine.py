@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+from agent.analysis.memory.sticks import with_sticks
 from agent.analysis.quiet import quiet
 from agent.analysis.seen import look, worth_a_fit
 
@@ -40,7 +41,7 @@ def routine_diagnosis(window: LoopWindow, diagnose: Diagnose) -> Routine:
     """
     seen = look(window)
     if not worth_a_fit(seen):
-        return Routine(quiet(window, seen), fitted=False)
+        return Routine(with_sticks(quiet(window, seen)), fitted=False)
     return Routine(diagnose(window, seen), fitted=True)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
 from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.record.reversals import noise_range, significant_reversals
+from agent.analysis.response.no_response import NoResponse, no_response
 from agent.analysis.stiction import detect_stiction
 
 if TYPE_CHECKING:
@@ -31,6 +32,8 @@ class Seen:
     """Reversals of OP by more than all of its noise spans: a loop that only answers noise has none."""
     methods: dict[str, MethodResult]
     """Result of each stiction detector, by its name; empty where the window is not testable."""
+    no_response: NoResponse | None = None
+    """The finding that PV does not respond to OP; None where there is none."""
     seconds: float = field(default=0.0, compare=False)
     """Wall time of the look, s."""
 
@@ -46,7 +49,7 @@ class Seen:
 
 
 def look(window: LoopWindow) -> Seen:
-    """Detect oscillation, apply the gates, count reversals and run the stiction detectors.
+    """Detect oscillation, apply the gates, count reversals, run the stiction detectors, test the response.
 
     Takes some 50 ms for 1500 samples, so it is for a worker process, not for an event loop.
     """
@@ -56,7 +59,8 @@ def look(window: LoopWindow) -> Seen:
     testable = closed_kinds(faults) != ALL_KINDS
     methods = detect_stiction(window, oscillation, faults) if testable else {}
     reversals = significant_reversals(window.op, noise_range(len(window)))
-    return Seen(oscillation, faults, reversals, methods, time.perf_counter() - started)
+    silent = no_response(window)
+    return Seen(oscillation, faults, reversals, methods, silent, time.perf_counter() - started)
 
 
 def worth_a_fit(seen: Seen) -> bool:

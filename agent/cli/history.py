@@ -6,6 +6,7 @@ import functools
 import json
 from contextlib import closing
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -33,22 +34,38 @@ def history(
     ] = None,
     last: Annotated[int, typer.Option(min=1, max=1_000_000, help="Number of entries, the newest.")] = LAST,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object a line.")] = False,
+    trend: Annotated[
+        bool, typer.Option("--trend", help="S against time instead: repairs, slope, forecast; all entries.")
+    ] = False,
+    limit: Annotated[
+        float | None, typer.Option(min=0, metavar="S", help="With --trend: when S reaches it, OP units.")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="With --trend: draw LOOP-trend.png into DIR.")
+    ] = None,
 ) -> None:
     """Show verdicts and changes of alarms, the oldest first. It may run beside the agent.
 
     With --config, where the history goes to a database, that is shown; with --state the agent's file.
     """
+    if not trend and (limit is not None or plot is not None):
+        raise typer.BadParameter("only with --trend", param_hint="'--limit', '--plot'")
     from agent.runtime.store.history_file import HistoryFile, history_path
 
     start = None if since is None else _time(since)
+    most = None if trend else last
     database = None if config is None or state is not None else _database(config)
     if database is not None:
-        entries = _in_database(database, loop, start, last)
+        entries = _in_database(database, loop, start, most)
     else:
         path = history_path(state_file(state, config))
         with opened(path, functools.partial(HistoryFile, create=False), "with its first verdict") as file:
-            entries = file.read(loop, start, last)
-    if as_json:
+            entries = file.read(loop, start, most)
+    if trend:
+        from agent.cli.trending.trends import show_trends
+
+        show_trends(entries, limit, plot, as_json=as_json)
+    elif as_json:
         for entry in entries:
             typer.echo(
                 json.dumps({"time": entry.time, "loop": entry.loop, "kind": entry.kind} | entry.content)
@@ -65,7 +82,7 @@ def _database(config: Path) -> HistoryDatabase | None:
 
 
 def _in_database(
-    settings: HistoryDatabase, loop: str | None, since: float | None, last: int
+    settings: HistoryDatabase, loop: str | None, since: float | None, last: int | None
 ) -> tuple[Entry, ...]:
     from agent.runtime.store.database import StoreError
     from agent.runtime.store.postgres_history import PostgresHistory

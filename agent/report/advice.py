@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from agent.report.no_response_words import CHECKS
+
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.results import StictionClass, StictionEstimate
@@ -24,6 +26,8 @@ TRIALS = "1, 2, 5 and 10 % of its range"
 def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return what to do, the most useful first."""
     verdict, found, oscillation = diagnosis.verdict, diagnosis.quantification, diagnosis.oscillation
+    if diagnosis.no_response is not None and verdict != "stiction":
+        return (CHECKS[diagnosis.no_response.cause],)
     if verdict == "not_testable":
         return (RECORD_AGAIN,)
     causes = {each.cause for each in diagnosis.causes}

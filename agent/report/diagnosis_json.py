@@ -8,18 +8,27 @@ from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.indices import INDICES
 from agent.analysis.results import IntervalEstimate, ProcessEstimate, ProcessIntervals, StictionEstimate
 from agent.report.advice import advice
+from agent.report.benefit_words import benefit_json
+from agent.report.no_response_words import POSSIBLE
+from agent.report.ranking import group_of
 from agent.report.reasons import reasons
 
 
 def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
     """Return the object for one recording; ``recording`` is the name of its file."""
-    oscillation, found = diagnosis.oscillation, diagnosis.quantification
+    oscillation, found, sticks = diagnosis.oscillation, diagnosis.quantification, diagnosis.sticks
     return {
         "recording": recording,
         "loop": diagnosis.loop,
         "verdict": diagnosis.verdict,
         "confidence": _number(diagnosis.confidence),
         "probability": _number(diagnosis.probability),
+        "sticks": {
+            "probability": None if sticks is None else _number(sticks.probability),
+            "base_rate": None if sticks is None else _number(sticks.base_rate),
+            "windows": None if sticks is None else _number(sticks.windows),
+            "suspected": group_of(diagnosis) == "suspected",
+        },
         "samples_per_period": _number(diagnosis.samples_per_period),
         "manual_percent": _number(diagnosis.manual_percent),
         "cause": diagnosis.cause,
@@ -32,7 +41,9 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
             "period_s": None if oscillation is None else _number(oscillation.period),
             "regularity": None if oscillation is None else _number(oscillation.regularity),
         },
+        "no_response": no_response_json(diagnosis),
         "stiction": stiction_json(None if found is None else found.stiction),
+        "repair": benefit_json(diagnosis.benefit, None if diagnosis.record is None else diagnosis.record.ts),
         "process": _process_json(None if found is None else found.process),
         "fit": {
             "free_run_percent": None if found is None else _number(found.free_run_percent),
@@ -58,6 +69,23 @@ def stiction_json(stiction: StictionEstimate | None) -> dict[str, object]:
             "s": None if stiction is None else stiction.identifiable_s,
             "j": None if stiction is None else stiction.identifiable_j,
         },
+    }
+
+
+def no_response_json(diagnosis: Diagnosis) -> dict[str, object]:
+    """Return whether PV does not respond to OP, why not, and the numbers; null where that is not found."""
+    found = diagnosis.no_response
+    return {
+        "found": found is not None,
+        "cause": None if found is None else found.cause,
+        "possible": [] if found is None else list(POSSIBLE[found.cause]),
+        "probability": None if found is None else _number(found.probability),
+        "op_travel": None if found is None else _number(found.op_travel),
+        "op_spans": None if found is None else _number(found.op_spans),
+        "pv": None if found is None else _number(found.level),
+        "expected_pv": None if found is None else _number(found.expected),
+        "deviations": None if found is None else _number(found.deviations),
+        "samples": None if found is None else [found.begin, found.end],
     }
 
 

@@ -6,12 +6,19 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from agent.report.advice import advice
+from agent.report.benefit_words import benefit_lines
 from agent.report.numbers import interval_words
 from agent.report.reasons import reasons
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
-    from agent.analysis.results import IntervalEstimate, MethodResult, ProcessEstimate, StictionEstimate
+    from agent.analysis.results import (
+        IntervalEstimate,
+        MethodResult,
+        ProcessEstimate,
+        Sticks,
+        StictionEstimate,
+    )
 
 
 ANSWER = 0.5
@@ -24,6 +31,8 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
     verdict = diagnosis.verdict.replace("_", " ")
     confidence = f" (confidence {diagnosis.confidence:.2f})" if diagnosis.confidence else ""
     yield f"{diagnosis.loop}: {verdict}{confidence}"
+    if diagnosis.sticks is not None:
+        yield f"  {sticks_words(diagnosis.sticks)}"
     if diagnosis.cause not in ("stiction", "undecided"):
         yield f"  cause: {diagnosis.cause.replace('_', ' ')}"
     found = diagnosis.quantification
@@ -31,9 +40,17 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
         numbers = [] if found.stiction is None else _stiction(found.stiction)
         numbers += [] if found.process is None else _process(found.process)
         yield from (f"  {line}" for line in numbers)
+    if diagnosis.benefit is not None:
+        yield from (f"  {line}" for line in benefit_lines(diagnosis.benefit))
     yield from (f"  - {reason}" for reason in reasons(diagnosis))
     yield from (f"  > {step}" for step in advice(diagnosis))
     yield from (f"  {line}" for line in method_lines(diagnosis.methods))
+
+
+def sticks_words(sticks: Sticks) -> str:
+    """Return the probability that the valve sticks, and where it comes from."""
+    windows = "1 window" if sticks.windows == 1 else f"{sticks.windows:.3g} windows"
+    return f"P(sticks) = {sticks.probability:.2f}, from {windows} at a base rate of {sticks.base_rate:.2g}"
 
 
 def method_lines(methods: Mapping[str, MethodResult]) -> Iterator[str]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal
 
+from agent.analysis.memory.sticks import is_suspected
+
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.results import IntervalEstimate
@@ -24,23 +26,34 @@ GROUPS: Mapping[Group, str] = {
 }
 """In the order of their urgency, with their words."""
 ORDER = {group: place for place, group in enumerate(GROUPS)}
-LIKELY = 0.5
-"""Probability from which an undecided loop is suspected."""
 
 
 def group_of(diagnosis: Diagnosis | None) -> Group:
-    """Return the group of a loop."""
+    """Return the group of a loop.
+
+    A loop whose verdict is not firm, or of which other windows say more than its newest, is suspected where
+    it sticks more probably than not.
+    """
     if diagnosis is None:
         return "waiting"
+    if diagnosis.verdict == "stiction":
+        return "sticks"
+    if _suspected(diagnosis):
+        return "suspected"
     match diagnosis.verdict:
-        case "stiction":
-            return "sticks"
         case "not_testable":
             return "not_testable"
         case "undecided":
-            return "suspected" if _suspected(diagnosis) else _of_cause(diagnosis, "undecided")
+            return _of_cause(diagnosis, "undecided")
         case _:
             return _of_cause(diagnosis, "healthy")
+
+
+def probability_of(diagnosis: Diagnosis | None) -> float | None:
+    """Return the probability by which loops are ranked, at the base rate of the plant; None: not known."""
+    if diagnosis is None:
+        return None
+    return diagnosis.probability if diagnosis.sticks is None else diagnosis.sticks.probability
 
 
 def estimate_of(diagnosis: Diagnosis | None) -> IntervalEstimate | None:
@@ -51,10 +64,10 @@ def estimate_of(diagnosis: Diagnosis | None) -> IntervalEstimate | None:
 
 
 def _suspected(diagnosis: Diagnosis) -> bool:
-    probability, found = diagnosis.probability, diagnosis.quantification
-    if probability is not None:
-        return probability >= LIKELY
-    return found is not None and found.decision == "stiction"
+    found = diagnosis.quantification
+    if diagnosis.sticks is not None:
+        return is_suspected(diagnosis)
+    return diagnosis.verdict == "undecided" and found is not None and found.decision == "stiction"
 
 
 def _of_cause(diagnosis: Diagnosis, otherwise: Group) -> Group:

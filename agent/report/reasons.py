@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from agent.analysis.gates.fault import LIMIT_CYCLE, SHAPE
+from agent.report.no_response_words import no_response_words
 from agent.report.numbers import percent_words
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ NO_CHANGE = "1.0"
 def reasons(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return what the record shows and what speaks for and against the verdict, one statement each."""
     words = list(_own(diagnosis))
+    if diagnosis.no_response is not None:
+        words.insert(0, no_response_words(diagnosis.no_response))
     if diagnosis.others is not None:
         words.insert(0, _others_words(diagnosis.others))
     if diagnosis.same_event_as is not None:

@@ -8,6 +8,7 @@ import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 from agent.alarms import Alarm
+from agent.analysis.memory.valve_memory import ValveMemory
 from agent.analysis.routine import Diagnose
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
@@ -19,7 +20,7 @@ from agent.runtime.operate.plan import connection_plans
 from agent.runtime.store.change import Change
 from agent.runtime.store.journal import Journal
 from agent.runtime.supervisor import Health
-from agent.settings import LoopSettings, Settings
+from agent.settings import AgentSettings, LoopSettings, Settings
 from connectors.base import Connector, Publication, Sample
 
 LOG = logging.getLogger(__name__)
@@ -57,13 +58,15 @@ class Wiring:
         self._observers = observers
         self._clock = clock
         self._kept: dict[str, Alarm] = {}
+        self._remembered: dict[str, ValveMemory] = {}
 
     async def resume(self) -> None:
         """Restore alarms and unpublished messages from the store."""
         kept = await self._journal.open()
         self._kept = dict(kept.alarms)
+        self._remembered = dict(kept.memories)
         for name, pipeline in self.pipelines.items():
-            pipeline.resume(self._kept.get(name))
+            pipeline.resume(self._kept.get(name), self._remembered.get(name))
         for name in {each.target for each in kept.waiting.values()}:
             waiting = {n: each.publication for n, each in kept.waiting.items() if each.target == name}
             if name in self.outboxes:
@@ -90,13 +93,14 @@ class Wiring:
             self._discard(name, self.outboxes.pop(name).emptied())
         for name in settings.connections:
             self.outboxes.setdefault(name, Outbox(name, self._journal))
-        changed = {loop.name: self._pipeline(loop, settings.agent.clock_error) for loop in loops}
+        changed = {loop.name: self._pipeline(loop, settings.agent) for loop in loops}
         former = dict(self.pipelines)
         for name, pipeline in changed.items():
             if name in former:
                 pipeline.take_over(former[name])
             elif at_work:
-                pipeline.resume(self._kept.get(name))
+                pipeline.resume(self._kept.get(name), self._remembered.get(name))
+        self._remembered |= {name: pipeline.memory for name, pipeline in former.items()}
         self._kept |= {name: pipeline.alarm for name, pipeline in former.items()}
         self.pipelines.clear()  # the same object still: others look loops up in it
         self.pipelines |= {loop.name: changed.get(loop.name) or former[loop.name] for loop in settings.loops}
@@ -121,7 +125,7 @@ class Wiring:
             LOG.warning("connection %s is no longer configured: %s was discarded", connection, publication.id)
         self._journal.note(Change(removed=frozenset(waiting)))
 
-    def _pipeline(self, loop: LoopSettings, clock_error: float | None) -> LoopPipeline:
+    def _pipeline(self, loop: LoopSettings, agent: AgentSettings) -> LoopPipeline:
         return LoopPipeline(
             loop,
             self._executor,
@@ -129,7 +133,8 @@ class Wiring:
             self._observers,
             self._diagnose,
             self._journal,
-            None if clock_error is None else SourceClock(loop.name, clock_error, self._clock),
+            None if agent.clock_error is None else SourceClock(loop.name, agent.clock_error, self._clock),
+            agent.base_rate,
         )
 
     def _connection(self, connector: Connector, data_age: float) -> Connection:

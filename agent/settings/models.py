@@ -32,6 +32,8 @@ class AgentSettings(Options):
     clock_error: Seconds | None = 86400.0
     """Difference from this machine's clock above which the time of a source is rejected, s: the time of this
     machine is used then. None: the time of the source is always accepted."""
+    base_rate: Annotated[float, Field(gt=0, lt=1)] = 0.2
+    """Part of the plant's valves that stick: where the probability of each loop begins."""
     longest_wait: Seconds = 3.0
     """Longest wait between two attempts at a connection that is down, s; the first waits are shorter."""
     state: Path | None = None
@@ -84,6 +86,9 @@ class AlarmSettings(Options):
     off_delay: Windows = 3
     """Consecutive windows that must show no stiction before it is cleared."""
     priority: Priority = "medium"
+    advisory: Literal["shelved", "active"] = "shelved"
+    """Whether a valve that is only suspected is published as a shelved advisory, which nobody is called for,
+    or as an active one. It is never an alarm."""
 
 
 LOOP_NAME = r"^[^\s/+#.\u0000-\u001f\u007f-\u009f\u200b-\u200f\u202a-\u202e\u2060-\u2069\ufeff]+$"

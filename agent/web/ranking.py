@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from agent.alarms import State
-from agent.report.ranking import ORDER, estimate_of
+from agent.report.ranking import ORDER, estimate_of, probability_of
 
 if TYPE_CHECKING:
     from agent.alarms import Alarm
-    from agent.analysis.diagnosis import Diagnosis
     from agent.report.ranking import Group
     from agent.runtime.operate.status import LoopStatus
     from agent.web.judgement import Judgement
@@ -39,11 +38,6 @@ class Item:
     def stale(self) -> bool:
         """Whether nothing came in for too long."""
         return self.status.data == "stale"
-
-
-def probability_of(diagnosis: Diagnosis | None) -> float | None:
-    """Return the probability that the valve sticks, 0 to 1; None where it is not known."""
-    return None if diagnosis is None else diagnosis.probability
 
 
 def urgency(status: LoopStatus, alarm: Alarm, group: Group) -> tuple[float, ...]:

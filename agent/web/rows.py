@@ -9,8 +9,8 @@ import numpy as np
 
 from agent.report.advice import advice
 from agent.report.diagnosis_text import answers
-from agent.report.ranking import GROUPS, estimate_of
-from agent.web.ranking import Item, probability_of
+from agent.report.ranking import GROUPS, estimate_of, probability_of
+from agent.web.ranking import Item
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray

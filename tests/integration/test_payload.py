@@ -135,6 +135,7 @@ def test_the_schema_refuses_what_is_wrong(change):
         "ne107": "normal",
         "health": 0,
         "time": 1.0,
+        "advisory": "none",
     }
     assert valid(right)
     assert not valid(right | change)

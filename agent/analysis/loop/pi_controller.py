@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
 
 FEWEST_MOVES = 10
 """Known increments of OP below which nothing is estimated."""
@@ -32,8 +32,12 @@ def pi_controller(window: LoopWindow) -> PiController | None:
     Without a set point the error is taken about the mean of PV; the constant makes up for that as long as the
     set point stood still.
     """
-    error = window.error
-    increments = np.diff(window.op)
+    return pi_law(window.op, window.error)
+
+
+def pi_law(op: FloatArray, error: FloatArray) -> PiController | None:
+    """Return the law that gives OP (n,) from the control error (n,), as ``pi_controller`` does."""
+    increments = np.diff(op)
     terms = np.stack([np.diff(error), error[1:], np.ones(len(increments))], axis=1)
     known = np.isfinite(increments) & np.isfinite(terms).all(axis=1)
     if known.sum() < FEWEST_MOVES or not np.any(increments[known]):

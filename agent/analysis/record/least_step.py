@@ -21,11 +21,11 @@ def least_step(window: LoopWindow) -> float:
     op = window.op[np.isfinite(window.op)]
     if not op.size:
         return 0.0
-    low, high = window.hints.op_range or _usual_range(op)
+    low, high = window.hints.op_range or usual_range(op)
     return max(RESOLUTION * (high - low), _noise(op))
 
 
-def _usual_range(op: FloatArray) -> tuple[float, float]:
+def usual_range(op: FloatArray) -> tuple[float, float]:
     """Return the range that values of OP suggest, (0, 0) where they suggest none."""
     for low, high in (FRACTION, PER_CENT):
         if op.min() >= low and op.max() <= high:

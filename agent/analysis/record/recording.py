@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from agent.analysis.record.known_process import KnownProcess
 from agent.analysis.record.wild_samples import wild
 
 FloatArray = NDArray[np.float64]
@@ -28,6 +29,8 @@ class LoopHints:
     """Order of the process model, 1 or 2; None: choose."""
     op_range: tuple[float, float] | None = None
     """Limits of the valve in OP units; None: unknown, so saturation is judged from the record."""
+    known: KnownProcess | None = None
+    """The process as other windows of the valve showed it; None: there are none."""
 
 
 @dataclass(frozen=True, slots=True)

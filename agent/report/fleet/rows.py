@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from agent.report.advice import advice
-from agent.report.ranking import GROUPS, ORDER, estimate_of, group_of
+from agent.report.ranking import GROUPS, ORDER, estimate_of, group_of, probability_of
 from agent.report.reasons import CLASS_WORDS, reasons
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def finding_of(
         verdict=diagnosis.verdict,
         group=group_of(diagnosis),
         confidence=diagnosis.confidence,
-        probability=diagnosis.probability,
+        probability=probability_of(diagnosis),
         s=estimate_of(diagnosis),
         s_identifiable=None if stiction is None else stiction.identifiable_s,
         reason=short_reason(diagnosis),

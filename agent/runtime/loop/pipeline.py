@@ -7,12 +7,15 @@ import functools
 import logging
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NoReturn, Protocol
 
 from agent.alarms import Alarm, Announcement, Command, Delay
 from agent.analysis.diagnose import diagnose
 from agent.analysis.diagnosis import Diagnosis
+from agent.analysis.memory.sticks import with_memory
+from agent.analysis.memory.valve_memory import ValveMemory, known_process_of, remember
+from agent.analysis.memory.weighing_windows import BASE_RATE
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.routine import Diagnose, Routine, full_diagnosis, routine_diagnosis
 from agent.analysis.stiction.online import OnlineShapes
@@ -71,6 +74,7 @@ class LoopPipeline:
         diagnose: Diagnose = diagnose,
         journal: Journal | None = None,
         clock: SourceClock | None = None,
+        base_rate: float = BASE_RATE,
     ) -> None:
         self.settings = settings
         self.clock = clock
@@ -79,7 +83,10 @@ class LoopPipeline:
         self.usable = UsableValues(settings.name)
         """Whether PV and OP have values that can be used."""
         delay = Delay(settings.alarm.on_delay, settings.alarm.off_delay)
-        self.alarm = Alarm(settings.name, settings.alarm.priority, delay)
+        advises = settings.alarm.advisory == "active"
+        self.alarm = Alarm(settings.name, settings.alarm.priority, delay, advises=advises)
+        self.memory = ValveMemory()
+        """What all windows of the valve said."""
         self.diagnosis: Diagnosis | None = None
         """Of the newest window."""
         self.fitted: LoopWindow | None = None
@@ -92,6 +99,7 @@ class LoopPipeline:
         self._observers = observers
         self._diagnose = diagnose
         self._journal = journal or Journal()
+        self._base_rate = base_rate
         self.heard: float | None = None
         """Monotonic time at which anything arrived, also what was known already, s."""
         self.began: float | None = None
@@ -131,8 +139,9 @@ class LoopPipeline:
                 text, self.settings.name, apart, extra={"event": "clocks", "loop": self.settings.name}
             )
 
-    def resume(self, kept: Alarm | None) -> None:
-        """Go on from the alarm that the store kept; None where it kept none."""
+    def resume(self, kept: Alarm | None, memory: ValveMemory | None = None) -> None:
+        """Go on from the alarm and the memory that the store kept; None where it kept none."""
+        self.memory = memory or self.memory
         self._follow(self.alarm if kept is None else self.alarm.resumed(kept), ())
 
     def take_over(self, former: LoopPipeline) -> None:
@@ -148,7 +157,7 @@ class LoopPipeline:
             self._cost, self._pace = former._cost, former._pace
             if self._waiting is not None:
                 self._due.set()
-        self.resume(former.alarm)
+        self.resume(former.alarm, former.memory)
 
     def publish_again(self, now: float) -> None:
         """Publish the state as it stands at ``now``, s UTC: a server of our own starts empty."""
@@ -199,13 +208,16 @@ class LoopPipeline:
 
     async def _decide(self, found: Routine, window: LoopWindow, due_since: float) -> None:
         """Follow the diagnosis of a window that was due since then, monotonic, s."""
-        diagnosis, fitted = found.diagnosis, found.fitted
-        self._cost = diagnosis.seconds if fitted else 0.0
+        alone, fitted = found.diagnosis, found.fitted
+        self._cost = alone.seconds if fitted else 0.0
+        end = float(window.time[-1])
+        self.memory = remember(self.memory, alone, window.start, end + window.ts)
+        diagnosis = with_memory(alone, self.memory, self._base_rate)
+        self._journal.note(Change(memories={self.settings.name: self.memory}))
         self.diagnosis, self.fitted = diagnosis, window if fitted else None
         self.judged_at = asyncio.get_running_loop().time()
         if diagnosis.oscillation is not None:
             self.window.period = diagnosis.oscillation.period if diagnosis.oscillation.detected else None
-        end = float(window.time[-1])
         self._follow(*self.alarm.on_diagnosis(diagnosis, end))
         await self._journal.flush()
         for observer in self._observers:
@@ -220,7 +232,10 @@ class LoopPipeline:
         self._judging = window, self._due_since
         self._pace.begin(asyncio.get_running_loop().time())
         judge = full_diagnosis if self.settings.quantify == "always" else routine_diagnosis
-        return functools.partial(judge, window, self._diagnose)
+        known = known_process_of(self.memory)
+        return functools.partial(
+            judge, window.with_hints(replace(window.hints, known=known)), self._diagnose
+        )
 
     def _follow(self, alarm: Alarm, announcements: Sequence[Announcement]) -> None:
         """Take the alarm that follows, noted together with its announcements: no crash comes between."""

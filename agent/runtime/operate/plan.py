@@ -9,7 +9,7 @@ from typing import Any
 from agent.settings import AgentSettings, ConnectionSettings, LoopSettings, Settings, tags_on
 from connectors.options import LoopTags
 
-AT_START = ("workers", "state", "clock_error", "http", "history", "watch_config")
+AT_START = ("workers", "state", "clock_error", "base_rate", "http", "history", "watch_config")
 """Settings of the agent that take effect when it starts."""
 SILENT_SAMPLES = 5
 """Sampling times without any sample that make silence, where ``agent.data_age`` is shorter."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from agent.alarms import Alarm
+from agent.analysis.memory.valve_memory import ValveMemory
 from connectors.base import Publication
 
 
@@ -28,6 +29,8 @@ class Change:
     """Sequence number -> what waits from now on."""
     removed: frozenset[int] = frozenset()
     """Sequence numbers of what waits no longer."""
+    memories: Mapping[str, ValveMemory] = field(default_factory=dict)
+    """Loop -> what is remembered of its valve."""
     taken: frozenset[int] = frozenset()
     """Numbers of the commands that were obeyed."""
 
@@ -44,5 +47,6 @@ class Change:
                 if number not in later.removed
             },
             self.removed | (later.removed - self.put.keys()),
+            {**self.memories, **later.memories},
             self.taken | later.taken,
         )

@@ -8,7 +8,7 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -38,6 +38,9 @@ class Format:
     """``user_version``."""
     tables: str
     """SQL that makes its tables."""
+    added: str = field(default="", kw_only=True)
+    """SQL that makes tables which came later, ``IF NOT EXISTS``: older files get them when they are opened,
+    and older programs do not see them."""
     synchronous: Literal["FULL", "NORMAL"]
     """FULL: what a transaction wrote is there after a power failure, at the price of an fsync each. NORMAL:
     after SIGKILL, but a power failure may undo the last ones."""
@@ -158,6 +161,8 @@ class Database:
                 f"BEGIN IMMEDIATE; {content.tables} PRAGMA application_id = {content.application}; "
                 f"PRAGMA user_version = {content.version}; COMMIT;"
             )
+        if self._content.added:
+            database.executescript(self._content.added)
 
     def _recognise(self, database: sqlite3.Connection) -> None:
         application, version = (

@@ -17,6 +17,8 @@ from typing import TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from agent.alarms import Alarm, Command
+from agent.analysis.memory.state import from_state, to_state
+from agent.analysis.memory.valve_memory import ValveMemory
 from agent.runtime.store.change import Change, Waiting
 from agent.runtime.store.database import Database, Format, StoreError
 from connectors.base import Publication
@@ -28,7 +30,8 @@ CREATE TABLE outbox (sequence INTEGER PRIMARY KEY AUTOINCREMENT, target TEXT NOT
 CREATE TABLE command (number INTEGER PRIMARY KEY AUTOINCREMENT, loop TEXT NOT NULL, content TEXT NOT NULL);
 """
 """Each ``content`` is JSON."""
-FORMAT = Format(application=0x736C6A70, version=1, tables=TABLES, synchronous="FULL")
+ADDED = "CREATE TABLE IF NOT EXISTS memory (loop TEXT PRIMARY KEY, content TEXT NOT NULL);"
+FORMAT = Format(application=0x736C6A70, version=1, tables=TABLES, synchronous="FULL", added=ADDED)
 """The application is "sljp"."""
 __all__ = ["Kept", "Store", "StoreError", "StoredCommand"]
 T = TypeVar("T")
@@ -55,6 +58,8 @@ class Kept:
     """By loop."""
     waiting: Mapping[int, Waiting] = field(default_factory=dict)
     """By sequence number, ascending."""
+    memories: Mapping[str, ValveMemory] = field(default_factory=dict)
+    """By loop."""
     sequence: int = 0
     """The highest sequence number there ever was."""
 
@@ -86,6 +91,10 @@ class Store:
                 [(loop, _text(_ALARM, alarm)) for loop, alarm in change.alarms.items()],
             )
             database.executemany(
+                "INSERT OR REPLACE INTO memory VALUES (?, ?)",
+                [(loop, to_state(memory)) for loop, memory in change.memories.items()],
+            )
+            database.executemany(
                 "INSERT OR REPLACE INTO outbox VALUES (?, ?, ?)",
                 [(n, each.target, _text(_PUBLICATION, each.publication)) for n, each in change.put.items()],
             )
@@ -97,6 +106,7 @@ class Store:
         with self._database.transaction("DEFERRED") as database:
             alarms = database.execute("SELECT * FROM alarm ORDER BY loop").fetchall()
             waiting = database.execute("SELECT * FROM outbox ORDER BY sequence").fetchall()
+            memories = database.execute("SELECT * FROM memory ORDER BY loop").fetchall()
             highest = database.execute("SELECT seq FROM sqlite_sequence WHERE name = 'outbox'").fetchone()
         return Kept(
             {loop: alarm for loop, text in alarms if (alarm := self._value(_ALARM, text))},
@@ -105,6 +115,7 @@ class Store:
                 for number, target, text in waiting
                 if (publication := self._value(_PUBLICATION, text))
             },
+            {loop: memory for loop, text in memories if (memory := self._memory(loop, text)) is not None},
             highest[0] if highest else 0,
         )
 
@@ -119,6 +130,13 @@ class Store:
         with self._database.transaction("DEFERRED") as database:
             rows = database.execute("SELECT * FROM command ORDER BY number").fetchall()
         return tuple(StoredCommand(number, loop, self._value(_COMMAND, text)) for number, loop, text in rows)
+
+    def _memory(self, loop: str, text: str) -> ValveMemory | None:
+        try:
+            return from_state(text)
+        except ValueError as error:
+            LOG.error("%s: cannot read what is remembered of %s: %s", self.path, loop, error)  # noqa: TRY400
+            return None
 
     def _value(self, adapter: TypeAdapter[T], text: str) -> T | None:
         try:

@@ -9,10 +9,10 @@ from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
 from starlette.responses import Response
 
-from agent.report.ranking import GROUPS, estimate_of
+from agent.report.ranking import GROUPS, estimate_of, probability_of
 from agent.web.event_stream import EventStream
 from agent.web.plant import Look, Plant
-from agent.web.ranking import Item, probability_of
+from agent.web.ranking import Item
 from agent.web.rows import plain, row_of, sparkline_of
 from agent.web.screens.answers import too_many_pages
 from agent.web.screens.screen import PageScreen

@@ -99,6 +99,9 @@ def test_what_is_announced_fits_a_bus():
         "j_high": None,
         "s_identifiable": None,
         "j_identifiable": None,
+        "probability": None,
+        "advisory": "none",
+        "no_response": None,
     }
     assert json.dumps(fields, allow_nan=False)
     assert announcements[0].id != announcements[1].id

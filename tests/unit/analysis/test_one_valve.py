@@ -117,7 +117,16 @@ def test_not_testable_stays_and_does_not_count():
 
 def test_a_failed_search_does_not_count():
     windows, said = alone([LITTLE, replace(LITTLE, failure="the search did not converge")])
-    assert judged_together(windows, said) == tuple(said)
+    told = judged_together(windows, said)
+    assert [replace(each, sticks=None) for each in told] == [replace(each, sticks=None) for each in said]
+    assert [each.sticks for each in told] == [said[0].sticks] * 2  # of the valve, so of both
+
+
+def test_the_probability_of_the_valve_is_that_of_all_its_events():
+    told = together([STICKS] * 3)
+    alone_said = alone([STICKS])[1][0]
+    assert told[0].sticks.windows == 3
+    assert told[0].sticks.probability > alone_said.sticks.probability > 0.5
 
 
 def test_another_quantifier_has_no_evidence_to_share():

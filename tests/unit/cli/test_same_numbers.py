@@ -81,7 +81,9 @@ def test_probability_and_period_are_the_same(printed):
     if as_json["oscillation"]["detected"]:
         assert numbers(r"period of ([\d.e+]*\d) s", text) == {f"{period:.4g}"}
         assert f"period {period:.4g} s" in pictures[""]
-    if as_json["probability"] is not None:
-        assert f"{as_json['probability']:.2f}" in report
-        assert str(as_json["probability"]) in report
+    sticks = as_json["sticks"]["probability"]
+    assert f"{sticks:.2f}" in report
+    assert str(sticks) in report
+    assert f"P(sticks) = {sticks:.2f}" in text
+    assert found.sticks.probability == sticks
     assert found.probability == as_json["probability"]

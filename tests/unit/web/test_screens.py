@@ -102,7 +102,7 @@ async def test_the_work_list_ranks_what_sticks_first():
         first = said["rows"][0]
         assert (first["verdict"], first["group"], first["alarm"]) == ("stiction", "sticks", "unacked_active")
         assert first["s"] == {"value": 4.0, "low": pytest.approx(3.6), "high": pytest.approx(4.4)}
-        assert first["probability"] is None
+        assert first["probability"] == pytest.approx(0.2)  # the base rate: its one window says nothing
         assert first["next"].startswith("bump test")
         assert (said["counts"]["sticks"], said["counts"]["healthy"]) == (1, 1)
         assert (await web.get("/api/work-list?group=nonsense")).status_code == 422

@@ -1,0 +1,1 @@
+"""BENEFIT: what a repair, or another tuning, would gain, from the fitted loop."""

@@ -1,0 +1,43 @@
+"""What one window says of its valve, as one of few outcomes whose rates are known."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Literal, get_args
+
+from agent.analysis.evidence.weighing import MOST
+
+if TYPE_CHECKING:
+    from agent.analysis.diagnosis import Diagnosis
+
+Outcome = Literal["against", "hardly", "weak", "fair", "strong", "very_strong", "stuck"]
+OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
+EDGES: tuple[tuple[float, Outcome], ...] = (
+    (-1.75, "against"),
+    (-1.0, "hardly"),
+    (0.0, "weak"),
+    (1.5, "fair"),
+    (0.75 * MOST, "strong"),
+)
+"""Log odds of a window (``weighing``) up to which it has an outcome; beyond the last it is very strong."""
+
+
+def outcome_of(diagnosis: Diagnosis) -> Outcome | None:
+    """Return the outcome of a window; None where it says nothing of the valve.
+
+    A quiet window, which got no fit, says nothing: how often a loop is quiet depends on its plant, and no
+    simulation knows that. A valve that stood while OP travelled far, and then slipped, is ``stuck``: the gain
+    that other windows showed makes it more than an accident.
+    """
+    if diagnosis.no_response is not None:
+        return "stuck" if diagnosis.no_response.cause == "stuck_valve" else None
+    found = diagnosis.quantification
+    if diagnosis.weighed is None or found is None or found.failure or found.quick_evidence is None:
+        return None  # no fit, one that failed, or of a method whose word has no weight
+    log_odds = logit(diagnosis.weighed.probability)
+    return next((outcome for edge, outcome in EDGES if log_odds <= edge), "very_strong")
+
+
+def logit(probability: float) -> float:
+    """Return the log odds of a probability, 0 < p < 1."""
+    return math.log(probability / (1 - probability))

@@ -1,0 +1,97 @@
+"""S of a valve day by day: the windows of a day in one number with its standard deviation."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from agent.analysis.diagnosis import Diagnosis
+
+MOST_DAYS = 120
+"""Days that are kept; of more, the two nearest of the older half become one."""
+DAY = 86400.0
+"""s"""
+NORMAL_90 = 1.645
+"""Half of a 90 % interval, standard deviations."""
+LEAST_SD = 0.02
+"""Smallest standard deviation, part of S: what the models lack is in all windows."""
+SHOWS = 0.5
+"""Probability from which a window shows how much its valve sticks; below, S is what a search found."""
+
+
+@dataclass(frozen=True, slots=True)
+class SDay:
+    """S of one day."""
+
+    time: float
+    """Of the newest window, s UTC."""
+    s: float
+    """OP units."""
+    sd: float
+    """Its standard deviation, OP units."""
+    weight: float
+    """Windows that it comes from, each by what was new in it."""
+    upper: bool = False
+    """Whether it is only a bound: the windows show that S is not more than ``s`` + 2 ``sd``."""
+
+
+def s_seen(diagnosis: Diagnosis, time: float) -> SDay | None:
+    """Return S of a window; None where it does not show it.
+
+    A firm ``no_stiction`` whose interval of S is narrow shows how small S is, as after a repair.
+    """
+    found = diagnosis.quantification
+    if found is None or found.stiction is None or diagnosis.weighed is None:
+        return None
+    s = found.stiction.s
+    return s_of_window(time, (s.value, s.low, s.high), diagnosis.weighed.probability, diagnosis.verdict)
+
+
+def s_of_window(
+    time: float,
+    s: tuple[float | None, float | None, float | None],
+    probability: float | None,
+    verdict: str,
+) -> SDay | None:
+    """Return S of a window from its numbers, as a history has them; None where it does not show S.
+
+    Args:
+        time: End of the window, s UTC.
+        s: S with the ends of its 90 % interval, OP units.
+        probability: That the valve sticks, from this window alone.
+        verdict: Of the window.
+    """
+    value, low, high = s
+    if value is None or low is None or high is None or probability is None:
+        return None
+    sd = max((high - low) / (2 * NORMAL_90), LEAST_SD * value, 1e-6)
+    if probability > SHOWS:
+        return SDay(time, value, sd, 1.0)
+    if verdict == "no_stiction":
+        return SDay(time, value, sd, 1.0, upper=True)
+    return None
+
+
+def with_s(days: Sequence[SDay], new: SDay, weight: float) -> tuple[SDay, ...]:
+    """Return the days with one more window, which counts by ``weight``."""
+    last = days[-1] if days else None
+    if last is None or math.floor(last.time / DAY) != math.floor(new.time / DAY):
+        return _thinned((*days, SDay(new.time, new.s, new.sd, weight, new.upper)))
+    if last.upper != new.upper:  # a day that showed stiction is not a bound
+        return tuple(days) if new.upper else (*days[:-1], SDay(new.time, new.s, new.sd, weight))
+    precisions = (last.weight / last.sd**2, weight / new.sd**2)
+    s = (precisions[0] * last.s + precisions[1] * new.s) / sum(precisions)
+    sd = math.sqrt((last.weight + weight) / sum(precisions))
+    return (*days[:-1], SDay(new.time, s, sd, last.weight + weight, last.upper))
+
+
+def _thinned(days: tuple[SDay, ...]) -> tuple[SDay, ...]:
+    """Return at most ``MOST_DAYS``: every second of the older half goes."""
+    if len(days) <= MOST_DAYS:
+        return days
+    half = MOST_DAYS // 2
+    return (*days[:half:2], *days[half:])

@@ -1,0 +1,1 @@
+"""RESPONSE: whether PV responds to OP at all, and why not."""

@@ -1,0 +1,64 @@
+"""Simulated weeks of a valve, diagnosed window by window as the agent does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from agent.analysis.diagnose import diagnose
+from agent.analysis.memory.valve_memory import ValveMemory, known_process_of, remember
+from agent.analysis.record.recording import LoopHints, LoopWindow
+from agent.analysis.routine import routine_diagnosis
+from simulators.draws.valve_weeks import Course, valve_weeks
+from simulators.plant import simulate
+
+
+@dataclass(frozen=True, slots=True)
+class WeeksJob:
+    """A valve to simulate."""
+
+    seed: int
+    days: float
+    windows: int
+    sticks: bool
+    course: Course = "constant"
+
+
+@dataclass(frozen=True, slots=True)
+class DiagnosedValve:
+    """What the memory of a valve went through."""
+
+    name: str
+    sticks: bool
+    days: tuple[float, ...]
+    true_s: tuple[float, ...]
+    memories: tuple[ValveMemory, ...]
+    """After each window."""
+    accused: tuple[bool, ...]
+    """Whether each window has the verdict stiction."""
+
+    @property
+    def counts(self) -> tuple[float, ...]:
+        return self.memories[-1].counts
+
+
+def diagnosed_valve(job: WeeksJob) -> DiagnosedValve:
+    """Simulate and diagnose all windows of a valve, in order of time."""
+    valve = valve_weeks(job.seed, job.days, job.windows, sticks=job.sticks, course=job.course)
+    memory, memories, accused = ValveMemory(), [], []
+    for each in valve.windows:
+        scenario, record = each.scenario, simulate(each.scenario)
+        sp = record.sp if scenario.set_points else None
+        hints = LoopHints(known=known_process_of(memory))
+        window = LoopWindow(valve.name, scenario.start, scenario.ts, record.op, record.pv, sp, hints=hints)
+        found = routine_diagnosis(window, diagnose).diagnosis
+        memory = remember(memory, found, window.start, window.start + len(window) * window.ts)
+        memories.append(memory)
+        accused.append(found.verdict == "stiction")
+    return DiagnosedValve(
+        valve.name,
+        valve.sticks,
+        tuple(each.day for each in valve.windows),
+        tuple(each.s for each in valve.windows),
+        tuple(memories),
+        tuple(accused),
+    )

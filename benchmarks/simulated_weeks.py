@@ -1,0 +1,101 @@
+"""Simulated weeks of a plant: who is accused or suspected, when, how well P is calibrated, wear and repairs.
+
+Physical friction, virtual time (`simulators.draws.valve_weeks`); odd seeds, which nothing was tuned on. A
+window a day by default, as the memory counts them. With ``--full`` it is a plant of 300 loops and six weeks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+
+from agent.analysis.memory.weighing_windows import BASE_RATE
+from agent.analysis.wear.trend import DAY, trend_of
+from agent.runtime.loop.process_pool import process_pool
+from benchmarks.cases.options import Options
+from benchmarks.cases.weeks import DiagnosedValve, WeeksJob, diagnosed_valve
+from benchmarks.tables.markdown import table
+
+LOOPS, LOOPS_FULL = 10, 300
+WINDOWS, WINDOWS_FULL = 6, 42
+DAYS = 42.0
+WEEK = 7.0
+BINS = 5
+"""Of the probabilities, for the calibration error."""
+COURSES, COURSES_FULL = 2, 40
+"""Valves that wear, and that are repaired."""
+SHOWN = 0.5
+"""Probability from which a valve counts as found."""
+
+
+def run(options: Options) -> None:
+    """Print the tables."""
+    loops = options.loops or (LOOPS_FULL if options.full else LOOPS)
+    windows = WINDOWS_FULL if options.full else WINDOWS
+    courses = COURSES_FULL if options.full else COURSES
+    jobs = [WeeksJob(2 * k + 1, DAYS, windows, k % 5 == 0) for k in range(loops)]
+    changing = [WeeksJob(2 * k + 1, 28.0, windows, True, "wear") for k in range(courses)]
+    changing += [WeeksJob(2 * k + 1, 28.0, windows, True, "repair") for k in range(courses)]
+    with process_pool() as pool:
+        answers = pool.map(diagnosed_valve, [*jobs, *changing])
+        console = Console(stderr=True)
+        valves = list(track(answers, "valves", len(jobs) + len(changing), console=console))
+    print_weeks(valves[: len(jobs)])
+    print(courses_table(valves[len(jobs) : len(jobs) + courses], valves[len(jobs) + courses :]))
+
+
+def print_weeks(valves: Sequence[DiagnosedValve]) -> None:
+    rows = []
+    for sticks in (True, False):
+        ones = [each for each in valves if each.sticks == sticks]
+        accused = sum(any(each.accused) for each in ones)
+        at = [sum(found_by(each, days) for each in ones) for days in (WEEK, DAYS)]
+        last = [each.memories[-1].probability() for each in ones]
+        median = f"{np.median(last):.2f}" if last else ""
+        rows.append(("sticks" if sticks else "sound", len(ones), accused, *at, median))
+    columns = ("valve", "valves", "some window accuses it", "P > 0.5 within a week", "at the end", "median P")
+    print(table("### Simulated weeks", columns, rows))
+    print(f"Expected calibration error at the base rate {BASE_RATE}: {calibration_error(valves):.3f}\n")
+
+
+def found_by(valve: DiagnosedValve, days: float) -> bool:
+    """Whether P exceeded one half, or a window accused it, at the last window before a day."""
+    known = [k for k, day in enumerate(valve.days) if day <= days]
+    return bool(known) and valve.memories[known[-1]].probability() > SHOWN
+
+
+def calibration_error(valves: Sequence[DiagnosedValve]) -> float:
+    """Return the mean distance of P and the part that sticks, over bins of P, weighted to the base rate."""
+    p = np.array([each.memories[-1].probability() for each in valves])
+    sticks = np.array([each.sticks for each in valves])
+    share = sticks.mean()
+    if not 0 < share < 1:
+        return float("nan")
+    weight = np.where(sticks, BASE_RATE / share, (1 - BASE_RATE) / (1 - share))
+    place = np.minimum((p * BINS).astype(int), BINS - 1)
+    error = 0.0
+    for k in range(BINS):
+        here = place == k
+        if here.any():
+            true = float((weight * sticks)[here].sum() / weight[here].sum())
+            said = float((weight * p)[here].sum() / weight[here].sum())
+            error += float(weight[here].sum() / weight.sum()) * abs(true - said)
+    return error
+
+
+def courses_table(wear: Sequence[DiagnosedValve], repair: Sequence[DiagnosedValve]) -> str:
+    """Return how often a slope has the right sign, and a repair is seen."""
+    trends = [trend_of(each.memories[-1].s_days) for each in wear]
+    known = [each for each in trends if each is not None]
+    signs = sum(each.slope > 0 for each in known)
+    seen = [trend_of(each.memories[-1].s_days) for each in repair]
+    repaired = sum(each is not None and each.repaired is not None for each in seen)
+    rows = [
+        ("wear from S to 4 S", len(wear), len(known), signs),
+        ("repair", len(repair), sum(each is not None for each in seen), repaired),
+    ]
+    columns = ("course", "valves", "with a trend", "right: rises, repaired")
+    return table(f"### Wear and repair in {28} days of {DAY / 3600:.0f} h", columns, rows)

@@ -1,0 +1,187 @@
+"""What is remembered of a valve: no window twice, days as one, forgetting, the cap, the state as text."""
+
+import json
+import math
+from dataclasses import replace
+
+import pytest
+
+from agent.analysis.evidence.weighing import Weighed
+from agent.analysis.memory.known import known_from
+from agent.analysis.memory.outcome import OUTCOMES, outcome_of
+from agent.analysis.memory.rates import MIMICS
+from agent.analysis.memory.state import from_state, to_state
+from agent.analysis.memory.sticks import is_suspected, sticks_of, with_memory
+from agent.analysis.memory.valve_memory import (
+    DAY,
+    HALF_LIFE,
+    PROCESSES,
+    ValveMemory,
+    known_process_of,
+    remember,
+)
+from agent.analysis.memory.weighing_windows import log_bayes_factor, probability_of
+from agent.analysis.results import IntervalEstimate, ProcessEstimate, ProcessIntervals
+from agent.report.ranking import group_of
+from tests.unit.analysis.diagnoses import STICKING, WINDOW, judged
+
+START = 1.7e9 - 1.7e9 % DAY
+HOUR = 3600.0
+ALONE = judged(WINDOW, STICKING)
+
+
+def said(probability, s=None, gain=None, verdict="undecided"):
+    """A diagnosis whose window alone gives ``probability``."""
+    found = ALONE.quantification
+    stiction = found.stiction
+    if s is not None:
+        stiction = replace(stiction, s=IntervalEstimate(s, 0.9 * s, 1.1 * s))
+    process = None
+    if gain is not None:
+        ends = ProcessIntervals((0.9 * gain, 1.1 * gain), (4.0, 6.0), (1.0, 3.0))
+        process = ProcessEstimate("fopdt", gain, 5.0, 2.0, intervals=ends)
+    found = replace(found, stiction=stiction, process=process)
+    return replace(
+        ALONE, verdict=verdict, quantification=found, weighed=Weighed(probability, ()), no_response=None
+    )
+
+
+def counts(**of):
+    return tuple(float(of.get(each, 0.0)) for each in OUTCOMES)
+
+
+@pytest.mark.parametrize(
+    ("probability", "outcome"),
+    [
+        (0.05, "against"),
+        (0.2, "hardly"),
+        (0.45, "weak"),
+        (0.7, "fair"),
+        (0.95, "strong"),
+        (0.985, "very_strong"),
+    ],
+)
+def test_a_window_has_the_outcome_of_its_odds(probability, outcome):
+    assert outcome_of(said(probability)) == outcome
+
+
+def test_what_is_not_testable_says_nothing():
+    assert outcome_of(replace(said(0.5), verdict="not_testable", weighed=None)) is None
+
+
+def test_quiet_windows_leave_the_probability_as_it_is():
+    memory = ValveMemory()
+    for k in range(50):
+        quiet = replace(said(0.5), verdict="no_stiction", weighed=None)
+        memory = remember(memory, quiet, START + k * DAY, START + k * DAY + HOUR)
+    assert memory.probability() == pytest.approx(0.2)
+
+
+def test_without_evidence_the_probability_is_the_base_rate():
+    assert ValveMemory().probability() == pytest.approx(0.2)
+    assert ValveMemory().probability(0.35) == pytest.approx(0.35)
+
+
+@pytest.mark.parametrize("outcome", OUTCOMES)
+def test_many_windows_do_not_add_up_to_certainty(outcome):
+    """The odds rise by no more than the part of the sound valves that look like sticking ones allows."""
+    many = [log_bayes_factor(counts(**{outcome: n})) for n in (1, 10, 100, 1000, 10000)]
+    assert max(many) <= math.log(1 / MIMICS)
+    assert probability_of(counts(very_strong=1000)) == pytest.approx(1 / (1 + 4 * MIMICS), abs=0.001)
+
+
+def test_contrary_windows_bring_the_odds_back():
+    assert probability_of(counts(very_strong=5, against=5)) < probability_of(counts(very_strong=5))
+    assert probability_of(counts(against=30, very_strong=1)) < 0.2
+
+
+def test_every_further_window_for_stiction_raises_the_odds():
+    for outcome in ("strong", "very_strong"):
+        odds = [probability_of(counts(**{outcome: n})) for n in range(6)]
+        assert odds == sorted(odds)
+    assert probability_of(counts(against=5)) < probability_of(counts(against=1)) < 0.2
+
+
+def test_no_window_counts_twice_and_an_overlap_counts_once():
+    once = remember(ValveMemory(), said(0.9), START, START + HOUR)
+    assert once.windows == 1.0
+    assert remember(once, said(0.9), START, START + HOUR) is once
+    assert remember(once, said(0.9), START - HOUR, START) is once
+    half = remember(once, said(0.1), START + HOUR / 2, START + 1.5 * HOUR)
+    assert half.today == pytest.approx(counts(strong=1.0, against=0.5))
+
+
+def test_a_day_counts_as_one_window():
+    memory = ValveMemory()
+    for k in range(20):
+        memory = remember(memory, said(0.9), START + k * HOUR, START + (k + 1) * HOUR)
+    assert memory.windows == pytest.approx(1.0)
+    memory = remember(memory, said(0.9), START + DAY, START + DAY + HOUR)
+    assert memory.windows == pytest.approx(2.0, abs=0.02)
+
+
+def test_old_windows_are_forgotten_at_the_stated_rate():
+    memory = remember(ValveMemory(), said(0.985), START, START + HOUR)
+    later = START + HOUR + HALF_LIFE
+    memory = remember(memory, said(0.05), later - HOUR, later)
+    assert memory.counts == pytest.approx(counts(very_strong=0.5, against=1.0), abs=1e-3)
+
+
+def test_the_process_is_what_windows_agree_on():
+    memory = ValveMemory()
+    for k, gain in enumerate((1.4, 1.5, 1.6, -3.0)):
+        memory = remember(memory, said(0.5, gain=gain), START + k * DAY, START + k * DAY + HOUR)
+    known = known_process_of(memory)
+    assert known.gain == pytest.approx(1.5)
+    assert known.log_gain_sd < 0.3
+    assert known_from(memory.processes[:1]) is None
+    assert known_from((memory.processes[0], replace(memory.processes[1], gain=15.0))) is None
+
+
+def test_the_state_is_small_and_comes_back():
+    memory = ValveMemory()
+    for k in range(400):
+        begin = START + k * DAY + 1.5
+        memory = remember(
+            memory, said(0.6 + 0.3 * (k % 2), s=2 + k / 300, gain=1 + k / 777), begin, begin + HOUR
+        )
+    text = to_state(memory)
+    assert len(text) <= 10_000
+    assert len(memory.processes) == PROCESSES
+    back = from_state(text)
+    assert back.until == memory.until
+    assert back.counts == pytest.approx(memory.counts, rel=1e-5)
+    assert known_process_of(back).gain == pytest.approx(known_process_of(memory).gain, rel=1e-5)
+    assert [each.s for each in back.s_days] == pytest.approx([each.s for each in memory.s_days], rel=1e-5)
+    assert to_state(back) == text
+
+
+def test_a_state_of_another_version_is_read_as_far_as_it_is_understood():
+    content = json.loads(to_state(remember(ValveMemory(), said(0.9), START, START + HOUR)))
+    content["outcomes"] = ["rings", *content["outcomes"][:-1]]
+    content["former"] = [9.0, *content["former"][:-1]]
+    content["today"] = [9.0, *content["today"][:-1]]
+    assert from_state(json.dumps(content)).windows == 1.0
+    with pytest.raises(ValueError, match="version 99"):
+        from_state(json.dumps(content | {"version": 99}))
+    for damaged in ("{}", "[]", "nothing", json.dumps(content | {"until": "soon"})):
+        with pytest.raises(ValueError, match=r"."):
+            from_state(damaged)
+
+
+def test_a_valve_that_other_windows_accuse_is_suspected_and_no_more():
+    memory = ValveMemory()
+    for k in range(4):
+        memory = remember(memory, said(0.985), START + k * DAY, START + k * DAY + HOUR)
+    newest = with_memory(said(0.1, verdict="no_stiction"), memory)
+    assert newest.sticks.probability > 0.5
+    assert newest.verdict == "no_stiction"
+    assert is_suspected(newest)
+    assert group_of(newest) == "suspected"
+    assert not is_suspected(with_memory(said(0.985, verdict="stiction"), memory))
+
+
+def test_a_diagnosis_alone_carries_the_probability_at_the_base_rate():
+    alone = judged(WINDOW, STICKING)
+    assert alone.sticks == sticks_of([alone])
+    assert alone.sticks.windows == 1

@@ -1,0 +1,83 @@
+"""S against time: wear, repairs, outliers, and when a limit is reached; simulated valves by hand."""
+
+import numpy as np
+import pytest
+
+from agent.analysis.memory.s_day import SDay
+from agent.analysis.wear.trend import DAY, reaches, trend_of
+
+START = 1.7e9
+NOISE = 0.15
+
+
+def days(levels, seed=0, every=1.0):
+    rng = np.random.default_rng(seed)
+    return [
+        SDay(
+            START + k * every * DAY, max(s * (1 + NOISE * rng.standard_normal()), 0.0), NOISE * s + 0.02, 1.0
+        )
+        for k, s in enumerate(levels)
+    ]
+
+
+def wearing(seed):
+    return days(np.geomspace(1.0, 4.0, 28), seed)
+
+
+def test_wear_from_1_to_4_is_seen_with_the_right_sign_of_its_slope():
+    found = [trend_of(wearing(seed)) for seed in range(40)]
+    assert sum(each.slope > 0 for each in found) >= 38
+    assert sum(each.worse_since is not None for each in found) >= 34
+    assert all(each.repaired is None for each in found)
+
+
+def test_a_repair_is_noticed_within_three_days():
+    noticed = 0
+    for seed in range(40):
+        record = days([4.0] * 25 + [0.2] * 3, seed)
+        found = trend_of(record)
+        noticed += found.repaired is not None and abs(found.repaired - record[25].time) <= DAY
+    assert noticed >= 38
+
+
+def test_a_constant_valve_is_neither_repaired_nor_worse():
+    found = [trend_of(days([3.0] * 40, seed)) for seed in range(40)]
+    assert sum(bool(each.jumps) for each in found) <= 1
+    assert sum(each.worse_since is not None for each in found) <= 3
+
+
+def test_the_interval_holds():
+    inside = []
+    for seed in range(40):
+        last = trend_of(days([3.0] * 30, seed)).levels[-1]
+        inside.append(last.low <= 3.0 <= last.high)
+    assert 0.8 <= np.mean(inside) <= 1.0
+
+
+def test_one_wrong_day_moves_nothing():
+    levels = np.full(30, 3.0)
+    record = days(levels)
+    record[20] = SDay(record[20].time, 9.0, 0.3, 1.0)
+    found = trend_of(record)
+    assert found.jumps == ()
+    assert found.levels[-1].s == pytest.approx(3.0, rel=0.15)
+
+
+def test_a_limit_is_reached_at_the_time_that_the_slope_gives():
+    found = trend_of(days(np.linspace(1.0, 4.0, 31)))
+    at = reaches(found, 6.0)
+    assert at.low < at.time
+    assert (at.time - START) / DAY == pytest.approx(50, abs=8)
+    assert reaches(found, 0.5).time == pytest.approx(START + 30 * DAY)
+    assert reaches(trend_of(days([3.0] * 30)), 1000.0).time is None
+
+
+def test_a_repair_begins_a_new_trend():
+    found = trend_of(days([*np.linspace(2.0, 5.0, 20), *np.linspace(0.5, 1.0, 20)]))
+    assert [each.repair for each in found.jumps] == [True]
+    assert found.levels[-1].s == pytest.approx(1.0, rel=0.2)
+    assert found.slope > 0
+
+
+def test_two_days_are_no_trend():
+    assert trend_of(days([1.0, 2.0])) is None
