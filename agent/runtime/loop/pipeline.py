@@ -233,9 +233,7 @@ class LoopPipeline:
         self._pace.begin(asyncio.get_running_loop().time())
         judge = full_diagnosis if self.settings.quantify == "always" else routine_diagnosis
         known = known_process_of(self.memory)
-        return functools.partial(
-            judge, window.with_hints(replace(window.hints, known=known)), self._diagnose
-        )
+        return functools.partial(judge, window.with_hints(replace(window.hints, known=known)), self._diagnose)
 
     def _follow(self, alarm: Alarm, announcements: Sequence[Announcement]) -> None:
         """Take the alarm that follows, noted together with its announcements: no crash comes between."""
