@@ -10,13 +10,7 @@ import numpy as np
 from agent.analysis.gates import gates
 from agent.analysis.loop.controller_action import process_gain_sign
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.quantify.free_run.problem import (
-    BURN,
-    after_gaps,
-    bridge,
-    dominant_period,
-    smooth_speed,
-)
+from agent.identify.problem import BURN, after_gaps, bridge, dominant_period, smooth_speed
 from agent.analysis.record.reversals import significant_reversals
 from agent.physics.effect import Facts
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.bristles import with_bristles
 from agent.analysis.quantify.free_run.fitted import Fitted, by_error, evaluated, smooth, start
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FIRST,
     J_RATIO,
@@ -30,7 +30,7 @@ from agent.analysis.quantify.free_run.second_search import converged_search
 from agent.analysis.quantify.free_run.starts import STEMS
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.units import FrictionBands
 

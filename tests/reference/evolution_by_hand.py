@@ -3,7 +3,7 @@
 import numpy as np
 
 from agent.analysis.quantify.free_run.evolution import SAME
-from agent.analysis.quantify.free_run.objective import FIRST
+from agent.identify.objective import FIRST
 
 
 def apart(people, most, distance, ranges):

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.signal import lfilter
 
-from agent.analysis.quantify.free_run.objective import DELAY, INTEGRATOR, LOG_TAU, LOG_TAU2, SOPDT
+from agent.identify.objective import DELAY, INTEGRATOR, LOG_TAU, LOG_TAU2, SOPDT
 from agent.physics.valves.damped_stem import damped_stem
 
 

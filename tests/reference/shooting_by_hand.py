@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     BRISTLES,
     DELAY,
     FIRST,

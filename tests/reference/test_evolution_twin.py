@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from agent.analysis.quantify.free_run import evolution
 from agent.analysis.quantify.free_run.evolution import Population, apart, evolved, mutated
 from agent.analysis.quantify.free_run.growing_horizon import population, random_valves, ways_of
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FIRST,
     FOPDT,

@@ -10,7 +10,7 @@ from agent.analysis.quantify.free_run import bank_score as scores
 from agent.analysis.quantify.free_run import coarse_grid, local_search, objective
 from agent.analysis.quantify.free_run.climb import climb
 from agent.analysis.quantify.free_run.fitted import STEP
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     BRISTLES,
     DELAY,
     FIRST,
@@ -27,7 +27,8 @@ from agent.analysis.quantify.free_run.objective import (
     SOPDT,
     S,
 )
-from agent.analysis.quantify.free_run.problem import from_blocks, high_pass, pose, to_blocks
+from agent.analysis.quantify.free_run.problem import pose
+from agent.identify.problem import from_blocks, high_pass, to_blocks
 from agent.analysis.quantify.free_run.starts import STEMS
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.physics.valves.damped_stem import damped_stem

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from agent.analysis.innovations.valve_grid import scan_rests
-from agent.analysis.quantify.free_run.bank import bank
+from agent.identify.bank import bank
 from agent.analysis.quantify.free_run.coarse_grid import first_slip
 from agent.analysis.quantify.free_run.starts import STEMS
 from agent.physics.valves.damped_stem import damped_stem

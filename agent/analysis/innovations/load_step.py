@@ -12,7 +12,7 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
 from agent.analysis.innovations.whitened import Fit, fitted, log_likelihood
-from agent.analysis.quantify.free_run.objective import DELAY, LOG_TAU, LOG_TAU2, process_response
+from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2, process_response
 from agent.analysis.quantify.free_run.search import process_grid
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
 
 EVALUATIONS = 25

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.problem import bridge, high_pass, nuisance_basis
+from agent.identify.problem import bridge, high_pass, nuisance_basis
 from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import LoopWindow
 
 MEMORIES = (0.4, 1.5, 5.0, 15.0, 50.0)

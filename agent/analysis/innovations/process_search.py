@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.innovations.whitened import fitted, log_likelihood
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     FOPDT,
     INTEGRATOR,
     LOG_TAU,
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.innovations.whitened import Fit
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray, LoopHints
 
 SECONDS = {FOPDT: (0.0,), SOPDT: (-0.2, -1.0, -2.5), INTEGRATOR: (0.0,)}

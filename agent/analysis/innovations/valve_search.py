@@ -14,10 +14,10 @@ import numpy as np
 
 from agent.analysis.innovations.valve_grid import scan_rests
 from agent.analysis.innovations.whitened import Fit, fitted, white_likelihood
-from agent.analysis.quantify.free_run.bank import bank
+from agent.identify.bank import bank
 from agent.analysis.quantify.free_run.coarse_grid import first_slip, processes, set_process
 from agent.analysis.quantify.free_run.local_search import random_steps
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     BRISTLES,
     DELAY,
     FIRST,
@@ -29,7 +29,7 @@ from agent.analysis.quantify.free_run.objective import (
     SIZE,
     S,
 )
-from agent.analysis.quantify.free_run.problem import to_blocks
+from agent.identify.problem import to_blocks
 from agent.analysis.quantify.free_run.search import structures
 from agent.analysis.quantify.free_run.starts import STEMS
 
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray, LoopHints
 
 S_SHARES = np.geomspace(0.02, 1.0, 18)

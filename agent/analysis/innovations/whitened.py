@@ -10,7 +10,7 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.fitted import STEP, not_given
 from agent.analysis.quantify.free_run.local_search import simplex
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FOPDT,
     INTEGRATOR,
@@ -22,7 +22,7 @@ from agent.analysis.quantify.free_run.objective import (
 from agent.analysis.quantify.free_run.residuals import residuals
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
 
 AXES = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY), INTEGRATOR: (DELAY,)}

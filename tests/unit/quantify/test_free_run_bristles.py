@@ -7,7 +7,7 @@ import pytest
 
 from agent.analysis.quantify.free_run.bristles import JUMPS, bristly, with_bristles
 from agent.analysis.quantify.free_run.fitted import refine, start
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     BRISTLES,
     DELAY,
     FIRST,

@@ -5,7 +5,7 @@ import pytest
 
 from agent.analysis.quantify.free_run.elsewhere import PLACES, moved_elsewhere, one_by_one
 from agent.analysis.quantify.free_run.fitted import start
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     BRISTLES,
     DELAY,
     FOPDT,

@@ -14,7 +14,7 @@ from agent.analysis.quantify.free_run.few_periods import (
     searched_by_samples,
 )
 from agent.analysis.quantify.free_run.fitted import Fitted, start
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FIRST,
     FOPDT,

@@ -12,7 +12,7 @@ from agent.analysis.quantify.free_run.growing_horizon import (
     random_valves,
     ways_of,
 )
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FOPDT,
     J_RATIO,

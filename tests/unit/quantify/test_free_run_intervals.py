@@ -17,7 +17,7 @@ from agent.analysis.quantify.free_run.intervals import (
     same_structure,
     stiction_estimate,
 )
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FOPDT,
     INTEGRATOR,

@@ -5,15 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agent.analysis.quantify.free_run.problem import (
-    SHORT_GAP,
-    after_gaps,
-    bridge,
-    first_periods,
-    high_pass,
-    pose,
-    quiet_start,
-)
+from agent.analysis.quantify.free_run.problem import pose
+from agent.identify.problem import SHORT_GAP, after_gaps, bridge, first_periods, high_pass, quiet_start
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.processes.decimation import block_means
 from agent.physics.valves.damped_stem import damped_stem

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify.free_run.fitted import start
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FIRST,
     FOPDT,

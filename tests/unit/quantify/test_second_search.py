@@ -6,7 +6,7 @@ import pytest
 from agent.analysis.quantify.free_run import second_search
 from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
 from agent.analysis.quantify.free_run.fitted import Fitted, start
-from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, J_RATIO, SIZE, SOPDT, S
+from agent.identify.objective import FOPDT, INTEGRATOR, J_RATIO, SIZE, SOPDT, S
 from agent.analysis.quantify.free_run.search import Found
 from agent.analysis.quantify.free_run.second_search import (
     OF_ALL,

@@ -24,7 +24,7 @@ from agent.analysis.quantify.free_run.intervals import (
     stiction_estimate,
 )
 from agent.analysis.quantify.free_run.neighbours import moved_on
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FOPDT,
     INTEGRATOR,
@@ -37,7 +37,8 @@ from agent.analysis.quantify.free_run.objective import (
     valve_position,
 )
 from agent.analysis.quantify.free_run.populations import searched_by_populations
-from agent.analysis.quantify.free_run.problem import Problem, bridge, high_pass, pose
+from agent.analysis.quantify.free_run.problem import pose
+from agent.identify.problem import Problem, bridge, high_pass
 from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
 from agent.analysis.quantify.free_run.search import Found, best_linear, best_stiction
 from agent.analysis.quantify.free_run.second_search import converged_search

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.fitted import Fitted, by_error, refine, restart, start
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     BRISTLES,
     FIRST,
     J_RATIO,
@@ -25,12 +25,12 @@ from agent.analysis.quantify.free_run.objective import (
     RIGID,
     S,
 )
-from agent.analysis.quantify.free_run.problem import first_periods
+from agent.identify.problem import first_periods
 from agent.analysis.quantify.free_run.search import Found, Horizon, led_by
 from agent.analysis.quantify.free_run.starts import STEMS
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
 
 JUMPS = 0.3
 """J/S from which bristles move S by more than noise does."""

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.bank import Bank
-from agent.analysis.quantify.free_run.bank_score import best_between, covariances, moves_of, response_sums
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.bank import Bank
+from agent.identify.bank_score import best_between, covariances, moves_of, response_sums
+from agent.identify.objective import (
     BRISTLES,
     DELAY,
     FIRST,
@@ -27,7 +27,7 @@ from agent.analysis.quantify.free_run.objective import (
     stem_of,
     valve_of,
 )
-from agent.analysis.quantify.free_run.problem import from_blocks, to_blocks
+from agent.identify.problem import from_blocks, to_blocks
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import GIVE
 

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.bank import Bank, bank
-from agent.analysis.quantify.free_run.bank_score import best_share, room_for
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.bank import Bank, bank
+from agent.identify.bank_score import best_share, room_for
+from agent.identify.objective import (
     BRISTLES,
     DELAY,
     FIRST,
@@ -27,7 +27,7 @@ from agent.analysis.quantify.free_run.objective import (
     SIZE,
     S,
 )
-from agent.analysis.quantify.free_run.problem import Problem, from_blocks, to_blocks
+from agent.identify.problem import Problem, from_blocks, to_blocks
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import Motion, stem_at, stem_motion, strokes
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.fitted import Fitted, by_error, evaluated, refine
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FIRST,
     J_RATIO,
@@ -28,7 +28,7 @@ from agent.analysis.quantify.free_run.objective import (
 )
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
 
 PLACES = 40

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agent.analysis.quantify.free_run.local_search import simplex
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     BRISTLES,
     DELAY,
     FIRST,
@@ -29,7 +29,7 @@ from agent.analysis.quantify.free_run.objective import (
     free_run_error,
     valve_position,
 )
-from agent.analysis.quantify.free_run.problem import Problem
+from agent.identify.problem import Problem
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import GIVE
 

@@ -18,7 +18,8 @@ from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
 from agent.analysis.quantify.free_run.elsewhere import moved_elsewhere
 from agent.analysis.quantify.free_run.fitted import by_error, refine, restart, start
 from agent.analysis.quantify.free_run.growing_horizon import best_of_populations
-from agent.analysis.quantify.free_run.problem import FIRST_LOOK, first_periods, pose
+from agent.analysis.quantify.free_run.problem import pose
+from agent.identify.problem import FIRST_LOOK, first_periods
 from agent.analysis.quantify.free_run.residuals import LEAST_LAG, autocorrelation
 from agent.analysis.quantify.free_run.search import TO_A_BIN, Found, concluded, follow, led_by
 from agent.analysis.quantify.free_run.starts import best_by_bin, climbed
@@ -26,7 +27,7 @@ from agent.analysis.quantify.free_run.stem_scan import with_best_stems
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import LoopHints, LoopWindow
 
 FEW = 13

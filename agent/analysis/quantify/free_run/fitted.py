@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.local_search import refine_each, simplex
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FOPDT,
     INTEGRATOR,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
 
 SEARCHED = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY, LOG_TAU2), INTEGRATOR: (DELAY,)}

@@ -16,7 +16,7 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.evolution import Generation, Population, Ways, evolved
 from agent.analysis.quantify.free_run.fitted import STEP, Fitted, axes_of, by_error, refine
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     BRISTLES,
     DELAY,
     FIRST,
@@ -35,7 +35,7 @@ from agent.analysis.quantify.free_run.objective import (
     STEM_LOW,
     S,
 )
-from agent.analysis.quantify.free_run.problem import first_periods
+from agent.identify.problem import first_periods
 from agent.analysis.quantify.free_run.scatter import SPREADS, scattered
 from agent.analysis.quantify.free_run.search import structures
 from agent.physics.valves.damped_stem import GIVE
@@ -43,7 +43,7 @@ from agent.physics.valves.damped_stem import GIVE
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray, LoopHints
 
 ISLANDS = 3

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.loop.pi_controller import pi_controller
-from agent.analysis.quantify.free_run.objective import DELAY, J_RATIO, LOG_TAU, LOG_TAU2, SOPDT, S
+from agent.identify.objective import DELAY, J_RATIO, LOG_TAU, LOG_TAU2, SOPDT, S
 from agent.analysis.results import IntervalEstimate, ProcessIntervals, Profile, StictionEstimate
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
     from agent.analysis.record.recording import LoopWindow
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.climb import disturb
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     LOG_TAU,
     LOG_TAU2,
@@ -20,7 +20,7 @@ from agent.analysis.quantify.free_run.objective import (
     process_error,
     valve_position,
 )
-from agent.analysis.quantify.free_run.problem import Problem
+from agent.identify.problem import Problem
 from agent.jit import kernel
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from agent.analysis.quantify.free_run.search import led_by
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
 
 BETTER = 0.98

@@ -17,7 +17,7 @@ from agent.analysis.quantify.free_run.search import led_by
 from agent.analysis.quantify.free_run.second_search import CLEARLY_LESS, converged
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
     from agent.analysis.record.recording import LoopHints
 

@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from agent.analysis.quantify.free_run.fitted import smooth, start
-from agent.analysis.quantify.free_run.problem import Problem, bridge, high_pass, nuisance_basis
+from agent.identify.problem import Problem, bridge, high_pass, nuisance_basis
 from agent.analysis.quantify.free_run.search import best_linear
 from agent.physics.processes.decimation import block_means
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     INTEGRATOR,
     LOG_TAU,
     fit_gain,
@@ -20,7 +20,7 @@ from agent.analysis.quantify.free_run.objective import (
 
 if TYPE_CHECKING:
     from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
 
 PART = 1 / 8

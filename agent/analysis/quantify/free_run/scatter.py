@@ -12,7 +12,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from agent.analysis.quantify.free_run.fitted import Fitted
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FIRST,
     J_RATIO,
@@ -30,7 +30,7 @@ from agent.analysis.quantify.free_run.shooting_search import Stage, shot
 if TYPE_CHECKING:
     import numpy as np
 
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import LoopHints
 
 

@@ -25,7 +25,7 @@ from agent.analysis.quantify.free_run.fitted import (
     smooth,
     start,
 )
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FIRST,
     FOPDT,
@@ -38,14 +38,14 @@ from agent.analysis.quantify.free_run.objective import (
     SOPDT,
     S,
 )
-from agent.analysis.quantify.free_run.problem import FIRST_LOOK, first_periods
+from agent.identify.problem import FIRST_LOOK, first_periods
 from agent.analysis.quantify.free_run.shooting_search import STAGES, shot
 from agent.analysis.quantify.free_run.starts import best_by_bin, climbed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray, LoopHints
 
 TO_A_BIN = 5

@@ -20,8 +20,8 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.coarse_grid import Family, Grid
 from agent.analysis.quantify.free_run.fitted import by_error, refine, restart
-from agent.analysis.quantify.free_run.objective import FOPDT, INTEGRATOR, SOPDT
-from agent.analysis.quantify.free_run.problem import first_periods
+from agent.identify.objective import FOPDT, INTEGRATOR, SOPDT
+from agent.identify.problem import first_periods
 from agent.analysis.quantify.free_run.residuals import lasting
 from agent.analysis.quantify.free_run.scatter import searched_around
 from agent.analysis.quantify.free_run.search import structures, surer
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
     from agent.analysis.record.recording import FloatArray, LoopHints
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     IMPOSSIBLE,
     INTEGRATOR,
     LOG_TAU,
@@ -31,7 +31,7 @@ from agent.analysis.quantify.free_run.objective import (
     respond,
     valve_of,
 )
-from agent.analysis.quantify.free_run.problem import Problem
+from agent.identify.problem import Problem
 from agent.jit import fused_kernel, kernel
 from agent.physics.valves.damped_stem import Motion, stem_at, stem_motion, strokes
 

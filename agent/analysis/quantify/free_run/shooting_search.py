@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agent.analysis.quantify.free_run.fitted import STEP, Fitted, by_error, searched
-from agent.analysis.quantify.free_run.problem import first_periods
+from agent.identify.problem import first_periods
 from agent.analysis.quantify.free_run.random_shots import random_shots
 from agent.analysis.quantify.free_run.shooting import Shots
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
 
 
 class Stage(NamedTuple):

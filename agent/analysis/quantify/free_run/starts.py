@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.bank import bank
+from agent.identify.bank import bank
 from agent.analysis.quantify.free_run.climb import climb
 from agent.analysis.quantify.free_run.coarse_grid import (
     S_BINS,
@@ -21,7 +21,7 @@ from agent.analysis.quantify.free_run.coarse_grid import (
     processes,
 )
 from agent.analysis.quantify.free_run.fitted import Fitted, by_error
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     FOPDT,
     INTEGRATOR,
@@ -38,7 +38,7 @@ from agent.analysis.quantify.free_run.objective import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
 
 STEMS = np.array([(0.01, 0.01, 1e-8), (0.15, 0.1, 0.003), (0.3, 0.15, 0.01)])

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.fitted import evaluated
-from agent.analysis.quantify.free_run.objective import (
+from agent.identify.objective import (
     DELAY,
     LOG_DAMPING,
     LOG_REST,
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.analysis.quantify.free_run.problem import Problem
+    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
 
 TRIED = 100

@@ -7,16 +7,13 @@ costs little more than the valve itself.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.problem import STROKE_TIME, Problem, first_blocks
+from agent.identify.problem import STROKE_TIME, Problem, first_blocks
+from agent.identify.arrays import FloatArray
 from agent.jit import kernel
-
-if TYPE_CHECKING:
-    from agent.analysis.record.recording import FloatArray
-
 
 class Bank(NamedTuple):
     """One record before many processes; gaps count as no deviation here, for this only orders candidates."""

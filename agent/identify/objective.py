@@ -7,16 +7,14 @@ linear in gain, coefficients and start-up, so only the rest is searched (design,
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.problem import Problem, to_blocks
+from agent.identify.problem import Problem, to_blocks
+from agent.identify.arrays import FloatArray
 from agent.jit import fused_kernel, inlined_kernel, kernel, summing_kernel
 from agent.physics.valves.damped_stem import DAMPING, GIVE, REST, SUPPLY, damped_stem
-
-if TYPE_CHECKING:
-    from agent.analysis.record.recording import FloatArray
 
 # Structures of the process.
 FOPDT, SOPDT, INTEGRATOR = 0, 1, 2

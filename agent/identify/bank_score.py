@@ -5,22 +5,17 @@ Between two delays the response is interpolated, with both parts fitted.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.bank import Bank
+from agent.identify.bank import Bank
+from agent.identify.arrays import FloatArray, IntArray
 from agent.jit import fused_kernel, inlined_kernel, kernel, summing_kernel
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from agent.analysis.record.recording import FloatArray
-
 
 @summing_kernel
 def moves_of(
-    position: FloatArray, block: int, means: FloatArray, at: NDArray[np.int64], by: FloatArray
+    position: FloatArray, block: int, means: FloatArray, at: IntArray, by: FloatArray
 ) -> int:
     """Fill the block means of the position less its first value, and its moves; return their number."""
     m = means.size
@@ -89,7 +84,7 @@ def response_sums(
     poles: FloatArray,
     second: FloatArray,
     gains: FloatArray,
-    delays: NDArray[np.int64],
+    delays: IntArray,
     burn: int,
     sums: FloatArray,
 ) -> None:
@@ -138,12 +133,12 @@ def response_sums(
 
 @summing_kernel
 def covariances(
-    at: NDArray[np.int64],
+    at: IntArray,
     by: FloatArray,
     moves: int,
     sums: FloatArray,
-    places: NDArray[np.int64],
-    delays: NDArray[np.int64],
+    places: IntArray,
+    delays: IntArray,
     covariance: FloatArray,
 ) -> None:
     """Fill the covariance of PV with each delayed response, (delays, poles)."""
@@ -170,7 +165,7 @@ def without_nuisance(
 
 @kernel
 def best_process(
-    response: FloatArray, covariance: FloatArray, delays: NDArray[np.int64], bank: Bank
+    response: FloatArray, covariance: FloatArray, delays: IntArray, bank: Bank
 ) -> tuple[float, int, int]:
     """Return the largest explained share of PV with its places among delays and poles."""
     best = 0.0
@@ -196,16 +191,16 @@ class Room(NamedTuple):
     """Room for what a score needs, so that scores of one bank at the same delays share it."""
 
     means: FloatArray
-    at: NDArray[np.int64]
+    at: IntArray
     by: FloatArray
     response: FloatArray
     covariance: FloatArray
-    every: NDArray[np.int64]
+    every: IntArray
     """The places of all processes."""
 
 
 @kernel
-def room_for(bank: Bank, delays: NDArray[np.int64]) -> Room:
+def room_for(bank: Bank, delays: IntArray) -> Room:
     """Return room for the bank at these delays."""
     m = bank.op.size // bank.block
     k = bank.poles.size
@@ -221,7 +216,7 @@ def room_for(bank: Bank, delays: NDArray[np.int64]) -> Room:
 
 @kernel
 def best_share(
-    position: FloatArray, bank: Bank, delays: NDArray[np.int64], least_moves: int, room: Room
+    position: FloatArray, bank: Bank, delays: IntArray, least_moves: int, room: Room
 ) -> tuple[float, int]:
     """Return the share of PV that the best process explains behind a position, and its place, process first.
 
@@ -240,7 +235,7 @@ def best_share(
 
 @kernel
 def best_between(
-    response: FloatArray, covariance: FloatArray, delays: NDArray[np.int64], bank: Bank
+    response: FloatArray, covariance: FloatArray, delays: IntArray, bank: Bank
 ) -> tuple[float, float, int]:
     """Return the largest explained share with its delay (blocks, with a fraction) and the place of its pole.
 

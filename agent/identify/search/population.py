@@ -1,0 +1,171 @@
+"""A population: many candidates with their structures and what they cost, the best first or not."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from agent.identify.arrays import FloatArray, IntArray
+from agent.identify.objective import (
+    BRISTLES,
+    DELAY,
+    FIRST,
+    J_RATIO,
+    LEVEL,
+    LOG_DAMPING,
+    LOG_REST,
+    LOG_TAU,
+    LOG_TAU2,
+    SIZE,
+    STEM_HIGH,
+    STEM_LOW,
+    S,
+    valve_position,
+)
+from agent.identify.gauss_newton import Room, fit_process, pass_high, room_for
+from agent.identify.problem import Problem
+from agent.identify.search.price import price
+from agent.jit import kernel
+from agent.physics.valves.damped_stem import GIVE
+
+S_BINS, STRUCTURES = 16, 3
+"""Niches: bins of S over the OP span, for each structure."""
+SAME_ERROR = 1e-5
+"""Relative difference of two errors below which they are of one candidate."""
+
+
+class Population(NamedTuple):
+    """Candidates, not sorted."""
+
+    candidates: FloatArray
+    """(k, SIZE)."""
+    structures: IntArray
+    """Of their processes, (k,)."""
+    costs: FloatArray
+    """Sum of squares times ``price``, PV units squared, (k,)."""
+
+    def take(self, places: IntArray) -> Population:
+        """Return some of them, as copies."""
+        return Population(self.candidates[places], self.structures[places], self.costs[places])
+
+    def sorted(self, most: int) -> Population:
+        """Return the best, at most so many."""
+        return self.take(np.argsort(self.costs, kind="stable")[:most])
+
+
+def join(*populations: Population) -> Population:
+    """Return one population of several."""
+    return Population(
+        np.concatenate([each.candidates for each in populations]),
+        np.concatenate([each.structures for each in populations]),
+        np.concatenate([each.costs for each in populations]),
+    )
+
+
+def reach(problem: Problem) -> FloatArray:
+    """Return the range of each coordinate, in which distances are measured; 0: it does not count, (SIZE,)."""
+    ranges = np.zeros(SIZE)
+    ranges[[LOG_TAU, LOG_TAU2]] = problem.max_log_tau
+    ranges[DELAY] = problem.max_delay
+    ranges[[S, LEVEL]] = problem.op_span
+    ranges[J_RATIO] = 1.0
+    ranges[BRISTLES] = GIVE[1]
+    ranges[LOG_DAMPING : LOG_REST + 1] = np.subtract(STEM_HIGH, STEM_LOW)
+    return ranges
+
+
+@kernel
+def apart(
+    population: Population, most: int, distance: float, per_niche: int, ranges: FloatArray, span: float
+) -> IntArray:
+    """Return the places of the best that are apart, best first.
+
+    Args:
+        population: To choose from.
+        most: Number that is chosen, at most.
+        distance: In one coordinate at least, over its range.
+        per_niche: Most of one niche, so that a broad wrong basin leaves room for needles.
+        ranges: From ``reach``.
+        span: OP span, OP units.
+    """
+    candidates, structures, costs = population
+    chosen = np.empty(most, np.int64)
+    count = 0
+    of_niche = np.zeros((S_BINS, STRUCTURES), np.int64)
+    for i in np.argsort(costs, kind="mergesort"):
+        if count == most or not np.isfinite(costs[i]):
+            break
+        at = min(S_BINS - 1, int(S_BINS * candidates[i, S] / span))
+        if of_niche[at, structures[i]] >= per_niche:
+            continue
+        alone = True
+        for k in range(count):
+            other = chosen[k]
+            if costs[i] <= (1.0 + SAME_ERROR) * costs[other]:
+                alone = False
+                break
+            far = structures[i] != structures[other] or candidates[i, FIRST] != candidates[other, FIRST]
+            for x in range(SIZE):
+                if far:
+                    break
+                if ranges[x] > 0.0 and abs(candidates[i, x] - candidates[other, x]) > distance * ranges[x]:
+                    far = True
+            if not far:
+                alone = False
+                break
+        if alone:
+            chosen[count] = i
+            count += 1
+            of_niche[at, structures[i]] += 1
+    return chosen[:count]
+
+
+@kernel
+def cost_of(
+    candidate: FloatArray,
+    structure: int,
+    problem: Problem,
+    squares: float,
+    evaluations: int,
+    room: Room,
+    give_up: float,
+) -> float:
+    """Fit a candidate's process behind its valve, in place; return what it costs."""
+    factor = price(candidate, structure, problem, squares_count(problem))
+    pass_high(valve_position(candidate, problem), problem, room.passed)
+    return factor * fit_process(
+        candidate, structure, problem, squares, evaluations, room, give_up / factor
+    )
+
+
+@kernel
+def squares_count(problem: Problem) -> float:
+    """Return the number of blocks that count."""
+    count = 0.0
+    for t in range(problem.weight.size):
+        count += problem.weight[t]
+    return count
+
+
+@kernel
+def refit(population: Population, problem: Problem, evaluations: int) -> None:
+    """Fit the processes of a population to a record, in place."""
+    squares = np.dot(problem.pv, problem.pv)
+    room = room_for(problem)
+    for i in range(len(population.candidates)):
+        population.costs[i] = cost_of(
+            population.candidates[i],
+            population.structures[i],
+            problem,
+            squares,
+            evaluations,
+            room,
+            np.inf,
+        )
+
+
+def least(population: Population) -> float:
+    """Return what the best costs; infinite where there is none."""
+    return float(population.costs.min()) if len(population.costs) else math.inf
