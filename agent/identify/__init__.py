@@ -1,1 +1,1 @@
-"""IDENTIFY: valve and process estimated together from OP and PV, by one search. Pure; arrays in, arrays out."""
+"""IDENTIFY: valve and process estimated together from OP and PV. Pure; arrays in, arrays out."""

@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agent.identify.problem import STROKE_TIME, Problem, first_blocks
 from agent.identify.arrays import FloatArray
+from agent.identify.problem import STROKE_TIME, Problem, first_blocks
 from agent.jit import kernel
+
 
 class Bank(NamedTuple):
     """One record before many processes; gaps count as no deviation here, for this only orders candidates."""

@@ -9,14 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agent.identify.bank import Bank
 from agent.identify.arrays import FloatArray, IntArray
+from agent.identify.bank import Bank
 from agent.jit import fused_kernel, inlined_kernel, kernel, summing_kernel
 
+
 @summing_kernel
-def moves_of(
-    position: FloatArray, block: int, means: FloatArray, at: IntArray, by: FloatArray
-) -> int:
+def moves_of(position: FloatArray, block: int, means: FloatArray, at: IntArray, by: FloatArray) -> int:
     """Fill the block means of the position less its first value, and its moves; return their number."""
     m = means.size
     start = position[0]

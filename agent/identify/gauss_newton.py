@@ -3,8 +3,8 @@
 Behind a known path of the stem, the response s to gain one is known, and so are its derivatives by both poles
 and by the delay: the same recursions, differentiated. With start-up and nuisance they are the columns of a
 least-squares problem whose normal equations need one pass. The first column alone (with the start-up) gives
-the exact error at the process as it stands; all of them the step to a better one (variable projection,
-Kaufman's approximation, BIT 15 (1975) 49: the gain that multiplies the derivatives is the one just solved for).
+the exact error at the process as it stands; all of them the step to a better one (variable projection in
+Kaufman's approximation, BIT 15 (1975) 49: the derivatives are multiplied by the gain just solved for).
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from agent.identify.objective import (
     LOG_TAU,
     LOG_TAU2,
     SOPDT,
+    block_mean,
 )
-from agent.identify.model.response import block_positions, poles_of
 from agent.identify.problem import Problem, to_blocks
 from agent.jit import fused_kernel, kernel, summing_kernel
 
@@ -83,14 +83,25 @@ def room_for(problem: Problem) -> Room:
     return Room(np.empty(m), np.empty((4, m)), np.zeros((6, 9)), np.zeros((5, 6)))
 
 
+@kernel
+def poles_of(candidate: FloatArray, structure: int, block: int) -> tuple[float, float]:
+    """Return both poles a block; 1 for an integrator, 0 where there is no second lag."""
+    if structure == INTEGRATOR:
+        return 1.0, 0.0
+    pole2 = 0.0
+    if structure == SOPDT:
+        pole2 = math.exp(-block / math.exp(max(AT_ONCE, min(candidate[LOG_TAU2], candidate[LOG_TAU]))))
+    return math.exp(-block / math.exp(candidate[LOG_TAU])), pole2
+
+
 @fused_kernel
 def pass_high(position: FloatArray, problem: Problem, passed: FloatArray) -> None:
     """Fill ``passed`` with the block means of the position behind the high pass, but for its factor."""
-    means = block_positions(position, problem.block)
-    former, high = means[0], 0.0
+    former, high = block_mean(position, 0, problem.block), 0.0
     for b in range(passed.size):
-        high = problem.keep * high + (means[b] - former)
-        former = means[b]
+        mean = block_mean(position, b, problem.block)
+        high = problem.keep * high + (mean - former)
+        former = mean
         passed[b] = high
 
 
@@ -110,7 +121,9 @@ def fill_ways(passed: FloatArray, pole: float, pole2: float, ways: FloatArray) -
 
 
 @summing_kernel
-def delayed_products(ways: FloatArray, whole: int, part: float, problem: Problem, g: FloatArray) -> None:
+def delayed_products(  # noqa: PLR0915 - one sum a line, so that each stays in a register
+    ways: FloatArray, whole: int, part: float, problem: Problem, g: FloatArray
+) -> None:
     """Fill the products of the delayed columns with each other, with PV and with the nuisance."""
     z, q1, q2 = ways[0], ways[1], ways[2]
     pv, weight, basis = problem.pv, problem.weight, problem.basis
@@ -242,9 +255,7 @@ def step_from(candidate: FloatArray, structure: int, problem: Problem, squares: 
     if a[0, 0] <= SEEN * g[0, 0] or g[0, 0] == 0.0:
         return Step(squares, squares, 0.0, 0.0, 0.0)
     determinant = a[0, 0] * a[4, 4] - a[0, 4] ** 2
-    starts = (
-        lags and a[4, 4] > START_UP_SEEN * g[4, 4] and determinant > SEEN * a[0, 0] * a[4, 4]
-    )
+    starts = lags and a[4, 4] > START_UP_SEEN * g[4, 4] and determinant > SEEN * a[0, 0] * a[4, 4]
     if starts:
         gain = (a[0, PV] * a[4, 4] - a[4, PV] * a[0, 4]) / determinant
         level = (a[4, PV] * a[0, 0] - a[0, PV] * a[0, 4]) / determinant

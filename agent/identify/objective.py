@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agent.identify.problem import Problem, to_blocks
 from agent.identify.arrays import FloatArray
+from agent.identify.problem import Problem, to_blocks
 from agent.jit import fused_kernel, inlined_kernel, kernel, summing_kernel
 from agent.physics.valves.damped_stem import DAMPING, GIVE, REST, SUPPLY, damped_stem
 

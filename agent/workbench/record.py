@@ -10,8 +10,8 @@ import numpy as np
 from agent.analysis.gates import gates
 from agent.analysis.loop.controller_action import process_gain_sign
 from agent.analysis.oscillation import detect_oscillation
-from agent.identify.problem import BURN, after_gaps, bridge, dominant_period, smooth_speed
 from agent.analysis.record.reversals import significant_reversals
+from agent.identify.problem import BURN, after_gaps, bridge, dominant_period, smooth_speed
 from agent.physics.effect import Facts
 
 if TYPE_CHECKING:

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.quantify.free_run.search import best_stiction
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -24,8 +26,6 @@ from agent.identify.objective import (
     LOG_TAU2,
     S,
 )
-from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.quantify.free_run.search import best_stiction
 from agent.physics.valves.damped_stem import DampedStem
 from agent.units import FrictionBands
 

@@ -11,7 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.bristles import with_bristles
-from agent.analysis.quantify.free_run.fitted import Fitted, by_error, evaluated, smooth, start
+from agent.analysis.quantify.free_run.fitted import evaluated, smooth
+from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.quantify.free_run.search import best_stiction
+from agent.analysis.quantify.free_run.second_search import converged_search
+from agent.analysis.quantify.free_run.starts import STEMS
+from agent.identify.fitted import Fitted, by_error, start
 from agent.identify.objective import (
     DELAY,
     FIRST,
@@ -24,14 +29,10 @@ from agent.identify.objective import (
     SOPDT,
     S,
 )
-from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.quantify.free_run.search import best_stiction
-from agent.analysis.quantify.free_run.second_search import converged_search
-from agent.analysis.quantify.free_run.starts import STEMS
 
 if TYPE_CHECKING:
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray, LoopWindow
+    from agent.identify.problem import Problem
     from agent.units import FrictionBands
 
 LEVELS, DELAYS, TAUS = 41, (2.0, 4.0, 8.0, 12.0, 16.0, 20.0, 30.0), (5.0, 15.0, 40.0)

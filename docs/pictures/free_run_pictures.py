@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from agent.identify.bank import bank
 from agent.analysis.quantify.free_run.coarse_grid import (
     COARSE,
     LEVEL_STEP,
@@ -20,15 +19,16 @@ from agent.analysis.quantify.free_run.coarse_grid import (
 )
 from agent.analysis.quantify.free_run.fitted import STEP as PROCESS_STEP
 from agent.analysis.quantify.free_run.fitted import searched
-from agent.identify.objective import S, free_run_error
 from agent.analysis.quantify.free_run.problem import pose
-from agent.identify.problem import Problem, first_periods
 from agent.analysis.quantify.free_run.random_shots import settled
 from agent.analysis.quantify.free_run.search import best_stiction
 from agent.analysis.quantify.free_run.shooting import track_for
 from agent.analysis.quantify.free_run.shooting_search import STAGES
 from agent.analysis.quantify.free_run.starts import STEMS
 from agent.analysis.record.recording import FloatArray, LoopHints, LoopWindow
+from agent.identify.bank import bank
+from agent.identify.objective import S, free_run_error
+from agent.identify.problem import Problem, first_periods
 from agent.plots.axes import MEASURED, MODEL, VALVE, tidy
 from simulators.parameters import ValveParameters
 from simulators.plant import simulate

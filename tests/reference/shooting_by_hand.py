@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.shooting import HALVINGS, LEAST_BLOCKS, OFFSETS, TOO_LARGE
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -13,7 +14,6 @@ from agent.identify.objective import (
     LOG_SUPPLY,
     S,
 )
-from agent.analysis.quantify.free_run.shooting import HALVINGS, LEAST_BLOCKS, OFFSETS, TOO_LARGE
 from agent.physics.valves.damped_stem import stem_at, stem_motion, strokes
 from tests.reference.free_run_twins import process_response
 

@@ -5,11 +5,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.analysis.quantify.free_run import bank as banks
-from agent.analysis.quantify.free_run import bank_score as scores
-from agent.analysis.quantify.free_run import coarse_grid, local_search, objective
+from agent.analysis.quantify.free_run import coarse_grid, local_search
 from agent.analysis.quantify.free_run.climb import climb
 from agent.analysis.quantify.free_run.fitted import STEP
+from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.quantify.free_run.starts import STEMS
+from agent.analysis.record.recording import LoopHints, LoopWindow
+from agent.identify import bank as banks
+from agent.identify import bank_score as scores
+from agent.identify import objective
+from agent.identify.first_slip import first_slip
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -27,10 +32,7 @@ from agent.identify.objective import (
     SOPDT,
     S,
 )
-from agent.analysis.quantify.free_run.problem import pose
 from agent.identify.problem import from_blocks, high_pass, to_blocks
-from agent.analysis.quantify.free_run.starts import STEMS
-from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow
 from tests.reference.damped_stem_branches import damped_stem_in_small_steps
@@ -106,7 +108,7 @@ def test_without_stiction_the_stem_is_op():
 def test_the_first_slip_is_at_the_end_of_the_band_that_is_passed_first(seed, s, share):
     op = problem_of(seed).op
     up = op.min() + s + share * (np.ptp(op) - s)
-    assert coarse_grid.first_slip(op, s, up) == slow.first_slip(op, s, up)
+    assert first_slip(op, s, up) == slow.first_slip(op, s, up)
 
 
 @FEW

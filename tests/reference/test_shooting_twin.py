@@ -6,6 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.quantify.free_run.fitted import STEP
+from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.quantify.free_run.random_shots import random_shots
+from agent.analysis.quantify.free_run.shooting import Aim, Shots, aim_by, shot_error, track_for
+from agent.analysis.record.recording import LoopWindow
 from agent.identify.objective import (
     DELAY,
     FIRST,
@@ -18,10 +22,6 @@ from agent.identify.objective import (
     S,
     free_run_error,
 )
-from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.quantify.free_run.random_shots import random_shots
-from agent.analysis.quantify.free_run.shooting import Aim, Shots, aim_by, shot_error, track_for
-from agent.analysis.record.recording import LoopWindow
 from agent.physics.valves.damped_stem import damped_stem, stem_at, stem_motion, strokes
 from tests.reference import free_run_twins as slow
 from tests.reference.shooting_by_hand import Shooting

@@ -18,15 +18,15 @@ from agent.analysis.innovations.noise_models import noise_models
 from agent.analysis.innovations.process_search import best_process
 from agent.analysis.innovations.valve_search import best_valve
 from agent.analysis.innovations.whitened import Fit, log_likelihood
-from agent.identify.objective import S, valve_position
 from agent.analysis.quantify.free_run.problem import pose
+from agent.identify.objective import S, valve_position
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray, LoopHints, LoopWindow
     from agent.analysis.results import Quantification
+    from agent.identify.problem import Problem
 
 LEAST_S = 0.02
 """S below this share of the OP span takes noise off OP, which any record likes a little."""

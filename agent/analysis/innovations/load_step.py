@@ -13,15 +13,15 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from agent.analysis.innovations.whitened import Fit, fitted, log_likelihood
 from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2, process_response
-from agent.analysis.quantify.free_run.search import process_grid
+from agent.identify.search.linear import process_grid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
+    from agent.identify.problem import Problem
 
 EVALUATIONS = 25
 LEAST_ENERGY = 0.05

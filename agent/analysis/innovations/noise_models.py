@@ -16,8 +16,8 @@ from agent.identify.problem import bridge, high_pass, nuisance_basis
 from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import LoopWindow
+    from agent.identify.problem import Problem
 
 MEMORIES = (0.4, 1.5, 5.0, 15.0, 50.0)
 """Time constants of the filters, blocks. One more is as long as the record: it takes a slow drift off."""

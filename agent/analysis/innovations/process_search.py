@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.innovations.whitened import fitted, log_likelihood
+from agent.analysis.quantify.free_run.search import structures
 from agent.identify.objective import (
     FOPDT,
     INTEGRATOR,
@@ -16,14 +17,14 @@ from agent.identify.objective import (
     SOPDT,
     free_run_errors,
 )
-from agent.analysis.quantify.free_run.search import process_grid, structures
+from agent.identify.search.linear import process_grid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.innovations.whitened import Fit
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray, LoopHints
+    from agent.identify.problem import Problem
 
 SECONDS = {FOPDT: (0.0,), SOPDT: (-0.2, -1.0, -2.5), INTEGRATOR: (0.0,)}
 """Logs of the second time constant over the first that are tried. A second lag that the model without a

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.coarse_grid import meets
 from agent.identify.bank import Bank
 from agent.identify.bank_score import best_share, room_for
-from agent.analysis.quantify.free_run.coarse_grid import meets
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import stem_at, stem_motion, strokes
 

@@ -14,9 +14,12 @@ import numpy as np
 
 from agent.analysis.innovations.valve_grid import scan_rests
 from agent.analysis.innovations.whitened import Fit, fitted, white_likelihood
-from agent.identify.bank import bank
-from agent.analysis.quantify.free_run.coarse_grid import first_slip, processes, set_process
+from agent.analysis.quantify.free_run.coarse_grid import processes, set_process
 from agent.analysis.quantify.free_run.local_search import random_steps
+from agent.analysis.quantify.free_run.search import structures
+from agent.analysis.quantify.free_run.starts import STEMS
+from agent.identify.bank import bank
+from agent.identify.first_slip import first_slip
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -30,16 +33,14 @@ from agent.identify.objective import (
     S,
 )
 from agent.identify.problem import to_blocks
-from agent.analysis.quantify.free_run.search import structures
-from agent.analysis.quantify.free_run.starts import STEMS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray, LoopHints
+    from agent.identify.problem import Problem
 
 S_SHARES = np.geomspace(0.02, 1.0, 18)
 """S of the grid, OP spans."""

@@ -19,11 +19,11 @@ from agent.identify.objective import (
     free_run_error,
     valve_position,
 )
-from agent.analysis.quantify.free_run.residuals import residuals
+from agent.identify.residuals import residuals
 
 if TYPE_CHECKING:
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
+    from agent.identify.problem import Problem
 
 AXES = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY), INTEGRATOR: (DELAY,)}
 """What is searched of a process; the second pole keeps its ratio."""

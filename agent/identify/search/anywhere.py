@@ -10,6 +10,8 @@ import numpy as np
 from agent.identify.arrays import FloatArray, IntArray
 from agent.identify.bank import Bank, bank
 from agent.identify.bank_score import best_share, room_for
+from agent.identify.bounds import keep_in_bounds
+from agent.identify.first_slip import first_slip
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -27,7 +29,6 @@ from agent.identify.objective import (
     STEM_HIGH,
     STEM_LOW,
     S,
-    keep_in_bounds,
     valve_position,
 )
 from agent.identify.problem import Problem, from_blocks, to_blocks
@@ -47,7 +48,8 @@ SOFT = 1 / 3
 """Share of the stems with bristles."""
 LEAST_MOVES = 3
 """Blocks in which a valve that is looked at moves."""
-ALL = math.inf
+ALL = 1e9
+"""Periods of a bank over all that is given."""
 
 
 class Processes(NamedTuple):
@@ -65,8 +67,6 @@ def valves_from_anywhere(
     part: Problem,
     structures: Sequence[int],
     rng: np.random.Generator,
-    *,
-    at_rest: bool = False,
 ) -> Population:
     """Return random valves over the ``part`` of a record, each with its best process of a bank.
 
@@ -76,8 +76,6 @@ def valves_from_anywhere(
         part: Its first periods.
         structures: Processes that are possible.
         rng: Where chance comes from.
-        at_rest: Whether the stem may rest anywhere before the record and need not turn, as where OP moves a
-            few times; else it slips within the first strokes, as in a limit cycle.
     """
     taus, ratios = process_bank(problem, structures)
     near = bank(part, taus, ratios, ALL)
@@ -86,11 +84,11 @@ def valves_from_anywhere(
     log_tau = np.log(np.where(lags, taus, math.exp(2.0)))
     log_tau2 = np.where(ratios > 0, log_tau + np.log(np.maximum(ratios, 1e-3)), LEAST_LOG_TAU)
     processes = Processes(log_tau, np.maximum(log_tau2, LEAST_LOG_TAU), structure)
-    return scored(count, part, near, delays_of(problem), processes, at_rest, rng)
+    return scored(count, part, near, delays_of(problem), processes, rng)
 
 
 def process_bank(problem: Problem, structures: Sequence[int]) -> tuple[FloatArray, FloatArray]:
-    """Return time constants (samples, an integrator's infinite) and ratios of the second to the first, (k,)."""
+    """Return time constants (samples, infinite for an integrator) and ratios of the second to it, (k,)."""
     slowest = max(6.0, problem.period)
     lags = np.geomspace(max(0.7, 0.5 * problem.block), slowest, TAUS - 1)
     taus: list[float] = []
@@ -122,7 +120,6 @@ def scored(
     bank: Bank,
     delays: IntArray,
     processes: Processes,
-    at_rest: bool,
     rng: np.random.Generator,
 ) -> Population:
     """Draw valves and give each the process of the bank that explains most of PV behind it."""
@@ -136,10 +133,8 @@ def scored(
     for i in range(count):
         candidate = candidates[i]
         draw_valve(candidate, low, high, part, rng)
-        if at_rest:
-            rest_anywhere(candidate, part, rng)
         position = valve_position(candidate, part)[: bank.op.size]
-        share, place = best_share(position, bank, delays, 1 if at_rest else LEAST_MOVES, room)
+        share, place = best_share(position, bank, delays, LEAST_MOVES, room)
         k, q = place // delays.size, place % delays.size
         candidate[LOG_TAU], candidate[LOG_TAU2] = processes.log_tau[k], processes.log_tau2[k]
         candidate[DELAY] = from_blocks(float(delays[q]), part.block)
@@ -171,14 +166,6 @@ def draw_valve(
 
 
 @kernel
-def rest_anywhere(candidate: FloatArray, problem: Problem, rng: np.random.Generator) -> None:
-    """Let a candidate's stem rest before the record anywhere that its friction lets it rest."""
-    f_s = candidate[S] * (1.0 + candidate[J_RATIO]) / 2.0
-    rest = problem.op[0] + f_s * (2.0 * rng.random() - 1.0)
-    candidate[LEVEL], candidate[FIRST] = first_slip(problem.op, 2.0 * f_s, rest + f_s)
-
-
-@kernel
 def even_or_logarithmic(least: float, rng: np.random.Generator) -> float:
     """Return a share up to 1: half of the draws even, half with an even logarithm from ``least`` on."""
     u = rng.random()
@@ -199,18 +186,3 @@ def draw_stem(candidate: FloatArray, rng: np.random.Generator) -> None:
 def drawn_bristles(rng: np.random.Generator) -> float:
     """Return what bristles may give, by logarithms."""
     return float(GIVE[0] * (GIVE[1] / GIVE[0]) ** rng.random())
-
-
-@kernel
-def first_slip(op: FloatArray, s: float, up: float) -> tuple[float, float]:
-    """Return the level of OP at the first slip and its direction.
-
-    A valve that slips once each way goes on slipping upward where OP passes the level ``up``, and downward S
-    below it, for as long as the record lasts.
-    """
-    for t in range(op.size):
-        if op[t] > up:
-            return up, 1.0
-        if op[t] < up - s:
-            return up - s, -1.0
-    return up, 1.0

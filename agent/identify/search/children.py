@@ -7,6 +7,8 @@ import math
 import numpy as np
 
 from agent.identify.arrays import FloatArray, IntArray
+from agent.identify.bounds import keep_in_bounds
+from agent.identify.gauss_newton import room_for
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -25,9 +27,7 @@ from agent.identify.objective import (
     STEM_HIGH,
     STEM_LOW,
     S,
-    keep_in_bounds,
 )
-from agent.identify.gauss_newton import room_for
 from agent.identify.problem import Problem
 from agent.identify.search.anywhere import draw_stem, drawn_bristles
 from agent.identify.search.population import Population, cost_of
@@ -41,7 +41,7 @@ OTHER_STRUCTURE = 0.06
 DECADES = 1.5
 """Steps are up to so many powers of ten smaller than the largest."""
 J_STEP, STEM_STEP, REST_STEP, GIVE_STEP = 1.5, 3.0, 6.0, 6.0
-"""Steps of J, stem, rest at the same strokes, and bristles, over that of S: about as much as moves a slip alike."""
+"""Steps of J, stem, rest at the same strokes, and bristles, over that of S: as much moves a slip alike."""
 LEAST_S = 0.005
 """Smallest S of a child, over the OP span."""
 HOPELESS = 0.8
@@ -115,9 +115,7 @@ def move_valve(
 
 
 @kernel
-def cross(
-    candidate: FloatArray, bands: FloatArray, parents: FloatArray, rng: np.random.Generator
-) -> None:
+def cross(candidate: FloatArray, bands: FloatArray, parents: FloatArray, rng: np.random.Generator) -> None:
     """Add part of the difference of two parents to some coordinates."""
     one = parents[int(len(parents) * rng.random())]
     other = parents[int(len(parents) * rng.random())]
@@ -195,7 +193,7 @@ def follow(candidate: FloatArray, by: float, problem: Problem, rng: np.random.Ge
 def other_structure(
     candidate: FloatArray, structure: int, problem: Problem, possible: IntArray, rng: np.random.Generator
 ) -> int:
-    """Return a structure near the candidate's, with time constants and delay to match; the same if impossible."""
+    """Return a structure near the candidate's, with time constants and delay to match, or the same."""
     to = FOPDT
     if structure == INTEGRATOR:
         to = FOPDT if possible[FOPDT] == 1 else SOPDT

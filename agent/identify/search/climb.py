@@ -1,4 +1,4 @@
-"""A climb: a population follows a record that grows as fast as its best can follow, then settles on all of it.
+"""A climb: a population follows a record that grows as fast as its best can, then settles on all of it.
 
 One missed slip displaces the stem until the next reversal or longer. So the basin of the true valve narrows
 with every stroke: over the whole record it is a needle a quarter per cent of the span wide, over four periods
@@ -16,14 +16,13 @@ import numpy as np
 
 from agent.identify.problem import first_periods
 from agent.identify.search.children import generation
-from agent.identify.search.population import Population, apart, join, least, reach, refit
+from agent.identify.search.population import Population, apart, join, least, periods_of, reach, refit
 
 if TYPE_CHECKING:
     from agent.identify.arrays import FloatArray, IntArray
     from agent.identify.problem import Problem
 
-# Chosen on simulated loops (the trial of reference/search.md, seeds 3000 to 3063 of random_plants, and seeds
-# 40000 to 40063 for what is different from it).
+# Chosen on simulated loops (the trial of reference/search.md, and seeds 40000 to 40121 of random_plants).
 PARENTS, FEWEST = 300, 16
 """Parents at the first horizon, and at least."""
 THINNING = 0.7
@@ -65,9 +64,6 @@ class Climbed:
     """On the whole record, best first."""
     early: tuple[Population, ...]
     """The parents at each horizon on the way, for the intervals."""
-    grew: float
-    """Mean square of the best over the whole record over that of the best on the first part: 1 where a valve
-    that is right on its first periods is right to the end."""
     work: float
     """Samples through which valves were simulated."""
 
@@ -79,7 +75,6 @@ def climb(
     possible: IntArray,
     rng: np.random.Generator,
     finalists: Population | None = None,
-    size: int = 1,
 ) -> Climbed:
     """Follow a population from the first ``horizon`` periods to the whole record.
 
@@ -90,16 +85,15 @@ def climb(
         possible: 1 for each structure that is possible, (3,).
         rng: Where chance comes from.
         finalists: Of climbs before, on the whole record; they join at its end.
-        size: Of the population, over the usual one.
     """
-    ranges, periods = reach(problem), problem.periods
+    ranges, periods = reach(problem), periods_of(problem)
     first, growth, work = horizon, GROWTH, 0.0
     part = first_periods(problem, horizon if horizon < periods else math.inf)
-    population, early, first_square = begun, [], 0.0
+    population, early = begun, []
     for stage in range(MOST_HORIZONS):
         refit(population, part, 4)
         shrunk = first / horizon
-        count = size * int(max(FEWEST, PARENTS * shrunk**THINNING))
+        count = int(max(FEWEST, PARENTS * shrunk**THINNING))
         step = STEP * max(LEAST_STEP, shrunk**STEP_POWER)
         work += len(population.costs) * len(part.op)
         for this_step, parents in ((step, count), (SECOND_STEP * step, count * 3 // 4)):
@@ -109,8 +103,7 @@ def climb(
             population = generation(population, CHILDREN, this_step, part, possible, rng)
         population = _parents(population, count * 3 // 4, DISTANCE / 2 * step, count, ranges, problem)
         early.append(population)
-        square = least(population) / part.count
-        first_square = first_square or square
+        square = least(population) / _count(part)
         if len(part.pv) == len(problem.pv):
             break
         growth = min(GROWTH, FASTER * growth)
@@ -118,8 +111,11 @@ def climb(
     if finalists is not None:
         population = join(population, finalists)
     population, more = _settled(population, problem, possible, ranges, rng)
-    grew = least(population) / problem.count / max(first_square, 1e-300)
-    return Climbed(population, tuple(early[:-1]), grew, work + more)
+    return Climbed(population, tuple(early[:-1]), work + more)
+
+
+def _count(problem: Problem) -> float:
+    return float(problem.weight.sum())
 
 
 def _parents(
@@ -131,8 +127,8 @@ def _parents(
 def _longer(
     population: Population, problem: Problem, horizon: float, growth: float, square: float
 ) -> tuple[float, float, Problem]:
-    """Return the next horizon, the growth to it, and the record up to there: as far as the best can follow."""
-    periods = problem.periods
+    """Return the next horizon, the growth to it, and the record up to there, as far as the best follow."""
+    periods = periods_of(problem)
     scouts = population.sorted(SCOUTS)
     while True:
         longer = horizon * growth
@@ -142,7 +138,7 @@ def _longer(
             break
         trial = scouts.sorted(SCOUTS)
         refit(trial, part, 2)
-        if least(trial) / part.count <= FOLLOWS * square:
+        if least(trial) / _count(part) <= FOLLOWS * square:
             break
         growth = max(LEAST_GROWTH, math.sqrt(growth))
     return (periods if whole else longer), growth, part

@@ -59,7 +59,8 @@ def _of_cells(population: Population, problem: Problem) -> Population:
     span = problem.op_span
     s = population.candidates[:, S] / span
     j = s * population.candidates[:, J_RATIO]
-    return population.take(np.union1d(_best_of(s / S_CELL, population.costs), _best_of(j / J_CELL, population.costs)))
+    of_s, of_j = _best_of(s / S_CELL, population.costs), _best_of(j / J_CELL, population.costs)
+    return population.take(np.union1d(of_s, of_j))
 
 
 def _best_of(places: FloatArray, costs: FloatArray) -> IntArray:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2, SIZE, STEM_LOW, LOG_DAMPING, LOG_REST
-from agent.identify.fitted import Fitted, best_of
+from agent.identify.fitted import Fitted, by_error, start
+from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2, SIZE
 from agent.identify.search.population import Population, refit
 
 if TYPE_CHECKING:
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from agent.identify.arrays import FloatArray
     from agent.identify.problem import Problem
 
-TAUS, DELAYS = 8, 6
-"""Starts in the time constant and in the delay."""
 PASSES = 25
 """Gauss-Newton steps of a start, at most."""
 SECOND = -1.6
@@ -30,7 +28,7 @@ def best_linear(problem: Problem, structures: Sequence[int], also: Fitted | None
 
     ``also`` lends its process as one more start.
     """
-    starts = process_grid(problem, SECOND)
+    starts = np.array(process_grid(problem, SECOND))
     if also is not None:
         lent = starts[0].copy()
         lent[[LOG_TAU, DELAY, LOG_TAU2]] = also.candidate[[LOG_TAU, DELAY, LOG_TAU2]]
@@ -39,21 +37,21 @@ def best_linear(problem: Problem, structures: Sequence[int], also: Fitted | None
     of = np.repeat(np.array(structures, dtype=np.int64), len(starts))
     population = Population(candidates, of, np.full(len(of), math.inf))
     refit(population, problem, PASSES)
-    best = best_of(population, problem)
-    return best if math.isfinite(best.error) else None
+    best = population.sorted(1)
+    possible = by_error([start(best.candidates[0], int(best.structures[0]), problem)])
+    return possible[0] if possible else None
 
 
-def process_grid(problem: Problem, second: float) -> FloatArray:
-    """Return candidates without stiction over time constants and delays, (k, SIZE).
+def process_grid(problem: Problem, second: float) -> list[FloatArray]:
+    """Return candidates without stiction over time constants and delays, (SIZE,) each.
 
     ``second`` is the log of the second time constant over the first.
     """
-    delays = [problem.fixed_delay] if problem.fixed_delay > 0 else np.linspace(1, 0.75 * problem.max_delay, DELAYS)
+    delays = [problem.fixed_delay] if problem.fixed_delay > 0 else np.linspace(1, 0.75 * problem.max_delay, 6)
     grid = []
-    for log_tau in np.linspace(math.log(0.7), problem.max_log_tau - 1, TAUS):
+    for log_tau in np.linspace(math.log(0.7), problem.max_log_tau - 1, 8):
         for delay in delays:
             candidate = np.zeros(SIZE)
             candidate[[LOG_TAU, DELAY, LOG_TAU2]] = log_tau, delay, log_tau + second
-            candidate[LOG_DAMPING : LOG_REST + 1] = STEM_LOW
             grid.append(candidate)
-    return np.array(grid)
+    return grid

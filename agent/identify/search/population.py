@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agent.identify.arrays import FloatArray, IntArray
+from agent.identify.gauss_newton import Room, fit_process, pass_high, room_for
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -24,7 +25,6 @@ from agent.identify.objective import (
     S,
     valve_position,
 )
-from agent.identify.gauss_newton import Room, fit_process, pass_high, room_for
 from agent.identify.problem import Problem
 from agent.identify.search.price import price
 from agent.jit import kernel
@@ -98,28 +98,29 @@ def apart(
         if count == most or not np.isfinite(costs[i]):
             break
         at = min(S_BINS - 1, int(S_BINS * candidates[i, S] / span))
-        if of_niche[at, structures[i]] >= per_niche:
-            continue
-        alone = True
-        for k in range(count):
-            other = chosen[k]
-            if costs[i] <= (1.0 + SAME_ERROR) * costs[other]:
-                alone = False
-                break
-            far = structures[i] != structures[other] or candidates[i, FIRST] != candidates[other, FIRST]
-            for x in range(SIZE):
-                if far:
-                    break
-                if ranges[x] > 0.0 and abs(candidates[i, x] - candidates[other, x]) > distance * ranges[x]:
-                    far = True
-            if not far:
-                alone = False
-                break
-        if alone:
+        room_left = of_niche[at, structures[i]] < per_niche
+        if room_left and alone(i, population, chosen[:count], distance, ranges):
             chosen[count] = i
             count += 1
             of_niche[at, structures[i]] += 1
     return chosen[:count]
+
+
+@kernel
+def alone(i: int, population: Population, chosen: IntArray, distance: float, ranges: FloatArray) -> bool:
+    """Whether a member differs from all that are chosen, in cost and in place."""
+    candidates, structures, costs = population
+    for other in chosen:
+        if costs[i] <= (1.0 + SAME_ERROR) * costs[other]:
+            return False
+        far = structures[i] != structures[other] or candidates[i, FIRST] != candidates[other, FIRST]
+        for x in range(SIZE):
+            if ranges[x] > 0.0 and abs(candidates[i, x] - candidates[other, x]) > distance * ranges[x]:
+                far = True
+                break
+        if not far:
+            return False
+    return True
 
 
 @kernel
@@ -135,9 +136,7 @@ def cost_of(
     """Fit a candidate's process behind its valve, in place; return what it costs."""
     factor = price(candidate, structure, problem, squares_count(problem))
     pass_high(valve_position(candidate, problem), problem, room.passed)
-    return factor * fit_process(
-        candidate, structure, problem, squares, evaluations, room, give_up / factor
-    )
+    return factor * fit_process(candidate, structure, problem, squares, evaluations, room, give_up / factor)
 
 
 @kernel
@@ -164,6 +163,11 @@ def refit(population: Population, problem: Problem, evaluations: int) -> None:
             room,
             np.inf,
         )
+
+
+def periods_of(problem: Problem) -> float:
+    """Return the periods in a record, from where the loop begins to swing."""
+    return float((problem.op.size - problem.quiet) / problem.period)
 
 
 def least(population: Population) -> float:

@@ -1,10 +1,10 @@
 """What a model costs beside its error: one criterion for better, everywhere in the search.
 
-The search compares log likelihoods: -n/2 log(error) of n blocks, less log(n)/2 for each number that a model has
-more than the simplest one (Schwarz, Annals of Statistics 6 (1978) 461), less the log of a prior. As a factor of
-the error that is n^(numbers / n) times the prior's. A stem that sticks where it stands, with stiff bristles, is
-the prior: a record with one slip each way determines only S + rest J and (1 - rest) J, and what bristles give
-trades off with f_S.
+The search compares log likelihoods: -n/2 log(error) of n blocks, less log(n)/2 for each number that a model
+has more than the simplest one (Schwarz, Annals of Statistics 6 (1978) 461), plus the log of a prior. As a
+factor of the error that is n^(numbers / n) times that of the prior: it prefers a stem that comes to rest with
+little force left, and stiff bristles: a record with one slip each way determines only S + rest J and
+(1 - rest) J, and what bristles give trades off with f_S.
 """
 
 from __future__ import annotations
@@ -34,4 +34,4 @@ def price(candidate: FloatArray, structure: int, problem: Problem, count: float)
         numbers += 1.0
     jump = candidate[S] * candidate[J_RATIO] / problem.op_span
     unlikely = jump * (math.exp(candidate[LOG_REST]) + DEAR_BRISTLES * candidate[BRISTLES] ** 2)
-    return (1.0 + DEAR * unlikely) * math.exp(numbers * math.log(count) / count)
+    return float((1.0 + DEAR * unlikely) * math.exp(numbers * math.log(count) / count))

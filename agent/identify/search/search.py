@@ -1,35 +1,32 @@
-"""The search: islands from anywhere, and around what they found, each twice as large, until noise is left.
+"""The search: islands from anywhere, and around what they found, in turn, until noise is left.
 
-See docs/methods/free_run.md. One schedule: an even cycle is an island (valves from anywhere climb), an odd one
-climbs again from valves scattered around what was found; each island is twice as large as the one before
-(restarts with a growing population: Auger and Hansen, IEEE CEC 2005, 1769). One criterion: what a candidate
-costs (``price``). One stop: what the best model leaves is white noise, or two cycles in a row gained nothing,
-or the budget is spent.
+One schedule: an even cycle is an island (valves from anywhere climb), an odd one climbs again from valves
+scattered around what was found. One criterion: what a candidate costs (``price``). One stop: the residual of
+the best model is white noise, or some cycles in a row gained nothing, or the budget is spent.
+See docs/methods/population.md.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.identify.objective import FOPDT, INTEGRATOR, SOPDT
-from agent.identify.residuals import residuals
+from agent.identify.fitted import start
+from agent.identify.objective import FOPDT, INTEGRATOR, SIZE, SOPDT
 from agent.identify.problem import first_periods
+from agent.identify.residuals import autocorrelation
 from agent.identify.search.anywhere import valves_from_anywhere
 from agent.identify.search.children import scattered
 from agent.identify.search.climb import PARENTS, climb
-from agent.identify.fitted import best_of
-from agent.identify.search.population import Population, apart, join, least, reach
+from agent.identify.search.population import Population, apart, join, least, periods_of, reach
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.identify.arrays import IntArray
     from agent.identify.problem import Problem
-    from agent.identify.fitted import Fitted
 
 STRUCTURES = (FOPDT, SOPDT, INTEGRATOR)
 MANY_PERIODS = 12
@@ -47,17 +44,20 @@ GOES_ON = 2
 APART = 0.02
 """Distance of those, over the range of a coordinate."""
 OF_A_BIN = 16
+"""Of one niche, at most."""
 FINALISTS = 24
+"""Kept from cycle to cycle."""
 WHITE = 0.15
 """Correlation of a residual with the one of the block before up to which it is white: of 122 simulated loops
 (seeds 40000 to 40121) every valve whose S was off by more than 2 % of the span left 0.23 or more."""
 GAIN = 0.98
 """Cost over that before, above which a cycle gained nothing."""
-CYCLES = 6
-IN_VAIN = 2
-"""Cycles in a row without a gain that end a search: an island, and around what was found."""
-BUDGET = 25e6
-"""Samples through which valves may be simulated before the last cycle: about a second of one core of 2020."""
+CYCLES = 10
+"""At most; the budget ends a search before."""
+IN_VAIN = 3
+"""Cycles in a row without a gain that end a search: around what was found, an island, and around it."""
+BUDGET = 35e6
+"""Samples through which valves may be simulated before the last cycle: about a second of one core."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,8 @@ class Searched:
     early: tuple[Population, ...]
     """Populations on the way, on parts of the record."""
     ended: str
-    """``white``: the best leaves white noise; ``in_vain``: further cycles gained nothing; ``budget``: it is spent, and more might be found."""
+    """``white``: the residual is white noise; ``in_vain``: further cycles gained nothing; ``budget``: it is
+    spent, and more might be found."""
     work: float
     """Samples through which valves were simulated."""
 
@@ -90,7 +91,7 @@ def search(
     possible = possible_of(structures)
     horizon = first_horizon(problem)
     part = first_periods(problem, horizon)
-    finalists: Population | None = None
+    finalists = Population(np.empty((0, SIZE)), np.empty(0, dtype=np.int64), np.empty(0))
     early: tuple[Population, ...] = ()
     vain, work, ended = 0, 0.0, "budget"
     for cycle in range(CYCLES):
@@ -99,18 +100,16 @@ def search(
         climbed = climb(begun, problem, horizon, possible, rng, around)
         work += climbed.work + (ISLAND if around is None else MORE) * len(part.op)
         early += climbed.early
-        before = math.inf if finalists is None else least(finalists)
-        found = climbed.population if finalists is None else join(climbed.population, finalists)
-        finalists = found.sorted(FINALISTS)
+        before = least(finalists)
+        finalists = join(climbed.population, finalists).sorted(FINALISTS)
         vain = vain + 1 if least(finalists) > GAIN * before else 0
-        if cycle % 2 and problem.periods >= MANY_PERIODS and leaves_white(best_of(finalists, problem), problem):
+        if cycle % 2 and periods_of(problem) >= MANY_PERIODS and leaves_white(finalists, problem):
             ended = "white"
         elif vain >= IN_VAIN:
             ended = "in_vain"
         elif work <= BUDGET:
             continue
         break
-    assert finalists is not None
     return Searched(finalists, early, ended, work)
 
 
@@ -130,11 +129,10 @@ def _begun(
     return join(begun, scattered(around, AROUND, SCALE, problem, rng))
 
 
-def leaves_white(fitted: Fitted, problem: Problem) -> bool:
-    """Whether what a model leaves of PV has no memory of the block before."""
-    residual = residuals(fitted.candidate, fitted.structure, problem)
-    power = float(residual @ residual)
-    return power <= 0.0 or abs(float(residual[1:] @ residual[:-1])) <= WHITE * power
+def leaves_white(finalists: Population, problem: Problem) -> bool:
+    """Whether the residual of the best finalist, the first, has no memory of the block before."""
+    structure = int(finalists.structures[0])
+    return abs(autocorrelation(start(finalists.candidates[0], structure, problem), problem, 1)) <= WHITE
 
 
 def possible_of(structures: Sequence[int]) -> IntArray:
@@ -144,7 +142,7 @@ def possible_of(structures: Sequence[int]) -> IntArray:
 
 def first_horizon(problem: Problem) -> float:
     """Return how many periods the search looks at first."""
-    periods = problem.periods
+    periods = periods_of(problem)
     if periods >= MANY_PERIODS:
         return min(periods, max(FIRST_LEAST, periods / FIRST_SHARE))
     return max(min(FEW_LEAST, periods), FEW_SHARE * periods)

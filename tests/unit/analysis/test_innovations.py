@@ -11,10 +11,10 @@ from scipy.signal import lfilter
 from agent.analysis.innovations import log_likelihood_ratio
 from agent.analysis.innovations.noise_models import noise_models
 from agent.analysis.innovations.whitened import student_likelihood
-from agent.analysis.quantify.free_run.coarse_grid import first_slip
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Quantification
+from agent.identify.first_slip import first_slip
 from agent.physics.valves.he2007 import he2007
 
 N = 600

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify.free_run.bristles import JUMPS, bristly, with_bristles
-from agent.analysis.quantify.free_run.fitted import refine, start
+from agent.analysis.quantify.free_run.fitted import refine
+from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.quantify.free_run.search import SURER, Found
+from agent.analysis.record.recording import LoopWindow
+from agent.identify.fitted import start
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -19,9 +23,6 @@ from agent.identify.objective import (
     SIZE,
     S,
 )
-from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.quantify.free_run.search import SURER, Found
-from agent.analysis.record.recording import LoopWindow
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow
 

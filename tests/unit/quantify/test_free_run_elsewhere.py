@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify.free_run.elsewhere import PLACES, moved_elsewhere, one_by_one
-from agent.analysis.quantify.free_run.fitted import start
+from agent.identify.fitted import start
 from agent.identify.objective import (
     BRISTLES,
     DELAY,

@@ -13,7 +13,10 @@ from agent.analysis.quantify.free_run.few_periods import (
     best_by_samples,
     searched_by_samples,
 )
-from agent.analysis.quantify.free_run.fitted import Fitted, start
+from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.quantify.free_run.search import SURER, Found
+from agent.analysis.record.recording import LoopHints, LoopWindow
+from agent.identify.fitted import Fitted, start
 from agent.identify.objective import (
     DELAY,
     FIRST,
@@ -27,9 +30,6 @@ from agent.identify.objective import (
     process_response,
     valve_position,
 )
-from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.quantify.free_run.search import SURER, Found
-from agent.analysis.record.recording import LoopHints, LoopWindow
 
 PERIOD = 200
 HINTS = LoopHints(integrating=False, acting="reverse", order=1)

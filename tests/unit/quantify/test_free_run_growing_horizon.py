@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify.free_run import growing_horizon, populations
-from agent.analysis.quantify.free_run.fitted import start
 from agent.analysis.quantify.free_run.growing_horizon import (
     best_of_populations,
     from_around,
@@ -12,6 +11,14 @@ from agent.analysis.quantify.free_run.growing_horizon import (
     random_valves,
     ways_of,
 )
+from agent.analysis.quantify.free_run.populations import (
+    WHITE,
+    leaves_noise,
+    searched_by_populations,
+)
+from agent.analysis.quantify.free_run.search import Found
+from agent.analysis.record.recording import LoopHints
+from agent.identify.fitted import start
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -21,14 +28,7 @@ from agent.identify.objective import (
     free_run_error,
     in_bounds,
 )
-from agent.analysis.quantify.free_run.populations import (
-    WHITE,
-    leaves_noise,
-    searched_by_populations,
-)
-from agent.analysis.quantify.free_run.residuals import LEAST_LAG
-from agent.analysis.quantify.free_run.search import Found
-from agent.analysis.record.recording import LoopHints
+from agent.identify.residuals import LEAST_LAG
 from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once
 
 HINTS = LoopHints(False, 1)

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from agent.analysis.quantify.free_run.fitted import Fitted
 from agent.analysis.quantify.free_run.intervals import (
     ALIKE,
     ALIKE_IN_J,
@@ -17,6 +16,8 @@ from agent.analysis.quantify.free_run.intervals import (
     same_structure,
     stiction_estimate,
 )
+from agent.analysis.quantify.free_run.search import Found
+from agent.identify.fitted import Fitted
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -27,7 +28,6 @@ from agent.identify.objective import (
     SOPDT,
     S,
 )
-from agent.analysis.quantify.free_run.search import Found
 
 SPAN = 10.0
 PROBLEM = SimpleNamespace(op_span=SPAN)

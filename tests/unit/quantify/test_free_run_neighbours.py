@@ -1,9 +1,9 @@
 """Moving on to a better model beside the best."""
 
-from agent.analysis.quantify.free_run.fitted import Fitted, start
 from agent.analysis.quantify.free_run.neighbours import BETTER, better_beside, moved_on
-from agent.identify.objective import FOPDT, LEVEL, SOPDT, S
 from agent.analysis.quantify.free_run.search import SURER, Found
+from agent.identify.fitted import Fitted, start
+from agent.identify.objective import FOPDT, LEVEL, SOPDT, S
 from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify.free_run.problem import pose
-from agent.identify.problem import SHORT_GAP, after_gaps, bridge, first_periods, high_pass, quiet_start
 from agent.analysis.record.recording import LoopWindow
+from agent.identify.problem import SHORT_GAP, after_gaps, bridge, first_periods, high_pass, quiet_start
 from agent.physics.processes.decimation import block_means
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference.free_run_twins import first_order

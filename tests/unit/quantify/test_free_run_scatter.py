@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
-from agent.analysis.quantify.free_run.fitted import start
+from agent.analysis.quantify.free_run.scatter import SPREADS, scattered, searched_around
+from agent.analysis.quantify.free_run.search import Found
+from agent.analysis.record.recording import LoopHints
+from agent.identify.fitted import start
 from agent.identify.objective import (
     DELAY,
     FIRST,
@@ -15,9 +18,6 @@ from agent.identify.objective import (
     S,
     in_bounds,
 )
-from agent.analysis.quantify.free_run.scatter import SPREADS, scattered, searched_around
-from agent.analysis.quantify.free_run.search import Found
-from agent.analysis.record.recording import LoopHints
 from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once
 
 HINTS = LoopHints(False, 1)

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agent.analysis.quantify.free_run.fitted import start
+from agent.identify.fitted import start
 from agent.identify.objective import FOPDT, S
-from agent.analysis.quantify.free_run.residuals import lasting, residuals
+from agent.identify.residuals import lasting, residuals
 from tests.reference.test_free_run_twin import ACTING, FEW, SEEDS, STRUCTURES, candidate_of, problem_of
 from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once
 

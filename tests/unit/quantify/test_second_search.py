@@ -5,8 +5,6 @@ import pytest
 
 from agent.analysis.quantify.free_run import second_search
 from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
-from agent.analysis.quantify.free_run.fitted import Fitted, start
-from agent.identify.objective import FOPDT, INTEGRATOR, J_RATIO, SIZE, SOPDT, S
 from agent.analysis.quantify.free_run.search import Found
 from agent.analysis.quantify.free_run.second_search import (
     OF_ALL,
@@ -19,6 +17,8 @@ from agent.analysis.quantify.free_run.second_search import (
     searched_again,
 )
 from agent.analysis.record.recording import LoopHints
+from agent.identify.fitted import Fitted, start
+from agent.identify.objective import FOPDT, INTEGRATOR, J_RATIO, SIZE, SOPDT, S
 from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once
 
 

@@ -15,7 +15,6 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.bristles import with_bristles
 from agent.analysis.quantify.free_run.few_periods import searched_by_samples
-from agent.analysis.quantify.free_run.fitted import Fitted
 from agent.analysis.quantify.free_run.intervals import (
     hidden_movement,
     process_intervals,
@@ -24,6 +23,20 @@ from agent.analysis.quantify.free_run.intervals import (
     stiction_estimate,
 )
 from agent.analysis.quantify.free_run.neighbours import moved_on
+from agent.analysis.quantify.free_run.populations import searched_by_populations
+from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
+from agent.analysis.quantify.free_run.search import Found, best_linear, best_stiction
+from agent.analysis.quantify.free_run.second_search import converged_search
+from agent.analysis.quantify.valves.turns import turns
+from agent.analysis.results import (
+    MethodVerdict,
+    ProcessEstimate,
+    ProcessIntervals,
+    Quantification,
+    SimulatedModel,
+)
+from agent.identify.fitted import Fitted
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -36,20 +49,7 @@ from agent.identify.objective import (
     process_response,
     valve_position,
 )
-from agent.analysis.quantify.free_run.populations import searched_by_populations
-from agent.analysis.quantify.free_run.problem import pose
 from agent.identify.problem import Problem, bridge, high_pass
-from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
-from agent.analysis.quantify.free_run.search import Found, best_linear, best_stiction
-from agent.analysis.quantify.free_run.second_search import converged_search
-from agent.analysis.quantify.valves.turns import turns
-from agent.analysis.results import (
-    MethodVerdict,
-    ProcessEstimate,
-    ProcessIntervals,
-    Quantification,
-    SimulatedModel,
-)
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
@@ -99,38 +99,51 @@ class FreeRun:
                 found = with_bristles(found, problem)
                 found = searched_by_populations(found, problem, window.hints)
                 found = searched_by_samples(moved_on(found, problem), window, problem)
-                evidence = evidence_of(found, linear)
-        if evidence == 1.0:
-            found = None
-        elif found is not None and evidence < SLIDES_BELOW:
-            # Shots that set a stem off again and again fit what no valve did; its free run tells of no valve.
-            found = replace(found, best=found.least)
-        decision = decide(evidence, found, problem)
-        best = found.best if found else linear
-        chosen = linear if decision == "no_stiction" else best
-        of_process = process_intervals_of(found, problem, window.ts) if found and chosen is best else None
-        model_pv, model_mv = simulate(chosen, problem, window)
-        other = None
-        if found and chosen is not best:
-            of_best = process_intervals_of(found, problem, window.ts)
-            other = SimulatedModel(
-                process(best, problem, window.ts, of_best), *simulate(best, problem, window)
-            )
-        return Quantification(
-            quantifier=self.name,
-            stiction=stiction_estimate(found, problem, hidden_movement(problem, window)) if found else None,
-            process=process(chosen, problem, window.ts, of_process),
-            free_run_percent=fit_percent(best, problem),
-            linear_percent=fit_percent(linear, problem),
-            evidence=evidence,
-            decision=decision,
-            model_pv=model_pv,
-            model_mv=model_mv,
-            profile=profile(found, problem, window.ts) if found else None,
-            quick_evidence=quick_evidence(window, problem, best) if found else 1.0,
-            turns=turns(valve_position(best.candidate, problem)) if found else 0,
-            sticking=other,
-        )
+        return answer(self.name, found, linear, problem, window)
+
+
+def answer(
+    name: str, found: Found | None, linear: Fitted, problem: Problem, window: LoopWindow
+) -> Quantification:
+    """Return what a search found as the answer of a quantifier.
+
+    Args:
+        name: Of the quantifier.
+        found: Models of a sticking valve; None where no candidate moves it.
+        linear: The best model whose valve follows OP.
+        problem: What the window poses.
+        window: The record.
+    """
+    evidence = evidence_of(found, linear)
+    if evidence == 1.0:
+        found = None
+    elif found is not None and evidence < SLIDES_BELOW:
+        # Shots that set a stem off again and again fit what no valve did; its free run tells of no valve.
+        found = replace(found, best=found.least)
+    decision = decide(evidence, found, problem)
+    best = found.best if found else linear
+    chosen = linear if decision == "no_stiction" else best
+    of_process = process_intervals_of(found, problem, window.ts) if found and chosen is best else None
+    model_pv, model_mv = simulate(chosen, problem, window)
+    other = None
+    if found and chosen is not best:
+        of_best = process_intervals_of(found, problem, window.ts)
+        other = SimulatedModel(process(best, problem, window.ts, of_best), *simulate(best, problem, window))
+    return Quantification(
+        quantifier=name,
+        stiction=stiction_estimate(found, problem, hidden_movement(problem, window)) if found else None,
+        process=process(chosen, problem, window.ts, of_process),
+        free_run_percent=fit_percent(best, problem),
+        linear_percent=fit_percent(linear, problem),
+        evidence=evidence,
+        decision=decision,
+        model_pv=model_pv,
+        model_mv=model_mv,
+        profile=profile(found, problem, window.ts) if found else None,
+        quick_evidence=quick_evidence(window, problem, best) if found else 1.0,
+        turns=turns(valve_position(best.candidate, problem)) if found else 0,
+        sticking=other,
+    )
 
 
 def evidence_of(found: Found | None, linear: Fitted) -> float:

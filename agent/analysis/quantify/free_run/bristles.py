@@ -14,7 +14,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.fitted import Fitted, by_error, refine, restart, start
+from agent.analysis.quantify.free_run.fitted import refine, restart
+from agent.analysis.quantify.free_run.search import Found, Horizon, led_by
+from agent.analysis.quantify.free_run.starts import STEMS
+from agent.identify.fitted import Fitted, by_error, start
 from agent.identify.objective import (
     BRISTLES,
     FIRST,
@@ -26,8 +29,6 @@ from agent.identify.objective import (
     S,
 )
 from agent.identify.problem import first_periods
-from agent.analysis.quantify.free_run.search import Found, Horizon, led_by
-from agent.analysis.quantify.free_run.starts import STEMS
 
 if TYPE_CHECKING:
     from agent.identify.problem import Problem

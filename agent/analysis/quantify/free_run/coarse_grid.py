@@ -14,6 +14,7 @@ import numpy as np
 
 from agent.identify.bank import Bank, bank
 from agent.identify.bank_score import best_share, room_for
+from agent.identify.first_slip import first_slip
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -168,21 +169,6 @@ def bank_delays(problem: Problem) -> NDArray[np.int64]:
     longest = 0.75 * problem.max_delay / problem.block
     steps = np.concatenate([np.arange(4), np.geomspace(4, max(5.0, longest), 8)])
     return first + np.unique(np.round(steps).astype(np.int64))
-
-
-@kernel
-def first_slip(op: FloatArray, s: float, up: float) -> tuple[float, float]:
-    """Return the level of OP at the first slip and its direction.
-
-    A valve that slips once each way goes on slipping upward where OP passes the level ``up``, and downward S
-    below it, for as long as the record lasts.
-    """
-    for t in range(op.size):
-        if op[t] > up:
-            return up, 1.0
-        if op[t] < up - s:
-            return up - s, -1.0
-    return up, 1.0
 
 
 @kernel

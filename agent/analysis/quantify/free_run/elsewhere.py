@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.fitted import Fitted, by_error, evaluated, refine
+from agent.analysis.quantify.free_run.fitted import evaluated, refine
+from agent.identify.fitted import Fitted, by_error
 from agent.identify.objective import (
     DELAY,
     FIRST,
@@ -28,8 +29,8 @@ from agent.identify.objective import (
 )
 
 if TYPE_CHECKING:
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
+    from agent.identify.problem import Problem
 
 PLACES = 40
 """Of each value."""

@@ -16,19 +16,20 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
 from agent.analysis.quantify.free_run.elsewhere import moved_elsewhere
-from agent.analysis.quantify.free_run.fitted import by_error, refine, restart, start
+from agent.analysis.quantify.free_run.fitted import refine, restart
 from agent.analysis.quantify.free_run.growing_horizon import best_of_populations
 from agent.analysis.quantify.free_run.problem import pose
-from agent.identify.problem import FIRST_LOOK, first_periods
-from agent.analysis.quantify.free_run.residuals import LEAST_LAG, autocorrelation
 from agent.analysis.quantify.free_run.search import TO_A_BIN, Found, concluded, follow, led_by
 from agent.analysis.quantify.free_run.starts import best_by_bin, climbed
 from agent.analysis.quantify.free_run.stem_scan import with_best_stems
+from agent.identify.fitted import by_error, start
+from agent.identify.problem import FIRST_LOOK, first_periods
+from agent.identify.residuals import LEAST_LAG, autocorrelation
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import LoopHints, LoopWindow
+    from agent.identify.fitted import Fitted
+    from agent.identify.problem import Problem
 
 FEW = 13
 """Periods below which a record has few (simulated loops, seeds 2000 to 2309)."""

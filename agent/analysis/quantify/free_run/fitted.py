@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from agent.analysis.quantify.free_run.local_search import refine_each, simplex
+from agent.identify.fitted import Fitted
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -16,8 +16,6 @@ from agent.identify.objective import (
     LOG_TAU,
     LOG_TAU2,
     SOPDT,
-    S,
-    free_run_error,
     free_run_errors,
     valve_position,
 )
@@ -27,34 +25,12 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
+    from agent.identify.problem import Problem
 
 SEARCHED = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY, LOG_TAU2), INTEGRATOR: (DELAY,)}
 STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 """First steps in a process, for each coordinate of a candidate."""
-
-
-@dataclass(frozen=True, slots=True)
-class Fitted:
-    """A candidate with its structure and its sum of squares, PV units squared.
-
-    Of the free run; in the search by shots that of the shots, with what the set-off stems cost.
-    """
-
-    error: float
-    structure: int
-    candidate: FloatArray
-
-    @property
-    def sticks(self) -> bool:
-        """Whether the valve does not simply follow OP."""
-        return bool(self.candidate[S] > 0)
-
-
-def by_error(fits: Sequence[Fitted]) -> list[Fitted]:
-    """Sort those that are possible, best first."""
-    return sorted((f for f in fits if math.isfinite(f.error)), key=lambda fitted: fitted.error)
 
 
 def searched(structure: int, problem: Problem) -> list[int]:
@@ -77,11 +53,6 @@ def restart(fitted: Fitted, structure: int) -> Fitted:
     candidate = fitted.candidate.copy()
     candidate[LOG_TAU2] = min(candidate[LOG_TAU2], candidate[LOG_TAU])
     return Fitted(math.inf, structure, candidate)
-
-
-def start(candidate: FloatArray, structure: int, problem: Problem) -> Fitted:
-    """Evaluate a candidate as it stands."""
-    return Fitted(float(free_run_error(candidate, structure, problem)), structure, candidate)
 
 
 def evaluated(candidates: Sequence[FloatArray], structure: int, problem: Problem) -> list[Fitted]:

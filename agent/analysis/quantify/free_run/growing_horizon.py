@@ -15,7 +15,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.evolution import Generation, Population, Ways, evolved
-from agent.analysis.quantify.free_run.fitted import STEP, Fitted, axes_of, by_error, refine
+from agent.analysis.quantify.free_run.fitted import STEP, axes_of, refine
+from agent.analysis.quantify.free_run.scatter import SPREADS, scattered
+from agent.analysis.quantify.free_run.search import structures
+from agent.identify.fitted import Fitted, by_error
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -36,15 +39,13 @@ from agent.identify.objective import (
     S,
 )
 from agent.identify.problem import first_periods
-from agent.analysis.quantify.free_run.scatter import SPREADS, scattered
-from agent.analysis.quantify.free_run.search import structures
 from agent.physics.valves.damped_stem import GIVE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray, LoopHints
+    from agent.identify.problem import Problem
 
 ISLANDS = 3
 """Populations that begin anywhere and know nothing of each other: one in three comes near the valve."""

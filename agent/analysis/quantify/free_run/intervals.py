@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.loop.pi_controller import pi_controller
-from agent.identify.objective import DELAY, J_RATIO, LOG_TAU, LOG_TAU2, SOPDT, S
 from agent.analysis.results import IntervalEstimate, ProcessIntervals, Profile, StictionEstimate
+from agent.identify.objective import DELAY, J_RATIO, LOG_TAU, LOG_TAU2, SOPDT, S
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.identify.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
     from agent.analysis.record.recording import LoopWindow
+    from agent.identify.fitted import Fitted
+    from agent.identify.problem import Problem
 
 ALIKE = 1.3
 """Sum of squares over the least up to which a model counts as alike (simulated loops, seeds 2000 to 2199)."""

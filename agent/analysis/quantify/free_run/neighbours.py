@@ -15,9 +15,9 @@ from agent.analysis.quantify.free_run.fitted import refine
 from agent.analysis.quantify.free_run.search import led_by
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.identify.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
+    from agent.identify.fitted import Fitted
+    from agent.identify.problem import Problem
 
 BETTER = 0.98
 """Error over that of the best model, from which a model beside it is better."""

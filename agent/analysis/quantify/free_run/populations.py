@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.quantify.free_run.growing_horizon import best_of_populations
-from agent.analysis.quantify.free_run.residuals import LEAST_LAG, autocorrelation
 from agent.analysis.quantify.free_run.search import led_by
 from agent.analysis.quantify.free_run.second_search import CLEARLY_LESS, converged
+from agent.identify.residuals import LEAST_LAG, autocorrelation
 
 if TYPE_CHECKING:
-    from agent.identify.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
     from agent.analysis.record.recording import LoopHints
+    from agent.identify.problem import Problem
 
 WHITE = 0.15
 """Autocorrelation of what is left, two blocks on, below which it is white (simulated loops, seeds 2200 to

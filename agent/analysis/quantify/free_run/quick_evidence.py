@@ -9,14 +9,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from agent.analysis.quantify.free_run.fitted import smooth, start
-from agent.identify.problem import Problem, bridge, high_pass, nuisance_basis
+from agent.analysis.quantify.free_run.fitted import smooth
 from agent.analysis.quantify.free_run.search import best_linear
+from agent.identify.fitted import start
+from agent.identify.problem import Problem, bridge, high_pass, nuisance_basis
 from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.fitted import Fitted
     from agent.analysis.record.recording import LoopWindow
+    from agent.identify.fitted import Fitted
 
 PASS_TIME = 0.1
 """Time constant of the filter, periods."""

@@ -8,9 +8,9 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.climb import disturb
 from agent.analysis.quantify.free_run.local_search import simplex
+from agent.analysis.quantify.free_run.shooting import Aim, Shots, Track, aim_by, shot_error, track_for
 from agent.identify.objective import DELAY, S, process_response
 from agent.identify.problem import Problem
-from agent.analysis.quantify.free_run.shooting import Aim, Shots, Track, aim_by, shot_error, track_for
 from agent.jit import kernel
 
 if TYPE_CHECKING:

@@ -11,7 +11,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from agent.analysis.quantify.free_run.fitted import Fitted
+from agent.analysis.quantify.free_run.search import Found, surer
+from agent.analysis.quantify.free_run.shooting import Shots
+from agent.analysis.quantify.free_run.shooting_search import Stage, shot
+from agent.identify.fitted import Fitted
 from agent.identify.objective import (
     DELAY,
     FIRST,
@@ -23,15 +26,12 @@ from agent.identify.objective import (
     STEM_LOW,
     S,
 )
-from agent.analysis.quantify.free_run.search import Found, surer
-from agent.analysis.quantify.free_run.shooting import Shots
-from agent.analysis.quantify.free_run.shooting_search import Stage, shot
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import LoopHints
+    from agent.identify.problem import Problem
 
 
 class Spread(NamedTuple):

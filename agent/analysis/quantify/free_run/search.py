@@ -16,15 +16,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
-from agent.analysis.quantify.free_run.fitted import (
-    Fitted,
-    by_error,
-    evaluated,
-    refine,
-    restart,
-    smooth,
-    start,
-)
+from agent.analysis.quantify.free_run.fitted import evaluated, refine, restart, smooth
+from agent.analysis.quantify.free_run.shooting_search import STAGES, shot
+from agent.analysis.quantify.free_run.starts import best_by_bin, climbed
+from agent.identify.fitted import Fitted, by_error, start
 from agent.identify.objective import (
     DELAY,
     FIRST,
@@ -32,21 +27,18 @@ from agent.identify.objective import (
     INTEGRATOR,
     J_RATIO,
     LEVEL,
-    LOG_TAU,
-    LOG_TAU2,
     SIZE,
     SOPDT,
     S,
 )
 from agent.identify.problem import FIRST_LOOK, first_periods
-from agent.analysis.quantify.free_run.shooting_search import STAGES, shot
-from agent.analysis.quantify.free_run.starts import best_by_bin, climbed
+from agent.identify.search.linear import process_grid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from agent.analysis.record.recording import LoopHints
     from agent.identify.problem import Problem
-    from agent.analysis.record.recording import FloatArray, LoopHints
 
 TO_A_BIN = 5
 """Candidates of a bin that the first horizon sees."""
@@ -238,21 +230,6 @@ def best_linear(problem: Problem, hints: LoopHints, also: Fitted | None) -> Fitt
             final.append(smooth(polished, problem, 0.5, 150))
     final = by_error(final)
     return simplest(final) if final else None
-
-
-def process_grid(problem: Problem, second: float) -> list[FloatArray]:
-    """Return candidates without stiction over time constants and delays, (SIZE,) each.
-
-    ``second`` is the log of the second time constant over the first.
-    """
-    delays = [problem.fixed_delay] if problem.fixed_delay > 0 else np.linspace(1, 0.75 * problem.max_delay, 6)
-    grid = []
-    for log_tau in np.linspace(math.log(0.7), problem.max_log_tau - 1, 8):
-        for delay in delays:
-            candidate = np.zeros(SIZE)
-            candidate[[LOG_TAU, DELAY, LOG_TAU2]] = log_tau, delay, log_tau + second
-            grid.append(candidate)
-    return grid
 
 
 def simplest(fits: Sequence[Fitted]) -> Fitted:

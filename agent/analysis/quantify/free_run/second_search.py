@@ -19,23 +19,24 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agent.analysis.quantify.free_run.coarse_grid import Family, Grid
-from agent.analysis.quantify.free_run.fitted import by_error, refine, restart
-from agent.identify.objective import FOPDT, INTEGRATOR, SOPDT
-from agent.identify.problem import first_periods
-from agent.analysis.quantify.free_run.residuals import lasting
+from agent.analysis.quantify.free_run.fitted import refine, restart
 from agent.analysis.quantify.free_run.scatter import searched_around
 from agent.analysis.quantify.free_run.search import structures, surer
 from agent.analysis.quantify.free_run.shooting import Shots
 from agent.analysis.quantify.free_run.shooting_search import Stage, compared, shot
 from agent.analysis.quantify.free_run.starts import OTHER_STEMS, STEMS, climbed
+from agent.identify.fitted import by_error
+from agent.identify.objective import FOPDT, INTEGRATOR, SOPDT
+from agent.identify.problem import first_periods
+from agent.identify.residuals import lasting
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.identify.problem import Problem
     from agent.analysis.quantify.free_run.search import Found
     from agent.analysis.record.recording import FloatArray, LoopHints
+    from agent.identify.fitted import Fitted
+    from agent.identify.problem import Problem
 
 JUMPS = np.array([0, 0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.14, 0.17, 0.2, 0.25, 0.3, 0.4, 0.6, 0.8, 0.97])
 

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.fitted import STEP, Fitted, by_error, searched
-from agent.identify.problem import first_periods
+from agent.analysis.quantify.free_run.fitted import STEP, searched
 from agent.analysis.quantify.free_run.random_shots import random_shots
 from agent.analysis.quantify.free_run.shooting import Shots
+from agent.identify.fitted import Fitted, by_error
+from agent.identify.problem import first_periods
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.identify.bank import bank
 from agent.analysis.quantify.free_run.climb import climb
 from agent.analysis.quantify.free_run.coarse_grid import (
     S_BINS,
@@ -20,7 +19,8 @@ from agent.analysis.quantify.free_run.coarse_grid import (
     log_tau2,
     processes,
 )
-from agent.analysis.quantify.free_run.fitted import Fitted, by_error
+from agent.identify.bank import bank
+from agent.identify.fitted import Fitted, by_error
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -38,8 +38,8 @@ from agent.identify.objective import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
+    from agent.identify.problem import Problem
 
 STEMS = np.array([(0.01, 0.01, 1e-8), (0.15, 0.1, 0.003), (0.3, 0.15, 0.01)])
 """Damping, supply and rest that a search starts from: He's valve, which stays as it is, and two that take

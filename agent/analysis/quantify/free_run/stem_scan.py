@@ -23,9 +23,9 @@ from agent.identify.objective import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.analysis.quantify.free_run.fitted import Fitted
-    from agent.identify.problem import Problem
     from agent.analysis.record.recording import FloatArray
+    from agent.identify.fitted import Fitted
+    from agent.identify.problem import Problem
 
 TRIED = 100
 """Stems for each valve."""

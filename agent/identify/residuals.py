@@ -19,9 +19,9 @@ from agent.identify.objective import (
 )
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.fitted import Fitted
+    from agent.identify.arrays import FloatArray
+    from agent.identify.fitted import Fitted
     from agent.identify.problem import Problem
-    from agent.analysis.record.recording import FloatArray
 
 PART = 1 / 8
 """Of a period, after which what is left of noise is small and an error of the valve still lasts."""
