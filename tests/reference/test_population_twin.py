@@ -36,8 +36,8 @@ from tests.reference.test_free_run_twin import FEW, SEEDS, candidate_of, problem
 
 POSSIBLE = possible_of(STRUCTURES)
 SLOW = math.log(3.0)
-"""Least log of a time constant here, samples: the start-up of a quicker one has faded where PV begins to count,
-and is cut at another place than in ``fit_gain``."""
+"""Least log of a time constant here, samples: the start-up of a quicker one has faded where PV begins to
+count, and is cut at another place than in ``fit_gain``."""
 GUARDED = 1e-4
 """Relative: start-ups that hardly differ from response and nuisance are left out sooner than there."""
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.innovations import scaled
-from agent.analysis.quantify.free_run import answer, unanswered
+from agent.analysis.quantify.free_run import SLIDES_BELOW, answer, unanswered
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.quantify.free_run.search import Found, structures
 from agent.identify.fitted import by_error, start
@@ -74,7 +74,9 @@ def find(searched: Problem, problem: Problem, possible: Sequence[int]) -> Found 
         problem: The record in its units.
         possible: Structures that the process may have.
     """
-    models = elites_of(search(searched, possible), searched, possible_of(possible))
+    without = best_linear(searched, possible)
+    worth = math.inf if without is None else without.error / SLIDES_BELOW
+    models = elites_of(search(searched, possible, worth), searched, possible_of(possible))
     low = float(problem.op.min())
     fits = []
     for candidate, structure in zip(models.candidates, models.structures, strict=True):

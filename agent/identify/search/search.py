@@ -2,12 +2,14 @@
 
 One schedule: an even cycle is an island (valves from anywhere climb), an odd one climbs again from valves
 scattered around what was found. One criterion: what a candidate costs (``price``). One stop: the residual of
-the best model is white noise, or some cycles in a row gained nothing, or the budget is spent.
+the best model is white noise, some cycles in a row gained nothing, the budget is spent, or the best valve
+explains hardly more than none.
 See docs/methods/population.md.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -69,8 +71,8 @@ class Searched:
     early: tuple[Population, ...]
     """Populations on the way, on parts of the record."""
     ended: str
-    """``white``: the residual is white noise; ``in_vain``: further cycles gained nothing; ``budget``: it is
-    spent, and more might be found."""
+    """``white``: the residual is white noise; ``in_vain``: further cycles gained nothing;
+    ``explains_little``: hardly better than no valve; ``budget``: it is spent, and more might be found."""
     work: float
     """Samples through which valves were simulated."""
 
@@ -78,6 +80,7 @@ class Searched:
 def search(
     problem: Problem,
     structures: Sequence[int] = STRUCTURES,
+    worth: float = math.inf,
     seed: int = 0,
 ) -> Searched:
     """Return the best valves with their processes.
@@ -85,6 +88,7 @@ def search(
     Args:
         problem: The record.
         structures: Processes that are possible, at least one.
+        worth: Cost below which a valve explains enough to go on after the first island, PV units squared.
         seed: Of the random numbers; the same record gives the same answer.
     """
     rng = np.random.default_rng(seed)
@@ -103,7 +107,9 @@ def search(
         before = least(finalists)
         finalists = join(climbed.population, finalists).sorted(FINALISTS)
         vain = vain + 1 if least(finalists) > GAIN * before else 0
-        if cycle % 2 and periods_of(problem) >= MANY_PERIODS and leaves_white(finalists, problem):
+        if least(finalists) > worth:
+            ended = "explains_little"
+        elif cycle % 2 and periods_of(problem) >= MANY_PERIODS and leaves_white(finalists, problem):
             ended = "white"
         elif vain >= IN_VAIN:
             ended = "in_vain"
