@@ -2,7 +2,7 @@
 
 The valve is simulated at the native rate of OP; its position and PV are then averaged over blocks, so that a
 period has at least forty of them. Both pass the same high-pass filter: drift, a moving set point and the
-integral of every small error of the valve leave the objective, and what is left of an error stays where it
+integral of every small error of the valve leave the objective, and the rest of an error stays where it
 was made.
 """
 
@@ -153,7 +153,7 @@ def first_periods(problem: Problem, periods: float) -> Problem:
 def first_blocks(problem: Problem, periods: float, least: int) -> int:
     """Return how many blocks the first ``periods`` periods of the swinging loop end with, at least some.
 
-    A valve that rests tells nothing, so that the first periods of a record that begins at rest would let the
+    A valve that rests shows nothing, so that the first periods of a record that begins at rest would let the
     search choose among valves none of which has moved.
     """
     end = math.ceil((problem.quiet + periods * problem.period) / problem.block)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from agent.identify.problem import Problem
 
 PART = 1 / 8
-"""Of a period, after which what is left of noise is small and an error of the valve still lasts."""
+"""Of a period, after which little of noise remains and an error of the valve still lasts."""
 LEAST_LAG = 2
 """Blocks; neighbours are alike by the fraction of a delay alone, and those after them not by white noise."""
 

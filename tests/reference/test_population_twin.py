@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 
 from agent.identify.bounds import keep_in_bounds
-from agent.identify.gauss_newton import fit_process, pass_high, room_for, step_from
+from agent.identify.gauss_newton import fit_process, step_from
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -26,6 +26,7 @@ from agent.identify.objective import (
     process_error,
     valve_position,
 )
+from agent.identify.process_columns import pass_high, passes_for
 from agent.identify.search.anywhere import valves_from_anywhere
 from agent.identify.search.children import generation, scattered
 from agent.identify.search.population import S_BINS, apart, reach
@@ -53,7 +54,7 @@ def prepared(seed):
     candidate[LOG_TAU2] = candidate[LOG_TAU] - 1.0
     keep_in_bounds(candidate, problem)
     position = valve_position(candidate, problem)
-    room = room_for(problem)
+    room = passes_for(problem)
     pass_high(position, problem, room.passed)
     return problem, candidate, position, room
 
@@ -77,9 +78,10 @@ def test_a_step_is_that_of_dense_least_squares(structure, seed):
     found = step_from(candidate, structure, problem, float(problem.pv @ problem.pv), room)
     left, step = slow.step(candidate, structure, problem, position)
     if found.error < float(problem.pv @ problem.pv) and abs(step[0]) < 0.3 and abs(step[2]) < 1.0:
+        # Damped a little: where columns are alike, along them.
         assert found.predicted == pytest.approx(left, rel=0.02)
-        assert found.log_tau == pytest.approx(step[0], abs=0.02)
-        assert found.delay == pytest.approx(step[2], abs=0.1)
+        assert found.log_tau == pytest.approx(step[0], abs=0.05 + 0.2 * abs(step[0]))
+        assert found.delay == pytest.approx(step[2], abs=0.1 + 0.2 * abs(step[2]))
 
 
 @FEW

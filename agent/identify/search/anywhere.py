@@ -32,7 +32,7 @@ from agent.identify.objective import (
     valve_position,
 )
 from agent.identify.problem import Problem, from_blocks, to_blocks
-from agent.identify.search.population import Population
+from agent.identify.search.population import Candidates
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import GIVE
 
@@ -67,7 +67,7 @@ def valves_from_anywhere(
     part: Problem,
     structures: Sequence[int],
     rng: np.random.Generator,
-) -> Population:
+) -> Candidates:
     """Return random valves over the ``part`` of a record, each with its best process of a bank.
 
     Args:
@@ -121,7 +121,7 @@ def scored(
     delays: IntArray,
     processes: Processes,
     rng: np.random.Generator,
-) -> Population:
+) -> Candidates:
     """Draw valves and give each the process of the bank that explains most of PV behind it."""
     candidates = np.zeros((count, SIZE))
     structures = np.zeros(count, np.int64)
@@ -141,7 +141,7 @@ def scored(
         keep_in_bounds(candidate, part)
         structures[i] = processes.structure[k]
         costs[i] = (1.0 - share) * squares
-    return Population(candidates, structures, costs)
+    return Candidates(candidates, structures, costs)
 
 
 @kernel

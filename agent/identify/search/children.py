@@ -8,7 +8,6 @@ import numpy as np
 
 from agent.identify.arrays import FloatArray, IntArray
 from agent.identify.bounds import keep_in_bounds
-from agent.identify.gauss_newton import room_for
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -29,8 +28,9 @@ from agent.identify.objective import (
     S,
 )
 from agent.identify.problem import Problem
+from agent.identify.process_columns import passes_for
 from agent.identify.search.anywhere import draw_stem, drawn_bristles
-from agent.identify.search.population import Population, cost_of
+from agent.identify.search.population import Candidates, cost_of
 from agent.jit import kernel
 
 CROSSED = 0.4
@@ -54,13 +54,13 @@ MOVES = 9
 
 @kernel
 def generation(
-    parents: Population,
+    parents: Candidates,
     children: int,
     step: float,
     problem: Problem,
     possible: IntArray,
     rng: np.random.Generator,
-) -> Population:
+) -> Candidates:
     """Return the parents, as they are, and their children, each with its process fitted.
 
     Args:
@@ -79,7 +79,7 @@ def generation(
     candidates[:k], structures[:k], costs[:k] = parents.candidates, parents.structures, parents.costs
     give_up = np.sort(parents.costs)[min(k - 1, int(HOPELESS * k))]
     squares = np.dot(problem.pv, problem.pv)
-    room = room_for(problem)
+    room = passes_for(problem)
     for i in range(k, total):
         parent = (i - k) % k
         candidates[i] = candidates[parent]
@@ -89,7 +89,7 @@ def generation(
             structures[i] = other_structure(candidates[i], structures[i], problem, possible, rng)
         keep_in_bounds(candidates[i], problem)
         costs[i] = cost_of(candidates[i], structures[i], problem, squares, EVALUATIONS, room, give_up)
-    return Population(candidates, structures, costs)
+    return Candidates(candidates, structures, costs)
 
 
 @kernel
@@ -215,8 +215,8 @@ def other_structure(
 
 @kernel
 def scattered(
-    around: Population, count: int, scale: float, problem: Problem, rng: np.random.Generator
-) -> Population:
+    around: Candidates, count: int, scale: float, problem: Problem, rng: np.random.Generator
+) -> Candidates:
     """Return valves around some, the best first among them: S and J somewhat off, most with another stem.
 
     Args:
@@ -244,4 +244,4 @@ def scattered(
             if rng.random() < 0.5:
                 candidate[BRISTLES] = 0.0 if rng.random() < 0.5 else drawn_bristles(rng)
         keep_in_bounds(candidate, problem)
-    return Population(candidates, structures, np.zeros(count))
+    return Candidates(candidates, structures, np.zeros(count))

@@ -16,7 +16,7 @@ import numpy as np
 
 from agent.identify.problem import first_periods
 from agent.identify.search.children import generation
-from agent.identify.search.population import Population, apart, join, least, periods_of, reach, refit
+from agent.identify.search.population import Candidates, apart, join, least, periods_of, reach, refit
 
 if TYPE_CHECKING:
     from agent.identify.arrays import FloatArray, IntArray
@@ -60,21 +60,21 @@ DISTANCE = 0.1
 class Climbed:
     """Where a climb ended."""
 
-    population: Population
+    population: Candidates
     """On the whole record, best first."""
-    early: tuple[Population, ...]
+    early: tuple[Candidates, ...]
     """The parents at each horizon on the way, for the intervals."""
     work: float
     """Samples through which valves were simulated."""
 
 
 def climb(
-    begun: Population,
+    begun: Candidates,
     problem: Problem,
     horizon: float,
     possible: IntArray,
     rng: np.random.Generator,
-    finalists: Population | None = None,
+    finalists: Candidates | None = None,
 ) -> Climbed:
     """Follow a population from the first ``horizon`` periods to the whole record.
 
@@ -119,13 +119,13 @@ def _count(problem: Problem) -> float:
 
 
 def _parents(
-    population: Population, most: int, distance: float, per_bin: int, ranges: FloatArray, problem: Problem
-) -> Population:
+    population: Candidates, most: int, distance: float, per_bin: int, ranges: FloatArray, problem: Problem
+) -> Candidates:
     return population.take(apart(population, most, distance, per_bin, ranges, problem.op_span))
 
 
 def _longer(
-    population: Population, problem: Problem, horizon: float, growth: float, square: float
+    population: Candidates, problem: Problem, horizon: float, growth: float, square: float
 ) -> tuple[float, float, Problem]:
     """Return the next horizon, the growth to it, and the record up to there, as far as the best follow."""
     periods = periods_of(problem)
@@ -145,12 +145,12 @@ def _longer(
 
 
 def _settled(
-    population: Population,
+    population: Candidates,
     problem: Problem,
     possible: IntArray,
     ranges: FloatArray,
     rng: np.random.Generator,
-) -> tuple[Population, float]:
+) -> tuple[Candidates, float]:
     """Return the population after generations on the whole record, best first, and the work."""
     step, parents, best, work = LAST_STEP, LAST_PARENTS, least(population), 0.0
     for _ in range(LAST_GENERATIONS):

@@ -13,7 +13,7 @@ import numpy as np
 
 from agent.identify.objective import J_RATIO, S
 from agent.identify.search.children import generation
-from agent.identify.search.population import Population, join, least, refit
+from agent.identify.search.population import Candidates, join, least, refit
 
 if TYPE_CHECKING:
     from agent.identify.arrays import FloatArray, IntArray
@@ -31,7 +31,7 @@ WORTH = 3.0
 """Cost over the least above which a model is no parent: far above what counts as alike."""
 
 
-def elites_of(searched: Searched, problem: Problem, possible: IntArray) -> Population:
+def elites_of(searched: Searched, problem: Problem, possible: IntArray) -> Candidates:
     """Return the best model of each cell of S and of J, best first.
 
     Args:
@@ -54,7 +54,7 @@ def elites_of(searched: Searched, problem: Problem, possible: IntArray) -> Popul
     return archive.sorted(len(archive.costs))
 
 
-def _of_cells(population: Population, problem: Problem) -> Population:
+def _of_cells(population: Candidates, problem: Problem) -> Candidates:
     """Return the best of each cell of S and the best of each cell of J."""
     span = problem.op_span
     s = population.candidates[:, S] / span

@@ -9,7 +9,7 @@ import numpy as np
 
 from agent.identify.fitted import Fitted, by_error, start
 from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2, SIZE
-from agent.identify.search.population import Population, refit
+from agent.identify.search.population import Candidates, refit
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,7 +35,7 @@ def best_linear(problem: Problem, structures: Sequence[int], also: Fitted | None
         starts = np.vstack([starts, lent])
     candidates = np.concatenate([starts] * len(structures))
     of = np.repeat(np.array(structures, dtype=np.int64), len(starts))
-    population = Population(candidates, of, np.full(len(of), math.inf))
+    population = Candidates(candidates, of, np.full(len(of), math.inf))
     refit(population, problem, PASSES)
     best = population.sorted(1)
     possible = by_error([start(best.candidates[0], int(best.structures[0]), problem)])

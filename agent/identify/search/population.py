@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agent.identify.arrays import FloatArray, IntArray
-from agent.identify.gauss_newton import Room, fit_process, pass_high, room_for
+from agent.identify.gauss_newton import fit_process
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -26,6 +26,7 @@ from agent.identify.objective import (
     valve_position,
 )
 from agent.identify.problem import Problem
+from agent.identify.process_columns import Passes, pass_high, passes_for
 from agent.identify.search.price import price
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import GIVE
@@ -36,7 +37,7 @@ SAME_ERROR = 1e-5
 """Relative difference of two errors below which they are of one candidate."""
 
 
-class Population(NamedTuple):
+class Candidates(NamedTuple):
     """Candidates, not sorted."""
 
     candidates: FloatArray
@@ -46,18 +47,18 @@ class Population(NamedTuple):
     costs: FloatArray
     """Sum of squares times ``price``, PV units squared, (k,)."""
 
-    def take(self, places: IntArray) -> Population:
+    def take(self, places: IntArray) -> Candidates:
         """Return some of them, as copies."""
-        return Population(self.candidates[places], self.structures[places], self.costs[places])
+        return Candidates(self.candidates[places], self.structures[places], self.costs[places])
 
-    def sorted(self, most: int) -> Population:
+    def sorted(self, most: int) -> Candidates:
         """Return the best, at most so many."""
         return self.take(np.argsort(self.costs, kind="stable")[:most])
 
 
-def join(*populations: Population) -> Population:
+def join(*populations: Candidates) -> Candidates:
     """Return one population of several."""
-    return Population(
+    return Candidates(
         np.concatenate([each.candidates for each in populations]),
         np.concatenate([each.structures for each in populations]),
         np.concatenate([each.costs for each in populations]),
@@ -78,7 +79,7 @@ def reach(problem: Problem) -> FloatArray:
 
 @kernel
 def apart(
-    population: Population, most: int, distance: float, per_niche: int, ranges: FloatArray, span: float
+    population: Candidates, most: int, distance: float, per_niche: int, ranges: FloatArray, span: float
 ) -> IntArray:
     """Return the places of the best that are apart, best first.
 
@@ -107,7 +108,7 @@ def apart(
 
 
 @kernel
-def alone(i: int, population: Population, chosen: IntArray, distance: float, ranges: FloatArray) -> bool:
+def alone(i: int, population: Candidates, chosen: IntArray, distance: float, ranges: FloatArray) -> bool:
     """Whether a member differs from all that are chosen, in cost and in place."""
     candidates, structures, costs = population
     for other in chosen:
@@ -130,7 +131,7 @@ def cost_of(
     problem: Problem,
     squares: float,
     evaluations: int,
-    room: Room,
+    room: Passes,
     give_up: float,
 ) -> float:
     """Fit a candidate's process behind its valve, in place; return what it costs."""
@@ -149,10 +150,10 @@ def squares_count(problem: Problem) -> float:
 
 
 @kernel
-def refit(population: Population, problem: Problem, evaluations: int) -> None:
+def refit(population: Candidates, problem: Problem, evaluations: int) -> None:
     """Fit the processes of a population to a record, in place."""
     squares = np.dot(problem.pv, problem.pv)
-    room = room_for(problem)
+    room = passes_for(problem)
     for i in range(len(population.candidates)):
         population.costs[i] = cost_of(
             population.candidates[i],
@@ -170,6 +171,6 @@ def periods_of(problem: Problem) -> float:
     return float((problem.op.size - problem.quiet) / problem.period)
 
 
-def least(population: Population) -> float:
+def least(population: Candidates) -> float:
     """Return what the best costs; infinite where there is none."""
     return float(population.costs.min()) if len(population.costs) else math.inf

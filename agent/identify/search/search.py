@@ -22,7 +22,7 @@ from agent.identify.residuals import autocorrelation
 from agent.identify.search.anywhere import valves_from_anywhere
 from agent.identify.search.children import scattered
 from agent.identify.search.climb import PARENTS, climb
-from agent.identify.search.population import Population, apart, join, least, periods_of, reach
+from agent.identify.search.population import Candidates, apart, join, least, periods_of, reach
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 STRUCTURES = (FOPDT, SOPDT, INTEGRATOR)
 MANY_PERIODS = 12
-"""Periods from which a record has a first part that tells valves apart."""
+"""Periods from which a record has a first part that distinguishes valves."""
 FIRST_SHARE, FIRST_LEAST = 16, 6.0
 """First horizon: periods over ``FIRST_SHARE``, at least ``FIRST_LEAST``;"""
 FEW_SHARE, FEW_LEAST = 0.5, 3.5
@@ -66,9 +66,9 @@ BUDGET = 35e6
 class Searched:
     """What a search found."""
 
-    finalists: Population
+    finalists: Candidates
     """On the whole record, best first."""
-    early: tuple[Population, ...]
+    early: tuple[Candidates, ...]
     """Populations on the way, on parts of the record."""
     ended: str
     """``white``: the residual is white noise; ``in_vain``: further cycles gained nothing;
@@ -95,8 +95,8 @@ def search(
     possible = possible_of(structures)
     horizon = first_horizon(problem)
     part = first_periods(problem, horizon)
-    finalists = Population(np.empty((0, SIZE)), np.empty(0, dtype=np.int64), np.empty(0))
-    early: tuple[Population, ...] = ()
+    finalists = Candidates(np.empty((0, SIZE)), np.empty(0, dtype=np.int64), np.empty(0))
+    early: tuple[Candidates, ...] = ()
     vain, work, ended = 0, 0.0, "budget"
     for cycle in range(CYCLES):
         around = finalists if cycle % 2 else None
@@ -122,10 +122,10 @@ def search(
 def _begun(
     problem: Problem,
     part: Problem,
-    around: Population | None,
+    around: Candidates | None,
     structures: Sequence[int],
     rng: np.random.Generator,
-) -> Population:
+) -> Candidates:
     """Return the valves that a cycle begins with, from anywhere or also around some."""
     count, most = (ISLAND, GOES_ON * PARENTS) if around is None else (MORE, PARENTS)
     begun = valves_from_anywhere(count, problem, part, structures, rng)
@@ -135,7 +135,7 @@ def _begun(
     return join(begun, scattered(around, AROUND, SCALE, problem, rng))
 
 
-def leaves_white(finalists: Population, problem: Problem) -> bool:
+def leaves_white(finalists: Candidates, problem: Problem) -> bool:
     """Whether the residual of the best finalist, the first, has no memory of the block before."""
     structure = int(finalists.structures[0])
     return abs(autocorrelation(start(finalists.candidates[0], structure, problem), problem, 1)) <= WHITE
