@@ -19,6 +19,7 @@ from agent.analysis.innovations.process_search import best_process
 from agent.analysis.innovations.valve_search import best_valve
 from agent.analysis.innovations.whitened import Fit, log_likelihood
 from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.record.spans import in_spans_of
 from agent.identify.objective import S, valve_position
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def log_likelihood_ratio(window: LoopWindow, found: Quantification) -> float:
         window: The record.
         found: Answer of ``free_run`` on it.
     """
-    in_spans = scaled(window)
+    in_spans = in_spans_of(window)
     if in_spans is None:
         return 0.0
     problem = pose(in_spans)
@@ -74,21 +75,6 @@ def log_likelihood_ratio(window: LoopWindow, found: Quantification) -> float:
     if best - sound > NOTHING:
         sound = max(sound, with_load_step(linear, whitened))
     return max(0.0, best - sound)
-
-
-def scaled(window: LoopWindow) -> LoopWindow | None:
-    """Return the record with OP and PV in spans from their least values; None where one does not move."""
-    pv = window.pv[np.isfinite(window.pv)]
-    spread = float(np.ptp(pv)) if pv.size else 0.0
-    if not (window.op_span > 0 and spread > 0):
-        return None
-    low = float(pv.min())
-    return replace(
-        window,
-        op=(window.op - np.nanmin(window.op)) / window.op_span,
-        pv=(window.pv - low) / spread,
-        sp=None if window.sp is None else (window.sp - low) / spread,
-    )
 
 
 def told(window: LoopWindow, found: Quantification) -> Told | None:

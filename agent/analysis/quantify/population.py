@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.innovations import scaled
 from agent.analysis.quantify.free_run import SLIDES_BELOW, answer, unanswered
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.quantify.free_run.search import Found, structures
+from agent.analysis.record.spans import in_spans_of
 from agent.identify.fitted import by_error, start
 from agent.identify.objective import LEVEL, S
 from agent.identify.search.elites import elites_of
@@ -59,7 +59,7 @@ def rounded(window: LoopWindow) -> Problem | str:
     A search takes another way where last digits differ. So the same record in other units must be the same
     numbers.
     """
-    in_spans = scaled(window)
+    in_spans = in_spans_of(window)
     if in_spans is None:
         return "OP or PV does not move"
     op, pv = np.round(in_spans.op, DIGITS), np.round(in_spans.pv, DIGITS)
