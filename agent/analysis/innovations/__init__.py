@@ -8,7 +8,6 @@ without a sticking valve. See docs/methods/innovations.md.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np

@@ -9,6 +9,7 @@ import numpy as np
 from agent.report.comparison_text import causes_words, step_name, verdict_words
 from agent.report.headline import headline
 from agent.web.rows import numbers, plain
+from agent.web.workbench.next_test import distinguishing_test
 from agent.workbench.residual.axes import UNITS
 
 if TYPE_CHECKING:
@@ -163,6 +164,7 @@ def _found(found: Comparison) -> dict[str, Any]:
             "family": verdict.family,
             "indistinguishable": list(verdict.indistinguishable),
             "words": verdict_words(verdict, found),
+            "test": distinguishing_test(verdict.family) if verdict.indistinguishable else None,
         },
         "axes": [
             {

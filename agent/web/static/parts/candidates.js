@@ -19,7 +19,7 @@ export function Candidates({ state, busy, tick, untick }) {
     ${!found && html`<p class="quiet working" role="status">Each effect is being tried</p>`}
     ${together.length > 0 && html`<div class="wb-alike" role="group" aria-label="Effects that this record cannot distinguish"><p class="wb-alike-title">This record cannot distinguish these</p>
       ${together.map(row)}
-      <p class="quiet"><strong>The test that would:</strong> in manual, step OP up and down by less and by more than S, on each side of a reversal. They differ in the first slip.</p></div>`}
+      ${verdict.test && html`<p class="quiet"><strong>The test that would:</strong> ${verdict.test}</p>`}</div>`}
     ${others.map(row)}
     ${found && !verdict.effect && html`<p class="quiet">Nothing more is confirmed.</p>`}</section>`;
 }
