@@ -1,9 +1,8 @@
 """Rates with which windows have which outcome: Dirichlet parameters, for sticking and for sound valves.
 
 Made by ``python -m benchmarks memory_rates``, never on recordings. How often valves have an outcome, and how
-alike the windows of one are (the sum), come from simulated weeks (``simulators.draws.valve_weeks``, 16 valves,
-even seeds 0 to 14, six windows each); how many of those with an outcome stick, from the calibration of the
-window's log odds on 346 loops.
+alike the windows of one are (the sum), come from simulated weeks of 16 valves (even seeds, six windows
+each); how many of those with an outcome stick, from the calibration of the log odds of a window on 346 loops.
 """
 
 from __future__ import annotations
