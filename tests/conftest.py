@@ -6,11 +6,14 @@ import shutil
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from tests.postgres import Postgres, binaries
 
 IN_CI = os.environ.get("SLIPJUMP_CI") == "1"
 ROOT = Path(__file__).parent.parent
+settings.register_profile("slipjump", deadline=None)  # nothing depends on absolute speed
+settings.load_profile("slipjump")
 
 
 def pytest_collection_modifyitems(items):

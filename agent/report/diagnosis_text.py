@@ -31,7 +31,7 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
     verdict = diagnosis.verdict.replace("_", " ")
     confidence = f" (confidence {diagnosis.confidence:.2f})" if diagnosis.confidence else ""
     yield f"{diagnosis.loop}: {verdict}{confidence}"
-    if diagnosis.sticks is not None:
+    if diagnosis.sticks is not None and diagnosis.sticks.windows:
         yield f"  {sticks_words(diagnosis.sticks)}"
     if diagnosis.cause not in ("stiction", "undecided"):
         yield f"  cause: {diagnosis.cause.replace('_', ' ')}"

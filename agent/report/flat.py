@@ -14,7 +14,10 @@ ColumnType = Literal["number", "truth", "text", "texts", "numbers", "shares"]
 TYPES: Mapping[str, ColumnType] = {
     **dict.fromkeys(("recording", "loop", "verdict", "cause", "class", "process.kind"), "text"),
     **dict.fromkeys(("oscillation.detected", "stiction.identifiable.s", "stiction.identifiable.j"), "truth"),
-    **dict.fromkeys(("reasons", "advice"), "texts"),
+    **dict.fromkeys(("no_response.found", "sticks.suspected"), "truth"),
+    **dict.fromkeys(("reasons", "advice", "no_response.possible"), "texts"),
+    "no_response.cause": "text",
+    "no_response.samples": "numbers",
     **{f"process.intervals.{name}": "numbers" for name in ("gain", "tau_s", "delay_s")},
     "causes": "shares",
 }

@@ -83,7 +83,8 @@ async def main(store, peer, task):
     sys.stdout.write("ready\n")
     sys.stdout.flush()
     while task == "work":
-        window = SimpleNamespace(time=[float(newest_window(pipeline.alarm) + 1)])
+        end = float(newest_window(pipeline.alarm) + 1)
+        window = SimpleNamespace(time=[end], start=end - 1.0, ts=1.0)
         found = diagnosis("stiction" if window.time[-1] % 2 else "no_stiction")
         await pipeline._decide(Routine(found, fitted=True), window, 0.0)
     while len(outbox) and not telling.done():

@@ -45,7 +45,7 @@ def sheet_of_parquet(path: Path, content: bytes) -> Sheet:
             if stated > MOST_UNPACKED:
                 raise _too_large(path)
             table = pa.Table.from_batches(_batches(path, file), schema=file.schema_arrow)
-        found = tuple(_column(path, name, table[k]) for k, name in enumerate(table.column_names))
+        found = tuple(_column(name, table[k]) for k, name in enumerate(table.column_names))
     except (pa.ArrowException, OSError, ValueError) as error:
         first = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise RecordingError(f"{path}: expected a Parquet file: {first}") from error
@@ -67,7 +67,9 @@ def _batches(path: Path, file: Any) -> list[Any]:  # noqa: ANN401 - pyarrow has 
     batches, rows, size = [], 0, 0
     for batch in file.iter_batches(batch_size=BATCH):
         rows += batch.num_rows
-        size += sum(_size_as_cells(column) for column in batch.columns)
+        for name, column in zip(batch.schema.names, batch.columns, strict=True):
+            _refuse_long_cells(path, name, column)
+            size += _size_as_cells(column)
         if rows > MOST_ROWS or size > MOST_UNPACKED:
             raise _too_large(path)
         batches.append(batch)
@@ -86,16 +88,24 @@ def _is_text(kind: Any) -> bool:  # noqa: ANN401 - pyarrow has no types
     return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind) or pa.types.is_dictionary(kind))
 
 
-def _texts(path: Path, name: str, column: Any) -> list[str]:  # noqa: ANN401 - pyarrow has no types
+def _refuse_long_cells(path: Path, name: str, column: Any) -> None:  # noqa: ANN401 - pyarrow has no types
+    import pyarrow as pa  # noqa: PLC0415
+    import pyarrow.compute as pc  # noqa: PLC0415
+
+    if not pa.types.is_dictionary(column.type):
+        return
+    longest = pc.max(pc.utf8_length(column.dictionary.cast(pa.large_string()))).as_py() or 0
+    if longest > LONGEST_CELL:
+        raise RecordingError(
+            f"{path}: {name} has a cell of {longest} characters, at most {LONGEST_CELL} are read"
+        )
+
+
+def _texts(column: Any) -> list[str]:  # noqa: ANN401 - pyarrow has no types
     """Return the cells of a column of text; a text that comes often is held once."""
     cells: list[str] = []
     for chunk in column.chunks:
         words = ["" if each is None else str(each).strip() for each in chunk.dictionary.to_pylist()]
-        longest = max(map(len, words), default=0)
-        if longest > LONGEST_CELL:
-            raise RecordingError(
-                f"{path}: {name} has a cell of {longest} characters, at most {LONGEST_CELL} are read"
-            )
         words.append("")  # of a missing cell
         cells += [words[k] for k in chunk.indices.fill_null(len(words) - 1).to_pylist()]
     return cells
@@ -117,7 +127,7 @@ def _size_as_cells(column: Any) -> int:  # noqa: ANN401 - pyarrow has no types
     return int(column.nbytes) + (0 if number else TEXT_CELL * len(column))
 
 
-def _column(path: Path, name: str, column: Any) -> Column:  # noqa: ANN401 - pyarrow has no types
+def _column(name: str, column: Any) -> Column:  # noqa: ANN401 - pyarrow has no types
     import pyarrow as pa  # noqa: PLC0415
 
     kind = column.type
@@ -131,5 +141,5 @@ def _column(path: Path, name: str, column: Any) -> Column:  # noqa: ANN401 - pya
             name.strip(), np.array(column.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
         )
     if pa.types.is_dictionary(kind):
-        return Column(name.strip(), _texts(path, name, column))
+        return Column(name.strip(), _texts(column))
     return Column(name.strip(), ["" if cell is None else str(cell).strip() for cell in column.to_pylist()])

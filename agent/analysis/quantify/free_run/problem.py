@@ -18,5 +18,6 @@ def pose(window: LoopWindow, blocks_per_period: float = BLOCKS_PER_PERIOD) -> Pr
 
     ``blocks_per_period`` is the least number, as far as there are samples.
     """
-    gain_sign = process_gain_sign(window)
-    return pose_signals(window.op, window.pv, gain_sign, window.hints.delay or 0, blocks_per_period)
+    fixed_delay = window.hints.delay or 0
+    problem = pose_signals(window.op, window.pv, 0, fixed_delay, blocks_per_period)
+    return problem if isinstance(problem, str) else problem._replace(gain_sign=process_gain_sign(window))
