@@ -63,17 +63,27 @@ class DaskCluster:
         from distributed import as_completed  # noqa: PLC0415 - an extra
 
         running: dict[Any, T] = {}
+        # The scheduler blames each task of a worker that died: one at a time shows which it was.
+        suspects: list[T] = []
+        alone = False
         ready = as_completed(loop=client.loop)
         while True:
             wanted = max(LEAST, AHEAD * self._threads(client)) - len(running)
-            for task in islice(coming, max(0, wanted)):
+            begun = list(islice(coming, max(0, wanted)))
+            if not running and not begun:
+                if not suspects:
+                    return
+                begun, alone = [suspects.pop()], True
+            for task in begun:
                 future = client.submit(function, task, pure=False)
                 running[future] = task
                 ready.add(future)
-            if not running:
-                return
             future = next(ready)
-            yield self._done(client, running.pop(future), future)
+            task = running.pop(future)
+            if not alone and _killed_its_worker(future):
+                suspects.append(task)
+            else:
+                yield self._done(client, task, future)
 
     def _done(self, client: Client, task: T, future: Any) -> Done[T, R]:  # noqa: ANN401 - untyped
         try:
@@ -91,3 +101,10 @@ class DaskCluster:
             return sum(client.nthreads().values())
         except OSError as error:
             raise ConfigError([f"--cluster {self._address}: {LOST}"]) from error
+
+
+def _killed_its_worker(future: Any) -> bool:  # noqa: ANN401 - untyped
+    """Whether the scheduler gave a task up because its workers died."""
+    from distributed import KilledWorker  # noqa: PLC0415 - an extra
+
+    return future.status == "error" and isinstance(future.exception(), KilledWorker)
