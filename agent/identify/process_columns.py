@@ -16,8 +16,8 @@ from agent.identify.objective import AT_ONCE, INTEGRATOR, LOG_TAU, LOG_TAU2, SOP
 from agent.identify.problem import Problem
 from agent.jit import fused_kernel, kernel, summing_kernel
 
-RESPONSE, BY_POLE, BY_POLE2, BY_DELAY, START_UP, PV = range(6)
-"""Columns."""
+START_UP, PV = 4, 5
+"""Columns after response, its derivatives by both poles, and by the delay."""
 FADED = 1e-8
 """Start-up below this no longer matters."""
 

@@ -16,7 +16,16 @@ import numpy as np
 
 from agent.identify.problem import first_periods
 from agent.identify.search.children import generation
-from agent.identify.search.population import Candidates, apart, join, least, periods_of, reach, refit
+from agent.identify.search.population import (
+    Candidates,
+    apart,
+    counted_blocks,
+    join,
+    least,
+    periods_of,
+    reach,
+    refit,
+)
 
 if TYPE_CHECKING:
     from agent.identify.arrays import FloatArray, IntArray
@@ -103,7 +112,7 @@ def climb(
             population = generation(population, CHILDREN, this_step, part, possible, rng)
         population = _parents(population, count * 3 // 4, DISTANCE / 2 * step, count, ranges, problem)
         early.append(population)
-        square = least(population) / _count(part)
+        square = least(population) / counted_blocks(part)
         if len(part.pv) == len(problem.pv):
             break
         growth = min(GROWTH, FASTER * growth)
@@ -112,10 +121,6 @@ def climb(
         population = join(population, finalists)
     population, more = _settled(population, problem, possible, ranges, rng)
     return Climbed(population, tuple(early[:-1]), work + more)
-
-
-def _count(problem: Problem) -> float:
-    return float(problem.weight.sum())
 
 
 def _parents(
@@ -138,7 +143,7 @@ def _longer(
             break
         trial = scouts.sorted(SCOUTS)
         refit(trial, part, 2)
-        if least(trial) / _count(part) <= FOLLOWS * square:
+        if least(trial) / counted_blocks(part) <= FOLLOWS * square:
             break
         growth = max(LEAST_GROWTH, math.sqrt(growth))
     return (periods if whole else longer), growth, part

@@ -135,13 +135,13 @@ def cost_of(
     give_up: float,
 ) -> float:
     """Fit a candidate's process behind its valve, in place; return what it costs."""
-    factor = price(candidate, structure, problem, squares_count(problem))
+    factor = price(candidate, structure, problem, counted_blocks(problem))
     pass_high(valve_position(candidate, problem), problem, room.passed)
     return factor * fit_process(candidate, structure, problem, squares, evaluations, room, give_up / factor)
 
 
 @kernel
-def squares_count(problem: Problem) -> float:
+def counted_blocks(problem: Problem) -> float:
     """Return the number of blocks that count."""
     count = 0.0
     for t in range(problem.weight.size):
