@@ -210,7 +210,7 @@ def fit_process(
             best, step = tried.error, tried
             tau, tau2, delay = candidate[LOG_TAU], candidate[LOG_TAU2], candidate[DELAY]
             share = 1.0
-            if gained < CONVERGED * best:
+            if gained < CONVERGED * best or HOPE * step.predicted > give_up:
                 break
         else:
             share *= SHORTER

@@ -10,12 +10,10 @@ every step of the error on the way. Sources: H.-P. Schwefel, Evolution and Optim
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.evolution import APART, MUTATED, SAME, SMALLEST
-from agent.analysis.quantify.free_run.growing_horizon import KEPT, LAST_CROSSED, PARTS, WHOLE
 from agent.workbench.projection import target_of
 from agent.workbench.search import Objective, objective_of, whitened
 
@@ -24,11 +22,46 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from agent.analysis.quantify.free_run.evolution import Generation
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.search import Whitened
 
 
+SMALLEST = 1.5
+"""Decades from the largest standard deviation of a mutation to the smallest."""
+MUTATED = 3
+"""Coordinates, at most."""
+APART = 0.15
+"""Least distance of two parents in any coordinate, over the generation's step."""
+SAME = 1e-5
+"""Part by which errors differ at least: of values that mean nothing there are many."""
+
+
+class Generation(NamedTuple):
+    """One step of the strategy."""
+
+    step: float
+    """Largest standard deviation of a mutation, part of a coordinate's range."""
+    parents: int
+    children: int
+    """Of each."""
+
+
+PARTS: tuple[tuple[float, tuple[Generation, ...]], ...] = (
+    (1 / 8, (Generation(0.1, 150, 20),)),
+    (1 / 4, (Generation(0.08, 80, 20), Generation(0.05, 80, 20))),
+    (1 / 2, (Generation(0.05, 50, 20), Generation(0.03, 50, 20))),
+)
+"""Parts of the record, and the generations there."""
+WHOLE = (
+    *(Generation(0.04, 40, 15),) * 2,
+    *(Generation(0.03, 30, 20),) * 2,
+    *(Generation(0.02, 20, 20),) * 2,
+    Generation(0.015, 12, 30),
+    Generation(0.01, 8, 40),
+)
+KEPT = 60
+"""Of a population from one part to the next."""
+LAST_CROSSED = 0.3
 CROSSED = (0.0, 0.5, 0.0, 0.5)
 """Share of children that take a difference of two others, in each population. It leads along valleys, and a
 population that has it crowds into one of them sooner."""

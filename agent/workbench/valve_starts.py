@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.found import find
 from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.quantify.free_run.search import best_stiction
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -53,7 +53,7 @@ class ValveStart:
 def valve_starts(window: LoopWindow) -> tuple[ValveStart, ...]:
     """Return the best sticking valve and others that differ from it, best first; none where none moves."""
     problem = pose(window)
-    found = None if isinstance(problem, str) else best_stiction(problem, window.hints)
+    found = None if isinstance(problem, str) else find(window, problem)
     if isinstance(problem, str) or found is None:
         return ()
     kept: list[FloatArray] = []

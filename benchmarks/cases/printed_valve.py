@@ -10,12 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.bristles import with_bristles
-from agent.analysis.quantify.free_run.fitted import evaluated, smooth
+from agent.analysis.quantify.free_run.found import find
 from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.quantify.free_run.search import best_stiction
-from agent.analysis.quantify.free_run.second_search import converged_search
-from agent.analysis.quantify.free_run.starts import STEMS
 from agent.identify.fitted import Fitted, by_error, start
 from agent.identify.objective import (
     DELAY,
@@ -29,6 +25,8 @@ from agent.identify.objective import (
     SOPDT,
     S,
 )
+from agent.identify.search.grid import STEMS
+from agent.identify.search.linear import process_behind
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
@@ -44,17 +42,16 @@ KEPT, STEPS = 20, 3000
 def times_the_least(window: LoopWindow, printed: FrictionBands) -> float:
     """Return the squared error with a printed valve over the least that the search finds; NaN without one."""
     problem = pose(window)
-    found = None if isinstance(problem, str) else best_stiction(problem, window.hints)
+    found = None if isinstance(problem, str) else find(window, problem)
     if isinstance(problem, str) or found is None:
         return np.nan
-    least = with_bristles(converged_search(found, problem, window.hints), problem).least_error
-    return with_valve(problem, printed.s, printed.j / printed.s).error / least
+    return with_valve(problem, printed.s, printed.j / printed.s).error / found.least_error
 
 
 def with_valve(problem: Problem, s: float, j_ratio: float) -> Fitted:
     """Return the best model whose valve has these S (OP units) and J/S."""
-    cells = by_error(evaluated([*_grid(problem, s, j_ratio)], SOPDT, problem))[:KEPT]
-    best = by_error([smooth(smooth(each, problem, 1.0, 150), problem, 0.5, 150) for each in cells])[0]
+    cells = by_error([start(each, SOPDT, problem) for each in _grid(problem, s, j_ratio)])[:KEPT]
+    best = by_error([process_behind(each, problem) for each in cells])[0]
     rng = np.random.default_rng(0)
     for step in range(STEPS):
         moved = best.candidate.copy()
@@ -64,9 +61,9 @@ def with_valve(problem: Problem, s: float, j_ratio: float) -> Fitted:
             moved[LOG_DAMPING : LOG_DAMPING + 3] += 0.2 * rng.standard_normal(3)
         tried = start(moved, SOPDT, problem)
         if step % 20 == 0:
-            tried = smooth(tried, problem, 0.3, 60)
+            tried = process_behind(tried, problem)
         best = min(best, tried, key=lambda each: each.error)
-    return smooth(best, problem, 0.3, 200)
+    return process_behind(best, problem)
 
 
 def _grid(problem: Problem, s: float, j_ratio: float) -> list[FloatArray]:

@@ -6,8 +6,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
-
 from agent.analysis.quantify.free_run.coarse_grid import (
     COARSE,
     LEVEL_STEP,
@@ -19,12 +17,14 @@ from agent.analysis.quantify.free_run.coarse_grid import (
 )
 from agent.analysis.quantify.free_run.fitted import STEP as PROCESS_STEP
 from agent.analysis.quantify.free_run.fitted import searched
-from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.quantify.free_run.random_shots import settled
 from agent.analysis.quantify.free_run.search import best_stiction
 from agent.analysis.quantify.free_run.shooting import track_for
 from agent.analysis.quantify.free_run.shooting_search import STAGES
 from agent.analysis.quantify.free_run.starts import STEMS
+from matplotlib.figure import Figure
+
+from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import FloatArray, LoopHints, LoopWindow
 from agent.identify.bank import bank
 from agent.identify.objective import S, free_run_error

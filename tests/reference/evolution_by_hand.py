@@ -1,8 +1,8 @@
 """Which of a population stand apart, written for the eye."""
 
 import numpy as np
-
 from agent.analysis.quantify.free_run.evolution import SAME
+
 from agent.identify.objective import FIRST
 
 

@@ -1,8 +1,8 @@
 """The free run in shots written for the eye: whole records for each trial, nothing given up early."""
 
 import numpy as np
-
 from agent.analysis.quantify.free_run.shooting import HALVINGS, LEAST_BLOCKS, OFFSETS, TOO_LARGE
+
 from agent.identify.objective import (
     BRISTLES,
     DELAY,

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from agent.analysis.quantify.free_run.evolution import Population, apart, evolved, mutated
+from agent.analysis.quantify.free_run.growing_horizon import population, random_valves, ways_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.quantify.free_run import evolution
-from agent.analysis.quantify.free_run.evolution import Population, apart, evolved, mutated
-from agent.analysis.quantify.free_run.growing_horizon import population, random_valves, ways_of
 from agent.identify.objective import (
     DELAY,
     FIRST,

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from agent.analysis.quantify.free_run.climb import climb
+from agent.analysis.quantify.free_run.fitted import STEP
+from agent.analysis.quantify.free_run.starts import STEMS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.quantify.free_run import coarse_grid, local_search
-from agent.analysis.quantify.free_run.climb import climb
-from agent.analysis.quantify.free_run.fitted import STEP
 from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.quantify.free_run.starts import STEMS
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.identify import bank as banks
 from agent.identify import bank_score as scores

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from agent.analysis.quantify.free_run.fitted import STEP
+from agent.analysis.quantify.free_run.random_shots import random_shots
+from agent.analysis.quantify.free_run.shooting import Aim, Shots, aim_by, shot_error, track_for
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.analysis.quantify.free_run.fitted import STEP
 from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.quantify.free_run.random_shots import random_shots
-from agent.analysis.quantify.free_run.shooting import Aim, Shots, aim_by, shot_error, track_for
 from agent.analysis.record.recording import LoopWindow
 from agent.identify.objective import (
     DELAY,

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from agent.analysis.quantify.free_run.starts import STEMS
 
 from agent.analysis.innovations.valve_grid import scan_rests
-from agent.analysis.quantify.free_run.starts import STEMS
 from agent.identify.bank import bank
 from agent.identify.first_slip import first_slip
 from agent.physics.valves.damped_stem import damped_stem

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.innovations.whitened import fitted, log_likelihood
-from agent.analysis.quantify.free_run.search import structures
+from agent.analysis.quantify.free_run.problem import structures
 from agent.identify.objective import (
     FOPDT,
     INTEGRATOR,

@@ -1,7 +1,7 @@
 """Every (S, J/S, rest) on a grid, scored by a bank of processes: where a sticking valve may be hidden.
 
-The grid of ``free_run`` (``coarse_grid``) takes the first slip to lie where a limit cycle slips again and
-again. Here the stem may stand anywhere that its friction lets it stand, and need not ever turn: a record of
+The grid of the search (``agent.identify.search.grid``) takes the first slip to lie where a limit cycle slips
+again and again. Here the stem may stand anywhere that its friction lets it stand, and need not ever turn: a record of
 few moves tells of one stand, and of that alone.
 """
 
@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.coarse_grid import meets
 from agent.identify.bank import Bank
 from agent.identify.bank_score import best_share, room_for
+from agent.identify.search.grid import meets
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import stem_at, stem_motion, strokes
 

@@ -12,12 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.innovations.local_search import random_steps
 from agent.analysis.innovations.valve_grid import scan_rests
 from agent.analysis.innovations.whitened import Fit, fitted, white_likelihood
-from agent.analysis.quantify.free_run.coarse_grid import processes, set_process
-from agent.analysis.quantify.free_run.local_search import random_steps
-from agent.analysis.quantify.free_run.search import structures
-from agent.analysis.quantify.free_run.starts import STEMS
+from agent.analysis.quantify.free_run.problem import structures
 from agent.identify.bank import bank
 from agent.identify.first_slip import first_slip
 from agent.identify.objective import (
@@ -29,10 +27,14 @@ from agent.identify.objective import (
     J_RATIO,
     LEVEL,
     LOG_DAMPING,
+    LOG_TAU,
+    LOG_TAU2,
     SIZE,
     S,
 )
-from agent.identify.problem import to_blocks
+from agent.identify.problem import from_blocks, to_blocks
+from agent.identify.search.grid import STEMS
+from agent.identify.search.process_bank import processes_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -47,7 +49,7 @@ S_SHARES = np.geomspace(0.02, 1.0, 18)
 J_RATIOS = np.array([0.0, 0.3, 0.9])
 REST_STEP, FINE_STEP = 0.04, 0.01
 """Steps of the stem's first rest, OP spans: of the grid, and for the S and J that are told."""
-TAUS = 4
+LAGS = 3
 ALL = 1e9
 """Periods of a record that is looked at as a whole."""
 DELAYS = 8
@@ -107,8 +109,9 @@ def _starts(
 def _cells(
     problem: Problem, hints: LoopHints, s_values: FloatArray, j_ratios: FloatArray, rest_step: float
 ) -> Iterator[tuple[int, FloatArray]]:
-    taus, ratios = processes(problem, TAUS, np.array([0.0]), integrates=hints.integrating)
-    near = bank(problem, taus, ratios, ALL)
+    single = tuple(each for each in (FOPDT, INTEGRATOR) if hints.integrating in (None, each == INTEGRATOR))
+    processes = processes_of(problem, single, LAGS)
+    near = bank(problem, processes.taus, processes.ratios, ALL)
     delays = _delays(problem)
     scores, places, rests = scan_rests(near, RIGID, s_values, j_ratios, rest_step * problem.op_span, delays)
     allowed = structures(hints)
@@ -118,11 +121,12 @@ def _cells(
             return
         tau, delay = divmod(int(places[i, j]), len(delays))
         candidate = np.empty(SIZE)
-        set_process(candidate, taus[tau], ratios[tau], delays[delay], problem)
+        candidate[[LOG_TAU, LOG_TAU2]] = processes.log_tau[tau], processes.log_tau2[tau]
+        candidate[DELAY] = from_blocks(float(delays[delay]), problem.block)
         if problem.fixed_delay > 0:
             candidate[DELAY] = problem.fixed_delay
         _set_valve(candidate, near.op, float(s_values[i]), float(j_ratios[j]), float(rests[i, j]))
-        integrates = bool(np.isinf(taus[tau]))
+        integrates = processes.structure[tau] == INTEGRATOR
         yield (INTEGRATOR if integrates else FOPDT if FOPDT in allowed else allowed[0]), candidate
 
 

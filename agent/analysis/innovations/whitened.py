@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.fitted import STEP, not_given
-from agent.analysis.quantify.free_run.local_search import simplex
+from agent.analysis.innovations.local_search import simplex
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -27,6 +26,8 @@ if TYPE_CHECKING:
 
 AXES = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY), INTEGRATOR: (DELAY,)}
 """What is searched of a process; the second pole keeps its ratio."""
+STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+"""First steps of the simplex, for each coordinate of a candidate."""
 ORDER = 3
 """Of the autoregression that takes from the innovations what a first-order filter left."""
 FREEDOM = 4.0
@@ -60,7 +61,7 @@ def fitted(
     candidate: FloatArray, structure: int, problem: Problem, noise: int, evaluations: int, scale: float = 1.0
 ) -> Fit:
     """Return the candidate with delay and time constant fitted."""
-    axes = not_given(AXES[structure], problem)
+    axes = [axis for axis in AXES[structure] if not (axis == DELAY and problem.fixed_delay > 0)]
     if not axes:
         error = free_run_error(candidate, structure, problem)
     else:

@@ -7,7 +7,6 @@ from agent.analysis.quantify.free_run import FreeRun
 from agent.analysis.quantify.jelali2008 import Jelali2008
 from agent.analysis.quantify.karra_karim2009 import KarraKarim2009
 from agent.analysis.quantify.lee2008 import Lee2008
-from agent.analysis.quantify.population import PopulationSearch
 from agent.analysis.quantify.quantifier import Quantifier
 from agent.analysis.quantify.srinivasan2005 import Srinivasan2005
 from agent.analysis.quantify.stenman2003 import Stenman2003Quantifier
@@ -16,7 +15,6 @@ __all__ = ["QUANTIFIERS", "Quantifier", "quantifier"]
 
 QUANTIFIERS: tuple[Quantifier, ...] = (
     FreeRun(),
-    PopulationSearch(),
     Lee2008("grid"),
     Lee2008("random"),
     Choudhury2008(),

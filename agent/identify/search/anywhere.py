@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,23 +15,20 @@ from agent.identify.objective import (
     BRISTLES,
     DELAY,
     FIRST,
-    FOPDT,
-    INTEGRATOR,
     J_RATIO,
-    LEAST_LOG_TAU,
     LEVEL,
     LOG_DAMPING,
     LOG_TAU,
     LOG_TAU2,
     SIZE,
-    SOPDT,
     STEM_HIGH,
     STEM_LOW,
     S,
     valve_position,
 )
-from agent.identify.problem import Problem, from_blocks, to_blocks
+from agent.identify.problem import Problem, from_blocks
 from agent.identify.search.population import Candidates
+from agent.identify.search.process_bank import Processes, delays_of, processes_of
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import GIVE
 
@@ -41,24 +37,14 @@ if TYPE_CHECKING:
 
 LEAST_S = 0.01
 """Smallest S that is drawn, over the OP span: a smaller one no record shows."""
-TAUS = 5
-RATIO = 0.6
-"""Of the second time constant to the first, in the bank: between one lag and two equal ones."""
+LAGS, DELAYS, FARTHEST = 4, 8, 0.6
+"""Time constants and delays of the bank, and its longest delay over the longest there is."""
 SOFT = 1 / 3
 """Share of the stems with bristles."""
 LEAST_MOVES = 3
 """Blocks in which a valve that is looked at moves."""
 ALL = 1e9
 """Periods of a bank over all that is given."""
-
-
-class Processes(NamedTuple):
-    """Processes of a bank, for kernels."""
-
-    log_tau: FloatArray
-    """samples, (k,)"""
-    log_tau2: FloatArray
-    structure: IntArray
 
 
 def valves_from_anywhere(
@@ -77,40 +63,9 @@ def valves_from_anywhere(
         structures: Processes that are possible.
         rng: Where chance comes from.
     """
-    taus, ratios = process_bank(problem, structures)
-    near = bank(part, taus, ratios, ALL)
-    lags = ~np.isinf(taus)
-    structure = np.where(lags, np.where(ratios > 0, SOPDT, FOPDT), INTEGRATOR).astype(np.int64)
-    log_tau = np.log(np.where(lags, taus, math.exp(2.0)))
-    log_tau2 = np.where(ratios > 0, log_tau + np.log(np.maximum(ratios, 1e-3)), LEAST_LOG_TAU)
-    processes = Processes(log_tau, np.maximum(log_tau2, LEAST_LOG_TAU), structure)
-    return scored(count, part, near, delays_of(problem), processes, rng)
-
-
-def process_bank(problem: Problem, structures: Sequence[int]) -> tuple[FloatArray, FloatArray]:
-    """Return time constants (samples, infinite for an integrator) and ratios of the second to it, (k,)."""
-    slowest = max(6.0, problem.period)
-    lags = np.geomspace(max(0.7, 0.5 * problem.block), slowest, TAUS - 1)
-    taus: list[float] = []
-    ratios: list[float] = []
-    for structure, ratio in ((FOPDT, 0.0), (SOPDT, RATIO)):
-        if structure in structures:
-            taus += list(lags)
-            ratios += [ratio] * len(lags)
-    if INTEGRATOR in structures:
-        taus.append(math.inf)
-        ratios.append(0.0)
-    return np.array(taus), np.array(ratios)
-
-
-def delays_of(problem: Problem) -> IntArray:
-    """Return the delays of the bank, blocks, ascending."""
-    first = 1 if problem.block == 1 else 0
-    if problem.fixed_delay > 0:
-        return np.array([round(to_blocks(problem.fixed_delay, problem.block))])
-    longest = 0.6 * problem.max_delay / problem.block
-    steps = np.concatenate([np.arange(3), np.geomspace(3, max(5.0, longest), 5)])
-    return first + np.unique(np.round(steps).astype(np.int64))
+    processes = processes_of(problem, structures, LAGS)
+    near = bank(part, processes.taus, processes.ratios, ALL)
+    return scored(count, part, near, delays_of(problem, DELAYS, FARTHEST), processes, rng)
 
 
 @kernel

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from agent.identify.problem import Problem
 
 # Chosen on simulated loops (the trial of reference/search.md, and seeds 40000 to 40121 of random_plants).
-PARENTS, FEWEST = 300, 16
-"""Parents at the first horizon, and at least."""
+FEWEST = 16
+"""Parents at a horizon, at least."""
 THINNING = 0.7
 """Power by which the parents become fewer as the record grows."""
 CHILDREN = 12
@@ -81,6 +81,7 @@ def climb(
     begun: Candidates,
     problem: Problem,
     horizon: float,
+    parents: int,
     possible: IntArray,
     rng: np.random.Generator,
     finalists: Candidates | None = None,
@@ -91,6 +92,7 @@ def climb(
         begun: Valves from anywhere; their costs do not count.
         problem: The whole record.
         horizon: Periods of the first part.
+        parents: At the first horizon.
         possible: 1 for each structure that is possible, (3,).
         rng: Where chance comes from.
         finalists: Of climbs before, on the whole record; they join at its end.
@@ -102,12 +104,12 @@ def climb(
     for stage in range(MOST_HORIZONS):
         refit(population, part, 4)
         shrunk = first / horizon
-        count = int(max(FEWEST, PARENTS * shrunk**THINNING))
+        count = int(max(FEWEST, parents * shrunk**THINNING))
         step = STEP * max(LEAST_STEP, shrunk**STEP_POWER)
         work += len(population.costs) * len(part.op)
-        for this_step, parents in ((step, count), (SECOND_STEP * step, count * 3 // 4)):
-            per_niche = max(3, parents // NICHES[min(stage, len(NICHES) - 1)])
-            population = _parents(population, parents, DISTANCE * this_step, per_niche, ranges, problem)
+        for this_step, most in ((step, count), (SECOND_STEP * step, count * 3 // 4)):
+            per_niche = max(3, most // NICHES[min(stage, len(NICHES) - 1)])
+            population = _parents(population, most, DISTANCE * this_step, per_niche, ranges, problem)
             work += CHILDREN * len(population.costs) * len(part.op)
             population = generation(population, CHILDREN, this_step, part, possible, rng)
         population = _parents(population, count * 3 // 4, DISTANCE / 2 * step, count, ranges, problem)

@@ -1,4 +1,4 @@
-"""The best model whose valve follows OP."""
+"""The best process behind a valve that follows OP, or behind a known one."""
 
 from __future__ import annotations
 
@@ -40,6 +40,13 @@ def best_linear(problem: Problem, structures: Sequence[int], also: Fitted | None
     best = population.sorted(1)
     possible = by_error([start(best.candidates[0], int(best.structures[0]), problem)])
     return possible[0] if possible else None
+
+
+def process_behind(fitted: Fitted, problem: Problem) -> Fitted:
+    """Return a candidate with its process fitted to another view of its record; the valve stays."""
+    one = Candidates(fitted.candidate[None].copy(), np.array([fitted.structure]), np.array([math.inf]))
+    refit(one, problem, PASSES)
+    return start(one.candidates[0], fitted.structure, problem)
 
 
 def process_grid(problem: Problem, second: float) -> list[FloatArray]:

@@ -1,7 +1,8 @@
-"""The search: islands from anywhere, and around what they found, in turn, until noise is left.
+"""The search: islands, and around what they found, in turn, until noise is left.
 
-One schedule: an even cycle is an island (valves from anywhere climb), an odd one climbs again from valves
-scattered around what was found. One criterion: what a candidate costs (``price``). One stop: the residual of
+One schedule: an even cycle is an island (valves climb: those of a grid at first, later others from anywhere),
+an odd one climbs again from valves scattered around what was found. The first island is small, because it
+finds most valves. One criterion: what a candidate costs (``price``). One stop: the residual of
 the best model is white noise, some cycles in a row gained nothing, the budget is spent, or the best valve
 explains hardly more than none.
 See docs/methods/population.md.
@@ -21,7 +22,8 @@ from agent.identify.problem import first_periods
 from agent.identify.residuals import autocorrelation
 from agent.identify.search.anywhere import valves_from_anywhere
 from agent.identify.search.children import scattered
-from agent.identify.search.climb import PARENTS, climb
+from agent.identify.search.climb import climb
+from agent.identify.search.grid import valves_of_grid
 from agent.identify.search.population import Candidates, apart, join, least, periods_of, reach
 
 if TYPE_CHECKING:
@@ -37,10 +39,15 @@ FIRST_SHARE, FIRST_LEAST = 16, 6.0
 """First horizon: periods over ``FIRST_SHARE``, at least ``FIRST_LEAST``;"""
 FEW_SHARE, FEW_LEAST = 0.5, 3.5
 """with few periods, half of them."""
-ISLAND, MORE = 6000, 1500
+FIRST_PARENTS, PARENTS = 100, 300
+"""Parents of the first island and the climb around it, and of all others. Two of three simulated loops need
+no more than the first island."""
+ISLAND, MORE = 2500, 600
 """Valves from anywhere on an island, and beside those scattered around what was found."""
-AROUND, SCALE = 300, 0.02
-"""Scattered ones, and how far, OP spans."""
+SCALE = 0.02
+"""How far scattered ones are, OP spans; they are as many as the parents."""
+CYCLES_OF_FIRST = 2
+"""Cycles with ``FIRST_PARENTS``: the first island and around it."""
 GOES_ON = 2
 """Valves from anywhere that climb, over the parents of the first horizon."""
 APART = 0.02
@@ -54,12 +61,12 @@ WHITE = 0.15
 (seeds 40000 to 40121) every valve whose S was off by more than 2 % of the span left 0.23 or more."""
 GAIN = 0.98
 """Cost over that before, above which a cycle gained nothing."""
-CYCLES = 10
+CYCLES = 30
 """At most; the budget ends a search before."""
-IN_VAIN = 3
-"""Cycles in a row without a gain that end a search: around what was found, an island, and around it."""
-BUDGET = 35e6
-"""Samples through which valves may be simulated before the last cycle: about a second of one core."""
+IN_VAIN = 5
+"""Cycles in a row without a gain that end a search: around what was found, two islands and around them."""
+BUDGET = 80e6
+"""Samples through which valves may be simulated before the last cycle: about two seconds of one core."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,17 +106,18 @@ def search(
     early: tuple[Candidates, ...] = ()
     vain, work, ended = 0, 0.0, "budget"
     for cycle in range(CYCLES):
+        parents = FIRST_PARENTS if cycle < CYCLES_OF_FIRST else PARENTS
         around = finalists if cycle % 2 else None
-        begun = _begun(problem, part, around, structures, rng)
-        climbed = climb(begun, problem, horizon, possible, rng, around)
-        work += climbed.work + (ISLAND if around is None else MORE) * len(part.op)
+        begun, looked = _begun(cycle, problem, part, around, parents, structures, rng)
+        climbed = climb(begun, problem, horizon, parents, possible, rng, around)
+        work += climbed.work + looked * len(part.op)
         early += climbed.early
         before = least(finalists)
         finalists = join(climbed.population, finalists).sorted(FINALISTS)
         vain = vain + 1 if least(finalists) > GAIN * before else 0
         if least(finalists) > worth:
             ended = "explains_little"
-        elif cycle % 2 and periods_of(problem) >= MANY_PERIODS and leaves_white(finalists, problem):
+        elif periods_of(problem) >= MANY_PERIODS and leaves_white(finalists, problem):
             ended = "white"
         elif vain >= IN_VAIN:
             ended = "in_vain"
@@ -120,19 +128,24 @@ def search(
 
 
 def _begun(
+    cycle: int,
     problem: Problem,
     part: Problem,
     around: Candidates | None,
+    parents: int,
     structures: Sequence[int],
     rng: np.random.Generator,
-) -> Candidates:
-    """Return the valves that a cycle begins with, from anywhere or also around some."""
-    count, most = (ISLAND, GOES_ON * PARENTS) if around is None else (MORE, PARENTS)
+) -> tuple[Candidates, int]:
+    """Return the valves that a cycle begins with, and how many were looked at for it."""
+    if cycle == 0:
+        begun = valves_of_grid(problem, structures)
+        return begun, len(begun.costs)
+    count, most = (ISLAND, GOES_ON * parents) if around is None else (MORE, parents)
     begun = valves_from_anywhere(count, problem, part, structures, rng)
     begun = begun.take(apart(begun, most, APART, OF_A_BIN, reach(problem), problem.op_span))
-    if around is None:
-        return begun
-    return join(begun, scattered(around, AROUND, SCALE, problem, rng))
+    if around is not None:
+        begun = join(begun, scattered(around, parents, SCALE, problem, rng))
+    return begun, count
 
 
 def leaves_white(finalists: Candidates, problem: Problem) -> bool:

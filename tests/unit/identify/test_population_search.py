@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from agent.analysis.quantify.population import PopulationSearch, rounded
+
 from agent.analysis.record.recording import LoopWindow
 from agent.identify.objective import FOPDT, INTEGRATOR, J_RATIO, SOPDT, S
 from agent.identify.search import search as searching

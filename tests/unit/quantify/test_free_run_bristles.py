@@ -4,11 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-
 from agent.analysis.quantify.free_run.bristles import JUMPS, bristly, with_bristles
 from agent.analysis.quantify.free_run.fitted import refine
-from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.quantify.free_run.search import SURER, Found
+
+from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import LoopWindow
 from agent.identify.fitted import start
 from agent.identify.objective import (

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from agent.analysis.quantify.free_run.elsewhere import PLACES, moved_elsewhere, one_by_one
+
 from agent.identify.fitted import start
 from agent.identify.objective import (
     BRISTLES,

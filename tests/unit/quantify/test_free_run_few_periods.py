@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-
-from agent.analysis.quantify.free_run import few_periods
 from agent.analysis.quantify.free_run.few_periods import (
     CLEARLY_LESS,
     FEW,
@@ -13,8 +11,10 @@ from agent.analysis.quantify.free_run.few_periods import (
     best_by_samples,
     searched_by_samples,
 )
-from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.quantify.free_run.search import SURER, Found
+
+from agent.analysis.quantify.free_run import few_periods
+from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.identify.fitted import Fitted, start
 from agent.identify.objective import (

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-
-from agent.analysis.quantify.free_run import growing_horizon, populations
 from agent.analysis.quantify.free_run.growing_horizon import (
     best_of_populations,
     from_around,
@@ -17,6 +15,8 @@ from agent.analysis.quantify.free_run.populations import (
     searched_by_populations,
 )
 from agent.analysis.quantify.free_run.search import Found
+
+from agent.analysis.quantify.free_run import growing_horizon, populations
 from agent.analysis.record.recording import LoopHints
 from agent.identify.fitted import start
 from agent.identify.objective import (

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from agent.analysis.quantify.free_run.search import Found
 
 from agent.analysis.quantify.free_run.intervals import (
     ALIKE,
@@ -16,7 +17,6 @@ from agent.analysis.quantify.free_run.intervals import (
     same_structure,
     stiction_estimate,
 )
-from agent.analysis.quantify.free_run.search import Found
 from agent.identify.fitted import Fitted
 from agent.identify.objective import (
     DELAY,

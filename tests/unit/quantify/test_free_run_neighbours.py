@@ -2,6 +2,7 @@
 
 from agent.analysis.quantify.free_run.neighbours import BETTER, better_beside, moved_on
 from agent.analysis.quantify.free_run.search import SURER, Found
+
 from agent.identify.fitted import Fitted, start
 from agent.identify.objective import FOPDT, LEVEL, SOPDT, S
 from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once

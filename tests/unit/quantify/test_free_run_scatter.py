@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-
 from agent.analysis.quantify.free_run.scatter import SPREADS, scattered, searched_around
 from agent.analysis.quantify.free_run.search import Found
+
 from agent.analysis.record.recording import LoopHints
 from agent.identify.fitted import start
 from agent.identify.objective import (

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from agent.analysis.quantify.free_run.stem_scan import with_best_stems
+
 from agent.identify.fitted import start
 from agent.identify.objective import DELAY, FOPDT, J_RATIO, LOG_DAMPING, LOG_REST, S
 from tests.reference.test_shooting_twin import loop_whose_stem_rests_elsewhere_once

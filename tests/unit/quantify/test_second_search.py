@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-
-from agent.analysis.quantify.free_run import second_search
 from agent.analysis.quantify.free_run.coarse_grid import COARSE, Family
 from agent.analysis.quantify.free_run.search import Found
 from agent.analysis.quantify.free_run.second_search import (
@@ -16,6 +14,8 @@ from agent.analysis.quantify.free_run.second_search import (
     going_on,
     searched_again,
 )
+
+from agent.analysis.quantify.free_run import second_search
 from agent.analysis.record.recording import LoopHints
 from agent.identify.fitted import Fitted, start
 from agent.identify.objective import FOPDT, INTEGRATOR, J_RATIO, SIZE, SOPDT, S

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-
 from agent.analysis.quantify.free_run.evolution import SAME, Generation
 from agent.analysis.quantify.free_run.growing_horizon import KEPT
+
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.stiction import Stiction

@@ -2,19 +2,19 @@
 
 It differs from the paper's method (``lee2008``) in what is searched: where the valve stands at the start of
 the record, a fractional delay and the time constants together with S and J, on the error of the simulated PV,
-with gain, level, slope and start-up in closed form. Design facts 1, 2, 4; ``methods.md`` 0.3 to 0.6.
+with gain, level, slope and start-up in closed form. The search is ``agent.identify.search``.
+Design facts 1, 2, 4; ``methods.md`` 0.3 to 0.6.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.bristles import with_bristles
-from agent.analysis.quantify.free_run.few_periods import searched_by_samples
+from agent.analysis.quantify.free_run.found import SLIDES_BELOW, Found, find
 from agent.analysis.quantify.free_run.intervals import (
     hidden_movement,
     process_intervals,
@@ -22,12 +22,8 @@ from agent.analysis.quantify.free_run.intervals import (
     same_structure,
     stiction_estimate,
 )
-from agent.analysis.quantify.free_run.neighbours import moved_on
-from agent.analysis.quantify.free_run.populations import searched_by_populations
-from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.quantify.free_run.problem import pose, structures
 from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
-from agent.analysis.quantify.free_run.search import Found, best_linear, best_stiction
-from agent.analysis.quantify.free_run.second_search import converged_search
 from agent.analysis.quantify.valves.turns import turns
 from agent.analysis.results import (
     MethodVerdict,
@@ -50,20 +46,16 @@ from agent.identify.objective import (
     valve_position,
 )
 from agent.identify.problem import Problem, bridge, high_pass
+from agent.identify.search.linear import best_linear
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
 
 STICKS_ABOVE = 1.75
-"""Evidence (linear over sticking error) above which the valve is said to stick."""
-SLIDES_BELOW = 1.25
-"""Evidence below which it is said not to; between the two it is undecided.
+"""Evidence (linear over sticking error) above which the valve is said to stick.
 
-Both are read off simulated loops (seeds 2000 to 2079): see docs/methods/free_run.md.
+This and ``SLIDES_BELOW`` are read off simulated loops (seeds 2000 to 2079): see docs/methods/free_run.md.
 """
-SURELY_STICKS = 2 * STICKS_ABOVE
-"""Evidence of a further search that is believed where the first search was undecided: a sound loop gains a
-little by searching on, a right valve that was missed explains many times as much."""
 LEAST_S = 0.01
 """S below this share of the OP span is no stiction that a record can show."""
 LEAST_FIT = 50.0
@@ -84,21 +76,10 @@ class FreeRun:
         problem = pose(window)
         if isinstance(problem, str):
             return unanswered(self.name, problem)
-        found = best_stiction(problem, window.hints)
-        linear = best_linear(problem, window.hints, found.best if found else None)
+        found = find(window, problem)
+        linear = best_linear(problem, structures(window.hints), found.best if found else None)
         if linear is None:
             return unanswered(self.name, "no process within bounds follows OP")
-        evidence = evidence_of(found, linear)
-        if found is not None and evidence >= SLIDES_BELOW:
-            sought = converged_search(found, problem, window.hints)
-            if evidence >= STICKS_ABOVE or evidence_of(sought, linear) >= SURELY_STICKS:
-                found = sought
-            evidence = evidence_of(found, linear)
-            if decide(evidence, found, problem) == "stiction":
-                # One more freedom tells how much a valve sticks, never that it does.
-                found = with_bristles(found, problem)
-                found = searched_by_populations(found, problem, window.hints)
-                found = searched_by_samples(moved_on(found, problem), window, problem)
         return answer(self.name, found, linear, problem, window)
 
 
@@ -117,9 +98,6 @@ def answer(
     evidence = evidence_of(found, linear)
     if evidence == 1.0:
         found = None
-    elif found is not None and evidence < SLIDES_BELOW:
-        # Shots that set a stem off again and again fit what no valve did; its free run tells of no valve.
-        found = replace(found, best=found.least)
     decision = decide(evidence, found, problem)
     best = found.best if found else linear
     chosen = linear if decision == "no_stiction" else best
@@ -157,16 +135,13 @@ def unanswered(name: str, failure: str) -> Quantification:
 
 
 def decide(evidence: float, found: Found | None, problem: Problem) -> MethodVerdict:
-    """Return the verdict that the errors support, the valve's turns allow and the fit deserves.
-
-    Of the free run that fits best, as the evidence is: that of the shots may go wrong at a stroke.
-    """
+    """Return the verdict that the errors support, the valve's turns allow and the fit deserves."""
     if found is None or evidence < SLIDES_BELOW:
         return "no_stiction"
     if found.best.candidate[S] < LEAST_S * problem.op_span:
         return "no_stiction"
-    sees_it = turns(valve_position(found.least.candidate, problem)) > 0
-    explains = fit_percent(found.least, problem) >= LEAST_FIT
+    sees_it = turns(valve_position(found.best.candidate, problem)) > 0
+    explains = fit_percent(found.best, problem) >= LEAST_FIT
     return "stiction" if evidence >= STICKS_ABOVE and sees_it and explains else "undecided"
 
 

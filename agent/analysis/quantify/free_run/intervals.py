@@ -17,7 +17,7 @@ from agent.analysis.results import IntervalEstimate, ProcessIntervals, Profile, 
 from agent.identify.objective import DELAY, J_RATIO, LOG_TAU, LOG_TAU2, SOPDT, S
 
 if TYPE_CHECKING:
-    from agent.analysis.quantify.free_run.search import Found
+    from agent.analysis.quantify.free_run.found import Found
     from agent.analysis.record.recording import LoopWindow
     from agent.identify.fitted import Fitted
     from agent.identify.problem import Problem

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from agent.analysis.loop.controller_action import process_gain_sign
+from agent.analysis.record.spans import in_spans_of
+from agent.identify.objective import FOPDT, INTEGRATOR, SOPDT
 from agent.identify.problem import BLOCKS_PER_PERIOD
 from agent.identify.problem import pose as pose_signals
 
 if TYPE_CHECKING:
-    from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.record.recording import LoopHints, LoopWindow
     from agent.identify.problem import Problem
+
+DIGITS = 9
+"""Decimals of a span that are kept: far less than any transmitter resolves, far more than rounding has."""
 
 
 def pose(window: LoopWindow, blocks_per_period: float = BLOCKS_PER_PERIOD) -> Problem | str:
@@ -21,3 +29,23 @@ def pose(window: LoopWindow, blocks_per_period: float = BLOCKS_PER_PERIOD) -> Pr
     fixed_delay = window.hints.delay or 0
     problem = pose_signals(window.op, window.pv, 0, fixed_delay, blocks_per_period)
     return problem if isinstance(problem, str) else problem._replace(gain_sign=process_gain_sign(window))
+
+
+def in_spans(window: LoopWindow) -> Problem | str:
+    """Return the problem in spans from the least values, rounded, or in plain words why there is none.
+
+    A search takes another way where last digits differ. So the same record in other units must be the same
+    numbers.
+    """
+    spans = in_spans_of(window)
+    if spans is None:
+        return "OP or PV does not move"
+    return pose(replace(spans, op=np.round(spans.op, DIGITS), pv=np.round(spans.pv, DIGITS)))
+
+
+def structures(hints: LoopHints) -> tuple[int, ...]:
+    """Return the processes that the engineer's knowledge leaves possible."""
+    if hints.integrating:
+        return (INTEGRATOR,)
+    lags = {1: (FOPDT,), 2: (SOPDT,)}.get(hints.order or 0, (FOPDT, SOPDT))
+    return lags if hints.integrating is False else (*lags, INTEGRATOR)

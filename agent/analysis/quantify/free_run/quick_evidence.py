@@ -9,10 +9,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from agent.analysis.quantify.free_run.fitted import smooth
-from agent.analysis.quantify.free_run.search import best_linear
-from agent.identify.fitted import start
+from agent.analysis.quantify.free_run.problem import structures
 from agent.identify.problem import Problem, bridge, high_pass, nuisance_basis
+from agent.identify.search.linear import best_linear, process_behind
 from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
@@ -23,8 +22,6 @@ PASS_TIME = 0.1
 """Time constant of the filter, periods."""
 LEAST_BLOCKS = 2.0
 """Its least time constant, blocks."""
-STEP, EVALUATIONS = 0.5, 150
-"""Of the simplex that fits delay and time constants again."""
 
 
 def quick_evidence(window: LoopWindow, problem: Problem, sticking: Fitted) -> float:
@@ -33,8 +30,8 @@ def quick_evidence(window: LoopWindow, problem: Problem, sticking: Fitted) -> fl
     The valve stays as it was found; its process is fitted again, and so is the model without stiction.
     """
     quicker = filtered(window, problem)
-    again = smooth(start(sticking.candidate, sticking.structure, quicker), quicker, STEP, EVALUATIONS)
-    linear = best_linear(quicker, window.hints, sticking)
+    again = process_behind(sticking, quicker)
+    linear = best_linear(quicker, structures(window.hints), sticking)
     return 1.0 if linear is None else linear.error / max(again.error, 1e-300)
 
 

@@ -10,11 +10,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.quantify.free_run.climb import disturb
 from agent.identify.objective import (
+    BRISTLES,
     DELAY,
+    FIRST,
+    J_RATIO,
+    LEVEL,
+    LOG_DAMPING,
+    LOG_REST,
     LOG_TAU,
     LOG_TAU2,
+    RIGID,
+    STEM_HIGH,
+    STEM_LOW,
     S,
     in_bounds,
     process_error,
@@ -22,6 +30,7 @@ from agent.identify.objective import (
 )
 from agent.identify.problem import Problem
 from agent.jit import kernel
+from agent.physics.valves.damped_stem import GIVE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -144,41 +153,30 @@ def random_steps(
 
 
 @kernel
-def refine_each(
-    candidates: FloatArray,
-    structures: NDArray[np.int64],
-    axes: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
-    step: FloatArray,
-    scale: float,
-    problem: Problem,
-    evaluations: tuple[int, int],
-    rng: np.random.Generator,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the candidates (k, SIZE) after both local searches, one after the other, and their errors, (k,).
-
-    All in one call, for handing over a problem takes as long as an evaluation.
-
-    Args:
-        candidates: Where to begin.
-        structures: Of their processes, (k,).
-        axes: The coordinates of the process that are searched, by structure.
-        step: First steps in them, (SIZE,).
-        scale: Of the random steps.
-        problem: The record.
-        evaluations: For the process, and for the valve with the process following.
-        rng: Of the random steps.
-    """
-    found = candidates.copy()
-    errors = np.empty(structures.size)
-    for i in range(structures.size):
-        structure = structures[i]
-        candidate = found[i].copy()
-        position = valve_position(candidate, problem)
-        if axes[structure].size > 0:
-            candidate, error = simplex(
-                candidate, step, axes[structure], position, structure, problem, evaluations[0]
-            )
-        else:
-            error = process_error(position, candidate, structure, problem)
-        found[i], errors[i] = random_steps(candidate, error, scale, structure, problem, evaluations[1], rng)
-    return found, errors
+def disturb(
+    trial: FloatArray, best: FloatArray, scale: float, op_span: float, rng: np.random.Generator
+) -> None:
+    """Take a random step in the valve; ``scale`` 1 is 1.5 % of the OP span in S."""
+    kind = rng.integers(0, 7 if best[LOG_REST] > RIGID else 5)
+    s, j = best[S], best[S] * best[J_RATIO]
+    if kind in (0, 1, 4):
+        s += scale * 0.015 * op_span * rng.standard_normal()
+    if kind == 1:
+        j = s * best[J_RATIO]
+    if kind in (2, 4):
+        j += scale * 0.04 * op_span * rng.standard_normal()
+    s = min(max(s, 0.002 * op_span), op_span)
+    trial[S] = s
+    trial[J_RATIO] = min(max(j / s, 0.0), 1.0)
+    if kind in (0, 4):
+        trial[LEVEL] += 0.5 * best[FIRST] * (s - best[S])
+    if kind in (3, 4):
+        trial[LEVEL] += scale * 0.015 * op_span * rng.standard_normal()
+    if kind > 3 and best[LOG_REST] > RIGID:
+        for axis in range(3):
+            if kind in (4, 5 + axis % 2):
+                moved = trial[LOG_DAMPING + axis] + 0.7 * scale * rng.standard_normal()
+                trial[LOG_DAMPING + axis] = min(max(moved, STEM_LOW[axis]), STEM_HIGH[axis])
+        if kind != 5 and best[BRISTLES] > 0.0:
+            moved = best[BRISTLES] * np.exp(0.7 * scale * rng.standard_normal())
+            trial[BRISTLES] = min(max(moved, GIVE[0]), GIVE[1])

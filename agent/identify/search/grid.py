@@ -14,13 +14,13 @@ import numpy as np
 
 from agent.identify.bank import Bank, bank
 from agent.identify.bank_score import best_share, room_for
+from agent.identify.bounds import keep_in_bounds
 from agent.identify.first_slip import first_slip
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
     FIRST,
     J_RATIO,
-    LEAST_LOG_TAU,
     LEVEL,
     LOG_DAMPING,
     LOG_TAU,
@@ -28,19 +28,25 @@ from agent.identify.objective import (
     SIZE,
     S,
 )
-from agent.identify.problem import Problem, from_blocks, to_blocks
+from agent.identify.problem import Problem, from_blocks
+from agent.identify.search.population import Candidates
+from agent.identify.search.process_bank import delays_of, processes_of
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import Motion, stem_at, stem_motion, strokes
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
-    from agent.analysis.record.recording import FloatArray
+    from agent.identify.arrays import FloatArray
 
 LEVEL_STEP = 0.02
 """Step of the level of OP at the first slip, OP spans."""
-TAUS = 7
-RATIOS = np.array([0.0, 0.6])
+STEMS = np.array([(0.01, 0.01, 1e-8), (0.15, 0.1, 0.003), (0.3, 0.15, 0.01)])
+"""Damping, supply and rest: He's valve, and two that take their time."""
+LAGS, DELAYS, FARTHEST = 6, 12, 0.75
+"""Time constants and delays of the bank, and its longest delay over the longest there is."""
 S_BINS = 16
 LOOKS = 6
 """How often in the first period and a half stems are asked whether they have met."""
@@ -73,47 +79,35 @@ class Grid(NamedTuple):
 COARSE = Grid(8.0, 60, np.array([0.0, 0.04, 0.09, 0.15, 0.25, 0.4, 0.6, 0.8, 0.97]), (5, 4), 5)
 
 
-class Family(NamedTuple):
-    """Processes that are searched together; None leaves both."""
+def valves_of_grid(problem: Problem, structures: Sequence[int], grid: Grid = COARSE) -> Candidates:
+    """Return the best few valves of each bin of S and J for each stem, with processes.
 
-    integrates: bool | None
-    second: bool | None = None
-    """Whether they have a second pole."""
+    By bins, because the cells of one broad wrong basin would crowd out the needles. Their costs are the
+    shares of PV that they do not explain.
 
-    def of(self, ratios: FloatArray) -> FloatArray:
-        """Return which of these ratios of the second time constant to the first are theirs."""
-        return ratios if self.second is None else ratios[(ratios > 0) == self.second]
-
-
-def coarse_candidates(
-    problem: Problem, stems: FloatArray, family: Family, grid: Grid
-) -> tuple[FloatArray, FloatArray]:
-    """Return the best few of each bin of S and J for each stem, (k, SIZE), and their shares of PV, (k,).
-
-    By bins, because the cells of one broad wrong basin would crowd out the needles.
+    Args:
+        problem: The record.
+        structures: Processes that are possible.
+        grid: The valves that are looked at.
     """
     s_values = np.linspace(1.0 / grid.s_steps, 1.0, grid.s_steps) * problem.op_span
-    taus, ratios = processes(problem, TAUS, family.of(RATIOS), integrates=family.integrates)
-    delays = bank_delays(problem)
-    near = bank(problem, taus, ratios, grid.periods)
+    processes = processes_of(problem, structures, LAGS)
+    delays = delays_of(problem, DELAYS, FARTHEST)
+    near = bank(problem, processes.taus, processes.ratios, grid.periods)
     level_step = LEVEL_STEP * problem.op_span
-    scores, places, levels = scan(near, stems, s_values, grid.j_ratios, level_step, delays)
-    found, shares = [], []
-    for k, i, j in best_cells(scores, (s_values / problem.op_span * S_BINS).astype(int), grid):
+    scores, places, levels = scan(near, STEMS, s_values, grid.j_ratios, level_step, delays)
+    cells = best_cells(scores, (s_values / problem.op_span * S_BINS).astype(int), grid)
+    candidates = np.empty((len(cells), SIZE))
+    structure, shares = np.empty(len(cells), dtype=np.int64), np.empty(len(cells))
+    for cell, (k, i, j) in enumerate(cells):
         tau, delay = divmod(int(places[k, i, j]), len(delays))
-        candidate = np.empty(SIZE)
-        set_process(candidate, taus[tau], ratios[tau], delays[delay], problem)
-        set_valve(candidate, near.op, s_values[i], grid.j_ratios[j], levels[k, i, j], stems[k])
-        found.append(candidate)
-        shares.append(scores[k, i, j])
-    return np.array(found).reshape(-1, SIZE), np.array(shares)
-
-
-def set_process(candidate: FloatArray, tau: float, ratio: float, delay: int, problem: Problem) -> None:
-    """Give a candidate a process of a bank: time constant (samples), ratio of the second, delay (blocks)."""
-    candidate[LOG_TAU] = min(math.log(tau), problem.max_log_tau)
-    candidate[LOG_TAU2] = log_tau2(candidate[LOG_TAU], ratio, problem)
-    candidate[DELAY] = from_blocks(float(delay), problem.block)
+        candidate = candidates[cell]
+        candidate[[LOG_TAU, LOG_TAU2]] = processes.log_tau[tau], processes.log_tau2[tau]
+        candidate[DELAY] = from_blocks(float(delays[delay]), problem.block)
+        set_valve(candidate, near.op, s_values[i], grid.j_ratios[j], levels[k, i, j], STEMS[k])
+        keep_in_bounds(candidate, problem)
+        structure[cell], shares[cell] = processes.structure[tau], scores[k, i, j]
+    return Candidates(candidates, structure, (1.0 - shares) * float(problem.pv @ problem.pv))
 
 
 def set_valve(
@@ -139,36 +133,6 @@ def best_cells(scores: FloatArray, bins: NDArray[np.int64], grid: Grid) -> list[
                     if part[row, column] > 0:
                         chosen.append((k, int(rows[row]), int(group[column])))
     return chosen
-
-
-def log_tau2(log_tau: float, ratio: float, problem: Problem) -> float:
-    """Return the log of the second time constant of a process of the bank, samples."""
-    return max(
-        LEAST_LOG_TAU, (math.log(ratio) if ratio else -9.0) + min(log_tau, math.log(problem.period / 4))
-    )
-
-
-def processes(
-    problem: Problem, count: int, ratios: FloatArray, *, integrates: bool | None
-) -> tuple[FloatArray, FloatArray]:
-    """Time constants (samples, integrator infinite) and ratios of a bank, ratio by ratio, (k,) each."""
-    slowest = max(6.0, problem.period)
-    taus = np.geomspace(max(0.7, 0.5 * problem.block), slowest, count - 1)
-    if integrates:
-        taus = np.array([math.inf])
-    elif integrates is None:
-        taus = np.append(taus, math.inf)
-    return np.tile(taus, len(ratios)), np.repeat(ratios, len(taus))
-
-
-def bank_delays(problem: Problem) -> NDArray[np.int64]:
-    """Delays of the coarse bank, blocks, ascending."""
-    first = 1 if problem.block == 1 else 0
-    if problem.fixed_delay > 0:
-        return np.array([round(to_blocks(problem.fixed_delay, problem.block))])
-    longest = 0.75 * problem.max_delay / problem.block
-    steps = np.concatenate([np.arange(4), np.geomspace(4, max(5.0, longest), 8)])
-    return first + np.unique(np.round(steps).astype(np.int64))
 
 
 @kernel

@@ -1,0 +1,60 @@
+"""What the search for a sticking valve found: the best model, and the best at each other S and J."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from agent.analysis.quantify.free_run.problem import in_spans, structures
+from agent.identify.fitted import Fitted, by_error, start
+from agent.identify.objective import LEVEL, S
+from agent.identify.search.elites import elites_of
+from agent.identify.search.linear import best_linear
+from agent.identify.search.search import possible_of, search
+
+if TYPE_CHECKING:
+    from agent.analysis.record.recording import LoopWindow
+    from agent.identify.problem import Problem
+
+SLIDES_BELOW = 1.25
+"""Evidence below which a valve is said not to stick; there a search ends after its first island."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """Models of a sticking valve."""
+
+    best: Fitted
+    """The least cost: error, and price of what it has more than the simplest."""
+    others: tuple[Fitted, ...]
+    """The best of each cell of S and of J, the best among them; the least error first."""
+
+    @property
+    def least_error(self) -> float:
+        """The least sum of squares, PV units squared."""
+        return min(self.best.error, self.others[0].error)
+
+
+def find(window: LoopWindow, problem: Problem) -> Found | None:
+    """Return the models of a sticking valve that explain a record best; None where no valve moves.
+
+    Args:
+        window: The record.
+        problem: What it poses, in its units; the search sees it in spans.
+    """
+    searched = in_spans(window)
+    if isinstance(searched, str):
+        return None
+    possible = structures(window.hints)
+    without = best_linear(searched, possible)
+    worth = math.inf if without is None else without.error / SLIDES_BELOW
+    models = elites_of(search(searched, possible, worth), searched, possible_of(possible))
+    low = float(problem.op.min())
+    fits = []
+    for candidate, structure in zip(models.candidates, models.structures, strict=True):
+        candidate[S] *= problem.op_span
+        candidate[LEVEL] = low + candidate[LEVEL] * problem.op_span
+        fits.append(start(candidate, int(structure), problem))
+    others = by_error(fits)
+    return Found(fits[0], tuple(others)) if others else None
