@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from agent.analysis.quantify.free_run.climb import climb
-from agent.analysis.quantify.free_run.fitted import STEP
-from agent.analysis.quantify.free_run.starts import STEMS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.analysis.quantify.free_run import coarse_grid, local_search
+from agent.analysis.innovations import local_search
+from agent.analysis.innovations.whitened import STEP
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.identify import bank as banks
@@ -24,15 +22,15 @@ from agent.identify.objective import (
     J_RATIO,
     LEVEL,
     LOG_DAMPING,
-    LOG_REST,
-    LOG_SUPPLY,
     LOG_TAU,
     LOG_TAU2,
     RIGID,
     SOPDT,
     S,
 )
-from agent.identify.problem import from_blocks, high_pass, to_blocks
+from agent.identify.problem import high_pass
+from agent.identify.search import grid
+from agent.identify.search.grid import STEMS
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow
 from tests.reference.damped_stem_branches import damped_stem_in_small_steps
@@ -184,12 +182,6 @@ def test_the_bank_scores_as_least_squares_on_its_regressors(seed, acting, slowne
     best, q, i = scores.best_process(response, covariance, DELAYS, near)
     assert best == pytest.approx(shares.max(), abs=1e-6)
     assert best == pytest.approx(shares[q, i], abs=1e-6)
-    between, delay, i = scores.best_between(response, covariance, DELAYS, near)
-    q, part = int(delay) - 1, delay % 1
-    mixed = late[q, i] if part == 0 else (1 - part) * late[q, i] + part * late[q + 1, i]
-    assert between >= best - 1e-9
-    if between > 0:
-        assert between == pytest.approx(slow.bank_share(mixed, problem.pv[:m], near)[0], abs=1e-6)
 
 
 @pytest.mark.parametrize("acting", ["reverse", None])
@@ -199,7 +191,7 @@ def test_the_scan_keeps_the_best_first_slip_of_each_cell(seed, acting):
     near = banks.bank(problem, np.array([4.0, np.inf]), np.array([0.0, 0.5]), 4.0)
     s_values, j_ratios = np.array([0.1, 0.3, 1.0]) * problem.op_span, np.array([0.0, 0.6])
     delays, step = np.array([1, 3, 6]), 0.06 * problem.op_span
-    scores, places, levels = coarse_grid.scan(near, STEMS[:1], s_values, j_ratios, step, delays)
+    scores, places, levels = grid.scan(near, STEMS[:1], s_values, j_ratios, step, delays)
     pv = problem.pv[: len(near.op) // near.block]
     for i, s in enumerate(s_values):
         for j, ratio in enumerate(j_ratios):
@@ -208,39 +200,6 @@ def test_the_scan_keeps_the_best_first_slip_of_each_cell(seed, acting):
             assert scores[0, i, j] == pytest.approx(share, abs=1e-6)
             if share > 0:
                 assert (places[0, i, j], levels[0, i, j]) == (place, pytest.approx(level))
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_a_climb_returns_the_process_and_delay_that_its_share_belongs_to(seed):
-    problem = problem_of(seed)
-    taus, ratios = (
-        np.tile([2.0, 4.0, 8.0, 16.0], 3),
-        np.repeat([0.0, 0.3, 0.6], 4),
-    )
-    near = banks.bank(problem, taus, ratios, 8.0)
-    pv = problem.pv[: len(near.op)]
-    assert near.block == 1
-    start = candidate_of(seed, problem)
-
-    def climbed(evaluations):
-        rng = np.random.default_rng(seed)
-        return climb(start, near, (4, 3), 5, problem.op_span, 1.0, evaluations, rng)
-
-    first, first_share, _ = climbed(1)
-    np.testing.assert_array_equal(np.delete(first, DELAY), np.delete(start, DELAY))
-    found, share, place = climbed(40)
-    np.testing.assert_array_equal(found, climbed(40)[0])
-    assert share > first_share
-    means, _ = slow.moves(objective.valve_position(found, problem._replace(op=near.op)), near.block)
-    late = to_blocks(found[DELAY], near.block)
-    assert from_blocks(late, near.block) == pytest.approx(found[DELAY])
-    whole, part = int(late + 1e-9), (late + 1e-9) % 1
-    responses = [slow.bank_response(means, whole + more, place, near) for more in (0, 1)]
-    explained, _ = slow.bank_share((1 - part) * responses[0] + part * responses[1], pv, near)
-    assert share == pytest.approx(explained, abs=1e-6)
-    if start[LOG_REST] < RIGID:
-        stem = [LOG_DAMPING, LOG_SUPPLY, LOG_REST, BRISTLES]
-        np.testing.assert_array_equal(found[stem], start[stem])
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -263,33 +222,11 @@ def test_searches_never_lose_and_repeat_themselves(seed):
         assert error <= objective.free_run_error(start, structure, problem)
 
 
-def test_many_candidates_are_refined_as_one_after_the_other():
-    problem = problem_of(2)
-    starts = np.array([candidate_of(seed, problem) for seed in range(3)])
-    structures = np.array([FOPDT, INTEGRATOR, SOPDT])
-    all_axes = ([LOG_TAU, DELAY], [LOG_TAU, DELAY, LOG_TAU2], [])
-    axes = tuple(np.array(each, dtype=np.int64) for each in all_axes)
-    found, errors = local_search.refine_each(
-        starts, structures, axes, STEP, 0.5, problem, (40, 60), np.random.default_rng(1)
-    )
-    rng = np.random.default_rng(1)
-    for i, structure in enumerate(structures):
-        candidate, error = starts[i], objective.free_run_error(starts[i], structure, problem)
-        if len(axes[structure]):
-            position = objective.valve_position(candidate, problem)
-            candidate, error = local_search.simplex(
-                candidate, STEP, axes[structure], position, structure, problem, 40
-            )
-        candidate, error = local_search.random_steps(candidate, error, 0.5, structure, problem, 60, rng)
-        np.testing.assert_allclose(found[i], candidate, rtol=1e-9)
-        assert errors[i] == pytest.approx(error, rel=1e-9)
-
-
 @pytest.mark.parametrize("structure", [FOPDT, SOPDT, INTEGRATOR])
 def test_many_candidates_have_the_errors_of_each(structure):
     problem = problem_of(4)
-    grid = np.array([candidate_of(seed, problem) for seed in range(5)])
+    several = np.array([candidate_of(seed, problem) for seed in range(5)])
     np.testing.assert_array_equal(
-        objective.free_run_errors(grid, structure, problem),
-        [objective.free_run_error(each, structure, problem) for each in grid],
+        objective.free_run_errors(several, structure, problem),
+        [objective.free_run_error(each, structure, problem) for each in several],
     )

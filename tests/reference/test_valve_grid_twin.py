@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from agent.analysis.quantify.free_run.starts import STEMS
 
 from agent.analysis.innovations.valve_grid import scan_rests
 from agent.identify.bank import bank
 from agent.identify.first_slip import first_slip
+from agent.identify.search.grid import STEMS
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow
 from tests.reference.test_free_run_twin import problem_of

@@ -1,8 +1,8 @@
 """Every (S, J/S, rest) on a grid, scored by a bank of processes: where a sticking valve may be hidden.
 
 The grid of the search (``agent.identify.search.grid``) takes the first slip to lie where a limit cycle slips
-again and again. Here the stem may stand anywhere that its friction lets it stand, and need not ever turn: a record of
-few moves tells of one stand, and of that alone.
+again and again. Here the stem may stand anywhere that its friction lets it stand, and need not ever turn: a
+record of few moves tells of one stand, and of that alone.
 """
 
 from __future__ import annotations

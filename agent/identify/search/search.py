@@ -95,7 +95,7 @@ def search(
     Args:
         problem: The record.
         structures: Processes that are possible, at least one.
-        worth: Cost below which a valve explains enough to go on after the first island, PV units squared.
+        worth: Cost below which a valve explains enough to go on after a large island, PV units squared.
         seed: Of the random numbers; the same record gives the same answer.
     """
     rng = np.random.default_rng(seed)
@@ -115,9 +115,9 @@ def search(
         before = least(finalists)
         finalists = join(climbed.population, finalists).sorted(FINALISTS)
         vain = vain + 1 if least(finalists) > GAIN * before else 0
-        if least(finalists) > worth:
+        if cycle >= CYCLES_OF_FIRST and least(finalists) > worth:
             ended = "explains_little"
-        elif periods_of(problem) >= MANY_PERIODS and leaves_white(finalists, problem):
+        elif cycle % 2 and periods_of(problem) >= MANY_PERIODS and leaves_white(finalists, problem):
             ended = "white"
         elif vain >= IN_VAIN:
             ended = "in_vain"

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from agent.analysis.quantify.population import PopulationSearch, rounded
 
+from agent.analysis.quantify.free_run import FreeRun
+from agent.analysis.quantify.free_run.problem import in_spans
 from agent.analysis.record.recording import LoopWindow
 from agent.identify.objective import FOPDT, INTEGRATOR, J_RATIO, SOPDT, S
 from agent.identify.search import search as searching
@@ -12,24 +13,24 @@ from agent.identify.search.search import first_horizon, possible_of, search
 from tests.unit.quantify.shipped_plants import op_span, plant, true_s
 
 STICKS = ("fic101_stick_slip", "lic201_dead_band")
-"""S within a hundredth of the span: ten times the error that is typical (docs/methods/population.md)."""
+"""S within a hundredth of the span: ten times the error that is typical (docs/methods/free_run.md)."""
 
 
 @pytest.mark.parametrize("name", STICKS)
 def test_a_sticking_valve_is_found(name):
-    found = PopulationSearch().quantify(plant(name)[1])
+    found = FreeRun().quantify(plant(name)[1])
     assert found.decision == "stiction"
     assert found.s.value == pytest.approx(true_s(name), abs=0.01 * op_span(name))
     assert found.s.low <= true_s(name) <= found.s.high
 
 
 def test_a_sound_valve_is_not_accused():
-    found = PopulationSearch().quantify(plant("fic103_healthy")[1])
+    found = FreeRun().quantify(plant("fic103_healthy")[1])
     assert found.decision == "no_stiction"
 
 
 def test_a_search_gives_the_same_answer_twice_and_ends_in_the_budget():
-    problem = rounded(plant("fic101_stick_slip")[1])
+    problem = in_spans(plant("fic101_stick_slip")[1])
     one, other = search(problem), search(problem)
     np.testing.assert_array_equal(one.finalists.candidates, other.finalists.candidates)
     assert one.work == other.work
@@ -38,19 +39,19 @@ def test_a_search_gives_the_same_answer_twice_and_ends_in_the_budget():
 
 def test_a_small_budget_ends_a_search_after_its_first_cycle(monkeypatch):
     monkeypatch.setattr(searching, "BUDGET", 1.0)
-    problem = rounded(plant("fic101_stick_slip")[1])
+    problem = in_spans(plant("fic101_stick_slip")[1])
     assert search(problem).ended == "budget"
 
 
 def test_structures_that_are_not_possible_are_not_found():
-    problem = rounded(plant("fic101_stick_slip")[1])
+    problem = in_spans(plant("fic101_stick_slip")[1])
     found = search(problem, (SOPDT,)).finalists
     assert set(found.structures.tolist()) == {SOPDT}
     assert not {FOPDT, INTEGRATOR} & set(found.structures.tolist())
 
 
 def test_elites_are_the_best_of_their_cells_and_include_the_best():
-    problem = rounded(plant("fic101_stick_slip")[1])
+    problem = in_spans(plant("fic101_stick_slip")[1])
     searched = search(problem)
     models = elites_of(searched, problem, possible_of((FOPDT, SOPDT, INTEGRATOR)))
     assert np.all(np.diff(models.costs) >= 0)
@@ -64,18 +65,18 @@ def test_elites_are_the_best_of_their_cells_and_include_the_best():
 def test_a_record_in_other_units_is_the_same_problem(span):
     window = plant("fic101_stick_slip")[1]
     other = LoopWindow("x", 0.0, window.ts, 7.0 + span * window.op, -3.0 + span * window.pv)
-    one, two = rounded(window), rounded(other)
+    one, two = in_spans(window), in_spans(other)
     np.testing.assert_array_equal(one.op, two.op)
     np.testing.assert_allclose(one.pv, two.pv, atol=1e-12)
 
 
 def test_few_periods_are_looked_at_by_half():
-    problem = rounded(plant("fic101_stick_slip")[1])
+    problem = in_spans(plant("fic101_stick_slip")[1])
     few = problem._replace(period=problem.op.size / 8.0, quiet=0)
     assert first_horizon(few) == pytest.approx(4.0)
 
 
 def test_what_moves_not_poses_no_problem():
     flat = LoopWindow("x", 0.0, 1.0, np.full(300, 50.0), np.random.default_rng(0).normal(size=300))
-    assert "not move" in rounded(flat)
-    assert PopulationSearch().quantify(flat).failure is not None
+    assert "not move" in in_spans(flat)
+    assert FreeRun().quantify(flat).failure is not None

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from agent.analysis.quantify.free_run.search import Found
 
+from agent.analysis.quantify.free_run.found import Found
 from agent.analysis.quantify.free_run.intervals import (
     ALIKE,
     ALIKE_IN_J,

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from agent.analysis.quantify.free_run.evolution import SAME, Generation
-from agent.analysis.quantify.free_run.growing_horizon import KEPT
 
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
@@ -13,7 +11,7 @@ from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench import growing_horizon
 from agent.workbench.fit import fit
-from agent.workbench.growing_horizon import followed, over_first
+from agent.workbench.growing_horizon import KEPT, SAME, Generation, followed, over_first
 from agent.workbench.prediction_search import predictor
 from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record

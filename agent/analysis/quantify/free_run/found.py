@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from agent.identify.problem import Problem
 
 SLIDES_BELOW = 1.25
-"""Evidence below which a valve is said not to stick; there a search ends after its first island."""
+"""Evidence below which a valve is said not to stick; there a search ends after its first large island."""
 
 
 @dataclass(frozen=True, slots=True)
