@@ -17,10 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Fitted:
-    """A candidate with its structure and its sum of squares, PV units squared.
-
-    Of the free run; in the search by shots that of the shots, with what the set-off stems cost.
-    """
+    """A candidate with its structure and its sum of squares in free run, PV units squared."""
 
     error: float
     structure: int

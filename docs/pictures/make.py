@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 from effect_pictures import EFFECT_VALUES, effect_in_the_loop, overflowing_tanks
-from free_run_pictures import free_run_search, recorded, shots
+from free_run_pictures import free_run_search, recorded
 from matplotlib.figure import Figure
 
 from agent.analysis.diagnose import diagnose
@@ -249,7 +249,6 @@ if __name__ == "__main__":
     for draw in (
         oscillation_peak,
         free_run_search,
-        shots,
         contour_map,
         profile,
         process_steps,

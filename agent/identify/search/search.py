@@ -5,7 +5,7 @@ an odd one climbs again from valves scattered around what was found. The first i
 finds most valves. One criterion: what a candidate costs (``price``). One stop: the residual of
 the best model is white noise, some cycles in a row gained nothing, the budget is spent, or the best valve
 explains hardly more than none.
-See docs/methods/population.md.
+See docs/methods/free_run.md.
 """
 
 from __future__ import annotations

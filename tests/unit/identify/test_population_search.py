@@ -12,7 +12,7 @@ from agent.identify.search.elites import J_CELL, S_CELL, elites_of
 from agent.identify.search.search import first_horizon, possible_of, search
 from tests.unit.quantify.shipped_plants import op_span, plant, true_s
 
-STICKS = ("fic101_stick_slip", "lic201_dead_band")
+STICKS = ("fic101_stick_slip", "fic102_moderate_stiction")
 """S within a hundredth of the span: ten times the error that is typical (docs/methods/free_run.md)."""
 
 
