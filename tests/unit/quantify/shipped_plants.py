@@ -2,8 +2,6 @@
 
 from functools import cache
 
-import pytest
-
 from agent.analysis.quantify.free_run import FreeRun
 from agent.analysis.record.recording import LoopWindow
 from simulators.plant import simulate
@@ -12,13 +10,6 @@ from tests.conftest import ROOT
 
 SAMPLES = 1200
 FREE_RUN = FreeRun()
-SEARCHED_LONG = {"lic201_dead_band", "tic301_weak_stiction"}
-"""Scenarios on which a search takes 10 s and more; the demo's test has their verdicts, too."""
-
-
-def scenarios(names):
-    """Parameters of a test, one a scenario; those that take long in `make bench`."""
-    return [pytest.param(name, marks=pytest.mark.bench if name in SEARCHED_LONG else ()) for name in names]
 
 
 @cache

@@ -12,11 +12,9 @@ from tests.reference.free_run_twins import first_order
 from tests.unit.quantify.shipped_plants import (
     FREE_RUN,
     SAMPLES,
-    SEARCHED_LONG,
     measured,
     op_span,
     plant,
-    scenarios,
     true_s,
 )
 
@@ -29,16 +27,9 @@ STICKING = (
     "tic302_second_order",
 )
 SOUND = ("fic103_healthy", "fic104_tight_tuning", "pic402_sinusoid", "tic303_drift")
-QUICK_AND_ALL = pytest.mark.parametrize(
-    "names",
-    [
-        pytest.param(sorted(set(STICKING) - SEARCHED_LONG), id="quick"),
-        pytest.param(STICKING, id="all", marks=pytest.mark.bench),
-    ],
-)
 
 
-@pytest.mark.parametrize("name", scenarios(STICKING + SOUND))
+@pytest.mark.parametrize("name", STICKING + SOUND)
 def test_the_verdict_is_the_truth(name):
     scenario, _ = plant(name)
     found = measured(name)
@@ -55,19 +46,17 @@ def test_the_verdict_is_the_truth(name):
         assert found.evidence < 1.5
 
 
-@QUICK_AND_ALL
-def test_s_is_right_where_the_record_determines_it(names):
-    known = [name for name in names if measured(name).stiction.identifiable_s]
+def test_s_is_right_where_the_record_determines_it():
+    known = [name for name in STICKING if measured(name).stiction.identifiable_s]
     assert known
     for name in known:
         assert measured(name).stiction.s.value == pytest.approx(true_s(name), abs=0.02 * op_span(name))
 
 
-@QUICK_AND_ALL
-def test_intervals_hold_the_true_s_nine_times_in_ten(names):
+def test_intervals_hold_the_true_s_nine_times_in_ten():
     missed = [
         name
-        for name in names
+        for name in STICKING
         if not measured(name).stiction.s.low <= true_s(name) <= measured(name).stiction.s.high
     ]
     assert len(missed) <= 1  # of six
@@ -75,7 +64,7 @@ def test_intervals_hold_the_true_s_nine_times_in_ten(names):
         assert not measured(name).stiction.identifiable_s
 
 
-@pytest.mark.parametrize("name", scenarios(STICKING))
+@pytest.mark.parametrize("name", STICKING)
 def test_bands_add_up(name):
     bands = measured(name).stiction
     assert bands.s.value == pytest.approx(bands.f_s.value + bands.f_d.value)
@@ -90,7 +79,6 @@ def test_the_process_comes_in_the_units_of_the_plant():
     assert process.delay == pytest.approx(1.5 + 1.0, abs=1.0)
 
 
-@pytest.mark.bench
 def test_an_integrating_loop_has_no_time_constant():
     scenario, window = plant("lic201_dead_band")
     found = FREE_RUN.quantify(window.with_hints(LoopHints(integrating=True)))
@@ -100,7 +88,7 @@ def test_an_integrating_loop_has_no_time_constant():
     assert found.decision == "stiction"
 
 
-@pytest.mark.parametrize(("order", "kind"), [pytest.param(1, "fopdt", marks=pytest.mark.bench), (2, "sopdt")])
+@pytest.mark.parametrize(("order", "kind"), [(1, "fopdt"), (2, "sopdt")])
 def test_a_given_delay_and_order_are_kept(order, kind):
     _, window = plant("tic302_second_order")
     process = FREE_RUN.quantify(window.with_hints(LoopHints(delay=5, order=order, integrating=False))).process
@@ -109,7 +97,6 @@ def test_a_given_delay_and_order_are_kept(order, kind):
     assert process.kind == kind
 
 
-@pytest.mark.bench  # a search of 6 s
 def test_a_gain_of_the_wrong_sign_is_refused():
     _, window = plant("pic401_direct_stick_slip")
     right, wrong = (FREE_RUN.quantify(window.with_hints(LoopHints(acting=a))) for a in ("direct", "reverse"))
