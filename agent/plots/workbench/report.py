@@ -8,7 +8,7 @@ from html import escape
 from io import BytesIO
 from typing import TYPE_CHECKING
 
-from agent.report.comparison_text import CANDIDATES, causes_words, step_name, verdict_words
+from agent.report.comparison_text import CANDIDATES, causes_words, chance_words, step_name, verdict_words
 from agent.report.headline import capital, headline
 from agent.workbench.residual.state_dependence import LEVEL
 
@@ -137,13 +137,12 @@ def _step(step: Step, evidence: StepEvidence) -> Iterable[str]:
             each.effect,
             f"{each.error_reduction_percent:.1f}",
             f"{each.low:.1f} to {each.high:.1f}",
-            f"{each.p:.2g}",
-            each.objection or "" if each.surprises else "",
+            chance_words(each),
         )
         for each in evidence.candidates[:CANDIDATES]
     ]
     if rows:
-        yield _table(("tried", "held-out squared error lower by, %", "90 %", "p", "rejected since"), rows)
+        yield _table(("tried", "held-out squared error lower by, %", "90 %", "by chance?"), rows)
     if step.verdict is not None:
         others = " or ".join(step.verdict.indistinguishable)
         beside = f"; this record cannot distinguish it from {others}" if others else ""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from agent.report.comparison_text import causes_words, step_name, verdict_words
+from agent.report.comparison_text import causes_words, chance_words, step_name, verdict_words
 from agent.report.headline import headline
 from agent.web.rows import numbers, plain
 from agent.web.workbench.next_test import distinguishing_test
@@ -184,7 +184,7 @@ def _found(found: Comparison) -> dict[str, Any]:
                 "low": plain(each.low),
                 "high": plain(each.high),
                 "p": plain(each.p),
-                "objection": each.objection if each.surprises else None,
+                "chance": chance_words(each),
             }
             for each in found.candidates
         ],
