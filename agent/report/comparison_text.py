@@ -43,7 +43,7 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     yield "where this model fails: share of the residual, p"
     for panel in found.where_it_fails[:PANELS]:
         made_by = f"  made by: {causes_words(panel.axis)}" if panel.p < LEVEL else ""
-        yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.3g}{made_by}"
+        yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.2g}{made_by}"
     for line in found.lines[:PANELS]:
         yield f"  a wave of {1 / line.frequency:.4g} s comes from outside: it keeps its own time"
     if found.candidates:
