@@ -15,7 +15,7 @@ BASE = "fopdt"
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class ReadSource:
     """What was read, and how."""
 
     recording: str
@@ -26,7 +26,7 @@ class Source:
     """Which loop of a file with several."""
 
 
-def command_of(source: Source, node: TreeNode) -> str:
+def command_of(source: ReadSource, node: TreeNode) -> str:
     """Return the command; a stretch cannot be left out there, which it says."""
     words = ["slipjump", "compare", source.recording]
     for role, column in sorted(source.columns.items()):
@@ -41,7 +41,7 @@ def command_of(source: Source, node: TreeNode) -> str:
     return f"{line}  # with the whole record: see Python" if node.left_out else line
 
 
-def python_of(source: Source, node: TreeNode) -> str:
+def python_of(source: ReadSource, node: TreeNode) -> str:
     """Return the lines, which run as they are where the recording lies in the folder."""
     names = {role.lower(): column for role, column in source.columns.items()}
     given = [f"Path({source.recording!r})"]

@@ -15,7 +15,7 @@ from agent.workbench.residual.axes import UNITS
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
-    from agent.web.workbench.same_lines import Source
+    from agent.web.workbench.same_lines import ReadSource
     from agent.workbench.comparison import Comparison
     from agent.workbench.session.step_tree import StepTree, TreeNode
 
@@ -25,7 +25,7 @@ SCATTER = 1200
 """Points of the residual against an axis."""
 
 
-def tree_json(tree: StepTree, source: Source, columns: dict[str, str]) -> dict[str, Any]:
+def tree_json(tree: StepTree, source: ReadSource, columns: dict[str, str]) -> dict[str, Any]:
     """Return all that the page draws of the node that is looked at.
 
     Args:
