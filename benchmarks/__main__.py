@@ -31,6 +31,7 @@ from benchmarks import (
     survey,
     table_one,
     valve_ranking,
+    workbench_tick,
     wrong_cases,
 )
 from benchmarks.cases.options import Options
@@ -54,6 +55,7 @@ BENCHMARKS = {
     "simulated_weeks": simulated_weeks.run,
     "valve_ranking": valve_ranking.run,
     "page_load": page_load.run,
+    "workbench_tick": workbench_tick.run,
     "hidden_effects": hidden_effects.run,
     "fault_matrix": fault_matrix.run,
     "third_parties": third_parties.run,

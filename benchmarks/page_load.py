@@ -118,10 +118,10 @@ async def _measured() -> None:
     print(table("### First view", ("loops", "s", "kB transferred", "requests"), [first]))
     a, b = sorted(without)[ROUNDS // 2], sorted(with_pages)[ROUNDS // 2]
     share = (
-        f"{a:.2f}",
-        f"{b:.2f}",
+        f"{a:.3f}",
+        f"{b:.3f}",
         f"{100 * (b - a):+.1f}",
-        f"{100 * (b / a - 1):+.0f} %",
+        f"{100 * (b / a - 1):+.1f} %",
         f"{source.sent - received}",
         f"{lost}",
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from agent.workbench.decision import SUGGESTED
 from agent.workbench.residual.axis_effects import FAMILIES_ON
 from agent.workbench.residual.state_dependence import LEVEL
 
@@ -11,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from agent.workbench.comparison import Comparison
+    from agent.workbench.decision import Candidate
     from agent.workbench.step import Step, Verdict
 
 PANELS = 3
@@ -41,17 +43,29 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     yield "where this model fails: share of the residual, p"
     for panel in found.where_it_fails[:PANELS]:
         made_by = f"  made by: {causes_words(panel.axis)}" if panel.p < LEVEL else ""
-        yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.3g}{made_by}"
+        yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.2g}{made_by}"
     for line in found.lines[:PANELS]:
         yield f"  a wave of {1 / line.frequency:.4g} s comes from outside: it keeps its own time"
     if found.candidates:
         yield "what would lower the held-out squared error"
     for tried in found.candidates[:CANDIDATES]:
         interval = f"({tried.low:.1f} to {tried.high:.1f})"
-        rejected = f"  rejected: {tried.objection}" if tried.surprises else ""
         percent = f"{tried.error_reduction_percent:>9.1f} %"
-        yield f"  {tried.effect:28}{percent}  {interval}  p = {tried.p:.3g}{rejected}"
+        yield f"  {tried.effect:28}{percent}  {interval}  {chance_words(tried)}"
     yield f"verdict: {verdict_words(found.verdict, found)}"
+
+
+def chance_words(tried: Candidate) -> str:
+    """Return what stands beside the share that a candidate explains: its p, or what counts instead of p.
+
+    An interval above zero and a p near 1 are of different things (of what happened once p is that of its
+    innovations, for the held-out blocks know when it happened): side by side they contradict each other.
+    """
+    if tried.surprises:
+        return f"rejected: {tried.objection}"
+    if tried.low > 0 and tried.p >= SUGGESTED:
+        return "may be chance"
+    return f"p = {tried.p:.2g}"
 
 
 def causes_words(axis: str) -> str:

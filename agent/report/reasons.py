@@ -11,7 +11,7 @@ from agent.report.numbers import percent_words
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis, OtherRecordings, RecordSummary
-    from agent.analysis.evidence.weighing import Weighed
+    from agent.analysis.evidence.weighing import Weighed, Witness
     from agent.analysis.results import MethodKind, Oscillation, Quantification, StictionClass
 
 COARSE = 15.0
@@ -30,8 +30,9 @@ CLASS_WORDS: dict[StictionClass, str] = {
     "stick_slip": "stick and slip",
     "dead_band_stick_slip": "a dead band with stick and slip",
 }
-NO_CHANGE = "1.0"
-"""Factor, as printed, that changes no odds: no evidence."""
+GRADES = ((150.0, "very strong"), (20.0, "strong"), (3.0, "clear"), (1.05, "weak"))
+"""Words for evidence by the factor with which it changes the odds; a smaller one is none. Steps of Kass and
+Raftery, Bayes Factors, J. Am. Stat. Assoc. 90 (1995) 773, section 3.2, whose *positive* is *clear* here."""
 
 
 def reasons(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -58,7 +59,7 @@ def _own(diagnosis: Diagnosis) -> tuple[str, ...]:
     if found is None or oscillation is None or record is None:
         return (*_mode_words(record), QUIET) if diagnosis.verdict == "no_stiction" else ()
     return (
-        *_data_words(record),
+        *data_words(record),
         *_oscillation_words(record, oscillation),
         *_fit_words(record, found, diagnosis),
         *_evidence_words(found, diagnosis.weighed),
@@ -66,7 +67,8 @@ def _own(diagnosis: Diagnosis) -> tuple[str, ...]:
     )
 
 
-def _data_words(record: RecordSummary) -> list[str]:
+def data_words(record: RecordSummary) -> list[str]:
+    """Return what of the record was not used, one statement each."""
     words = _mode_words(record)
     if record.gaps:
         words.append(f"{record.gaps} of {record.samples} samples are gaps and were skipped")
@@ -124,39 +126,34 @@ def _fit_words(record: RecordSummary, found: Quantification, diagnosis: Diagnosi
 
 
 def _evidence_words(found: Quantification, weighed: Weighed | None) -> list[str]:
-    """State which methods are evidence for and against stiction, and by what factor each changes the odds."""
+    """State which methods are evidence for and against stiction, the strongest first, and how strong."""
     if weighed is None or found.failure is not None or found.quick_evidence is None:
         return []
-    moving = [each for each in weighed.witnesses if factor(each.log_odds) != NO_CHANGE]
     sides = (
-        ("evidence for stiction", [each for each in moving if each.log_odds > 0]),
-        ("evidence against stiction", [each for each in moving if each.log_odds < 0]),
+        ("evidence for stiction", [each for each in weighed.witnesses if each.log_odds > 0]),
+        ("evidence against stiction", [each for each in weighed.witnesses if each.log_odds < 0]),
     )
-    return [
-        f"{side}: " + ", ".join(f"{each.name} (odds x {factor(each.log_odds)})" for each in ones)
-        for side, ones in sides
-        if ones
-    ]
+    words = ((side, _graded(witnesses)) for side, witnesses in sides)
+    return [f"{side}: {said}" for side, said in words if said]
+
+
+def _graded(witnesses: list[Witness]) -> str:
+    """Name methods by the strength of their evidence; those that change nothing are left out."""
+    named: dict[str, list[str]] = {}
+    for each in sorted(witnesses, key=lambda each: -abs(each.log_odds)):
+        times = math.exp(abs(each.log_odds))
+        grade = next((words for least, words in GRADES if times >= least), None)
+        if grade is not None:
+            named.setdefault(grade, []).append(each.name)
+    return "; ".join(f"{grade} by {', '.join(names)}" for grade, names in named.items())
 
 
 def _others_words(others: OtherRecordings) -> str:
     count = "the other recording" if others.count == 1 else f"the {others.count} other recordings"
-    joint = f"with {count} of this valve the odds of stiction are {odds(others.together)}"
+    joint = f"with {count} of this valve the probability of stiction is {others.together:.2f}"
     if others.alone is not None:
-        return f"this recording alone is undecided (odds {odds(others.alone)}); {joint}"
+        return f"this recording alone is undecided (probability {others.alone:.2f}); {joint}"
     return f"{joint}; {STAYS}" if others.contrary else joint
-
-
-def odds(probability: float) -> str:
-    """Return a probability as odds, ``4.2 to 1`` or ``1 to 4.2``."""
-    more = probability / (1 - probability)
-    return f"{more:.2g} to 1" if more >= 1 else f"1 to {1 / more:.2g}"
-
-
-def factor(log_odds: float) -> str:
-    """Return the factor by which log odds change the odds, in either direction."""
-    times = math.exp(abs(log_odds))
-    return f"{times:,.0f}" if times >= 10 else f"{times:.1f}"
 
 
 def _percent(value: float | None) -> str:

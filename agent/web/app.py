@@ -24,6 +24,11 @@ REFERENCE = "/api/docs"
 """Where the interface is described, from ``/api/openapi.json``, drawn by the screen ``reference``."""
 
 
+async def shell(_: Request) -> FileResponse:
+    """Answer with the page that every screen is drawn in."""
+    return FileResponse(STATIC / "index.html", headers={"Cache-Control": "no-cache"})
+
+
 def application(
     screens: Sequence[PageScreen], access: Access, others: Sequence[BaseRoute] = (), title: str = "slipjump"
 ) -> ASGIApp:
@@ -32,7 +37,7 @@ def application(
     Args:
         screens: In the order of the navigation; the first that fits an address draws it.
         access: Who may do what.
-        others: Routes beside, such as ``/live``.
+        others: Routes beside, such as ``/live``; they come first.
         title: Name of the plant.
     """
     app = FastAPI(
@@ -56,9 +61,6 @@ def application(
             "screens": [{"name": each.name, "title": each.title, "path": each.path} for each in screens]
             + [{"name": "reference", "title": "", "path": REFERENCE}],
         }
-
-    async def shell(_: Request) -> FileResponse:
-        return FileResponse(STATIC / "index.html", headers={"Cache-Control": "no-cache"})
 
     async def nothing() -> None:
         raise HTTPException(404, "there is nothing of this name")

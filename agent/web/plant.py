@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from agent.alarms import Alarm, Announcement
 from agent.report.diagnosis_json import diagnosis_json
-from agent.report.ranking import group_of
+from agent.report.ranking import GROUPS, group_of
 from agent.runtime.agent import Agent
 from agent.runtime.loop.pipeline import Judged
 from agent.runtime.operate.status import AgentStatus
@@ -21,7 +22,7 @@ from agent.runtime.supervisor import Health
 from agent.web.judgement import KEY, Judgement, PersonalJudgement, standing
 from agent.web.live import Live
 from agent.web.pictures.drawing import Drawing
-from agent.web.ranking import Item, area_of, urgency
+from agent.web.ranking import Item, area_of, urgency, widest
 
 REMEMBERED = 20_000
 """Entries of history that are kept in memory where no file keeps them, of all loops together."""
@@ -30,7 +31,7 @@ READ = 3000
 ALARM_KEYS = ("state", "active", "by", "until", "s", "id")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Look:
     """The plant at a moment."""
 
@@ -40,6 +41,17 @@ class Look:
     """All loops, what needs somebody first."""
     status: AgentStatus
     by_name: dict[str, Item]
+
+    @cached_property
+    def counts(self) -> dict[str, int]:
+        """Loops of each group, and those that are stale; counted once for all pages."""
+        counts = Counter(item.group for item in self.items)
+        return {**{group: counts[group] for group in GROUPS}, "stale": sum(each.stale for each in self.items)}
+
+    @cached_property
+    def widest(self) -> float | None:
+        """Upper end of the widest interval of S of all loops, OP units; None where there is none."""
+        return widest(self.items)
 
 
 class Plant:
@@ -92,9 +104,10 @@ class Plant:
             group = group_of(each.diagnosis) if judgement is None else judgement.group
             area = area_of(each.loop, pipeline.settings.variables)
             since = self._since_of(each.loop, pipeline.alarm)
-            found.append(Item(each, pipeline.alarm, group, area, since, 0, judgement))
-        found.sort(key=lambda item: (*urgency(item.status, item.alarm, item.group), item.status.loop))
-        items = tuple(replace(item, spot=spot) for spot, item in enumerate(found))
+            key = (*urgency(each, pipeline.alarm, group), each.loop)
+            found.append((key, (each, pipeline.alarm, group, area, since), judgement))
+        found.sort(key=lambda ranked: ranked[0])
+        items = tuple(Item(*known, spot, judgement) for spot, (_, known, judgement) in enumerate(found))
         return Look(self.clock(), items, status, {item.status.loop: item for item in items})
 
     def judge(self, loop: str, said: PersonalJudgement) -> None:

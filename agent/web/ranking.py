@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import string
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -55,6 +55,12 @@ def urgency(status: LoopStatus, alarm: Alarm, group: Group) -> tuple[float, ...]
         -(probability_of(status.diagnosis) or 0.0),
         -(s.value if s is not None else 0.0),
     )
+
+
+def widest(items: Iterable[Item]) -> float | None:
+    """Return the upper end of the widest interval of S, OP units: the scale of the bars; None without any."""
+    found = [s for s in (estimate_of(item.status.diagnosis) for item in items) if s is not None]
+    return max((s.value if s.high is None else s.high for s in found), default=None)
 
 
 def area_of(loop: str, variables: Mapping[str, str]) -> str:

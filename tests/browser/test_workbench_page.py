@@ -10,7 +10,7 @@ from agent.cli.common.page import free_port
 from simulators.plant import rows
 from simulators.record_file import write_rows
 from simulators.scenario import load_scenario
-from tests.browser.test_page import serious
+from tests.browser.test_page import serious, tab_to
 from tests.conftest import ROOT
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
@@ -76,7 +76,8 @@ def test_the_missing_effect_is_seen_ticked_and_taken_back(workbench, recording, 
     page.wait_for_selector("[data-step='1']", state="detached")
     page.wait_for_selector("[data-effect=deadband] input:not(:checked):not([disabled])")
     assert errors(page) == [base]
-    page.locator("[data-effect=deadband] input").click()
+    tab_to(page, "[data-effect=deadband] input")  # the second time by keyboard
+    page.keyboard.press("Space")
     page.wait_for_selector("[data-testid=staircase] [data-step='1']")
     assert errors(page) == first
     assert page.locator(".wb-node").count() == 2  # no branch twice

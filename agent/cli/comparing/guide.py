@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import typer
 
 from agent.cli.common.errors import BAD_INPUT, complain
-from agent.cli.comparing.conversation import Conversation, Files
-from agent.cli.comparing.hooks import pool_of_cores, progress_on_terminal
+from agent.cli.comparing.conversation import Conversation, Files, Print, Read
+from agent.cli.comparing.hooks import TerminalProgress, pool_of_cores, progress_on_terminal
 from agent.cli.comparing.kept_sessions import read_session, session_key, sessions_folder, write_session
 from agent.cli.comparing.outputs import save_model, write_report
 
@@ -53,16 +53,32 @@ def guide(question: Question) -> None:
         progress = stack.enter_context(progress_on_terminal())
         try:
             bench = _resumed(folder, key, run, progress) or _opened(question, run, progress)
+            progress.rest()
             if bench.reason is not None:
                 _show(f"{question.window.loop}: not testable: {bench.reason}")
                 return
-            Conversation(bench, _read, _show, FILES, lambda each: _keep(folder, key, each)).run()
+            read, show = quietly(progress)
+            Conversation(bench, read, show, FILES, lambda each: _keep(folder, key, each)).run()
         except BrokenProcessPool as error:
             complain(f"{question.files[0]}: a process was ended, for want of memory or by somebody")
             raise typer.Exit(BAD_INPUT) from error
 
 
-def _resumed(folder: Path, key: str, run: Map, progress: Progress) -> Workbench | None:
+def quietly(progress: TerminalProgress) -> tuple[Read, Print]:
+    """Return reader and printer of a conversation, before which the line of progress is taken away."""
+
+    def read(prompt: str) -> str | None:
+        progress.rest()
+        return _read(prompt)
+
+    def show(line: str) -> None:
+        progress.rest()
+        _show(line)
+
+    return read, show
+
+
+def _resumed(folder: Path, key: str, run: Map, progress: TerminalProgress) -> Workbench | None:
     from agent.workbench.session.kept import loaded
 
     data = read_session(folder, key)
@@ -72,6 +88,7 @@ def _resumed(folder: Path, key: str, run: Map, progress: Progress) -> Workbench 
         bench = loaded(data, run, progress)
     except ValueError:
         return None
+    progress.rest()
     names = " + ".join((bench.base.name, *bench.step.effects))
     _show(f"goes on with the kept session, {len(bench.staircase())} steps: {names} (undo goes back)")
     return bench

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from agent.cli.common.compilation import announce_compilation
 
 if TYPE_CHECKING:
-    from agent.workbench.hooks import Map, Progress
+    from agent.workbench.hooks import Map
 
 
 @contextmanager
@@ -33,28 +33,51 @@ def pool_of_cores() -> Iterator[Map]:
         yield pool.map
 
 
+class TerminalProgress:
+    """Names on a terminal's stderr what is being tried; nothing where stderr is no terminal.
+
+    The bar is redrawn by a thread of its own and erases the line of the cursor each time: it rests while a
+    user types, and while lines are printed.
+    """
+
+    def __init__(self) -> None:
+        """Prepare a bar that is not shown yet."""
+        from rich.console import Console
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+        columns = (
+            TextColumn("trying {task.description:24}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+        )
+        self._silent = not sys.stderr.isatty()
+        self._bar = Progress(*columns, console=Console(stderr=True), redirect_stdout=False, transient=True)
+        self._work = self._bar.add_task("", total=1)
+        self._shown = False
+
+    def __call__(self, what: str, done: int, of: int, /) -> None:
+        """Show what is being tried."""
+        if self._silent:
+            return
+        if not self._shown:
+            self._bar.reset(self._work)
+            self._bar.start()
+            self._shown = True
+        self._bar.update(self._work, description=what.replace("_", " "), completed=done, total=of)
+
+    def rest(self) -> None:
+        """Take the bar away until something is tried again."""
+        if self._shown:
+            self._bar.stop()
+            self._shown = False
+
+
 @contextmanager
-def progress_on_terminal() -> Iterator[Progress]:
+def progress_on_terminal() -> Iterator[TerminalProgress]:
     """Name on a terminal's stderr what is being tried."""
-    from agent.workbench.hooks import silent
-
-    if not sys.stderr.isatty():
-        yield silent
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (
-        TextColumn("trying {task.description:24}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, redirect_stdout=False, transient=True) as progress:
-        work = progress.add_task("", total=1)
-
-        def shown(what: str, done: int, of: int, /) -> None:
-            progress.update(work, description=what.replace("_", " "), completed=done, total=of)
-
-        yield shown
+    progress = TerminalProgress()
+    try:
+        yield progress
+    finally:
+        progress.rest()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from agent.report.comparison_text import causes_words, verdict_words
+from agent.report.comparison_text import causes_words, chance_words, verdict_words
 from agent.report.headline import headline
 from agent.report.terminal_pictures import residual_lines, staircase_lines
 from agent.workbench.residual.state_dependence import LEVEL
@@ -50,9 +50,8 @@ def lines_of(view: View) -> Iterator[str]:
     if view.numbered:
         yield "what would lower the held-out squared error, with 90 % interval"
     for number, each in enumerate(view.numbered, 1):
-        rejected = f"  rejected: {each.objection}" if each.surprises else ""
         gain = f"{each.error_reduction_percent:>6.1f} %  ({each.low:.1f} to {each.high:.1f})"
-        yield f"  {number}  {each.effect:22}{gain}  p = {each.p:.3g}{rejected}"
+        yield f"  {number}  {each.effect:22}{gain}  {chance_words(each)}"
     yield f"verdict: {verdict_words(found.verdict, found)}"
     if found.verdict.kind == "none_of_the_known":
         yield f"write an effect of your own ({OWN_EFFECT}), then compare again: this session is kept"

@@ -13,7 +13,7 @@ from agent.cli.common.errors import BAD_INPUT, complain
 if TYPE_CHECKING:
     from agent.settings import HttpSettings
     from agent.web.workbench.desk import Opening
-    from agent.web.workbench.sessions import Sessions
+    from agent.web.workbench.sessions import Sessions, WorkbenchSession
 
 PORT = 9189
 """Tried first where no port is given."""
@@ -93,7 +93,9 @@ async def _served(settings: HttpSettings, opening: Opening | None, *, browser: b
     sessions = Sessions()
     token = None if settings.is_loopback else secrets.token_urlsafe(18)
     access = Access(token, LOOPBACK | {settings.host} if settings.is_loopback else None)
-    app = application([page.screen(sessions, path="/")], access)
+    session = None if opening is None else sessions.create()
+    first = [] if session is None else [page.leads_to(sessions, session.name)]
+    app = application([page.screen(sessions, path="/")], access, first)
     ready, end = asyncio.Event(), asyncio.Event()
     on_signals({"SIGINT": end.set, "SIGTERM": end.set})
     serving = asyncio.create_task(serve_app(app, settings.host, settings.port, ready.set), name="page")
@@ -107,8 +109,8 @@ async def _served(settings: HttpSettings, opening: Opening | None, *, browser: b
             if token is not None:
                 _say(f"token: {token}")
             _say(f"address: {place}")
-            if opening is not None:
-                place = f"{place}?session={await _opened(sessions, opening)}"
+            if opening is not None and session is not None:
+                await _opened(sessions, opening, session)
             if browser:
                 import webbrowser
 
@@ -126,17 +128,15 @@ async def _served(settings: HttpSettings, opening: Opening | None, *, browser: b
             await asyncio.wait({serving, looking, ended, came})
 
 
-async def _opened(sessions: Sessions, opening: Opening) -> str:
-    """Open a recording in a session and return its name; exit with 2 where it cannot be read."""
+async def _opened(sessions: Sessions, opening: Opening, session: WorkbenchSession) -> None:
+    """Open a recording in a session; exit with 2 where it cannot be read."""
     from agent.web.workbench.sessions import WorkbenchError, opened
 
-    session = sessions.create()
     try:
         await opened(sessions, opening, session)
     except WorkbenchError as error:
         complain(str(error))
         raise typer.Exit(BAD_INPUT) from error
-    return session.name
 
 
 def _say(line: str) -> None:

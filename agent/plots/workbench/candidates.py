@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, tidy
+from agent.report.comparison_text import chance_words
 from agent.workbench.decision import LEAST_PERCENT
 from agent.workbench.residual.holm import LEVEL
 
@@ -41,9 +42,13 @@ def candidates_figure(loop: str, tried: Sequence[Candidate]) -> Figure:
     axes.errorbar(value, at, xerr=(value - low, high - value), fmt="none", ecolor=MEASURED, capsize=3)
     axes.axvline(LEAST_PERCENT, color=MEASURED, linewidth=0.8, linestyle="--")
     axes.axvline(0, color=MEASURED, linewidth=0.6)
-    axes.set_yticks(at, [f"{each.effect.replace('_', ' ')}  (p = {each.p:.2g})" for each in tried])
+    axes.set_yticks(at, [f"{each.effect.replace('_', ' ')}  ({_beside(each)})" for each in tried])
     axes.invert_yaxis()
     axes.set_xlabel("reduction of held-out squared error, %, 90 % interval; dashed: smallest that counts")
     tidy(axes)
     figure.suptitle(f"{loop}: effects on top of this model", x=0.01, ha="left", fontsize=12)
     return figure
+
+
+def _beside(each: Candidate) -> str:
+    return "rejected" if each.surprises else chance_words(each)

@@ -8,7 +8,7 @@ from html import escape
 from io import BytesIO
 from typing import TYPE_CHECKING
 
-from agent.report.comparison_text import CANDIDATES, causes_words, step_name, verdict_words
+from agent.report.comparison_text import CANDIDATES, causes_words, chance_words, step_name, verdict_words
 from agent.report.headline import capital, headline
 from agent.workbench.residual.state_dependence import LEVEL
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from agent.workbench.step import Step, VerdictKind
 
 DPI = 110
+BY_CHANCE = "by chance?"
+"""Head of the column whose cells are words."""
 CAPTIONS = {
     "overlay": (
         "Every model is simulated from the measured OP alone, without measured PV. Its score is the error on "
@@ -58,13 +60,14 @@ KINDS: Mapping[VerdictKind, str] = {
 """What led to a step, in words."""
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #22303f; max-width: 1080px; margin: 2em auto; }
-img { width: 100%; height: auto; }
+img { max-width: 100%; height: auto; }
 figure { margin: 1.5em 0; }
 figcaption { color: #5a6775; }
 table { border-collapse: collapse; margin: 1em 0; }
 th, td { padding: 0.2em 0.9em 0.2em 0; text-align: right; }
 th { border-bottom: 1px solid #b8c1ca; font-weight: 600; }
-th:first-child, td:first-child { text-align: left; }
+td { white-space: nowrap; } td.words { white-space: normal; }
+th:first-child, td:first-child, .words { text-align: left; }
 .verdict { font-size: 1.15em; border-left: 4px solid #d9541e; padding-left: 0.8em; }
 """
 
@@ -105,7 +108,8 @@ def _text(found: Comparison) -> Iterable[str]:
     yield _table(("model", "RMSE, fitted", "held out", "other recording", "fit %"), steps)
     if found.noise_floor is not None:
         low, high = _number(found.noise_floor.low), _number(found.noise_floor.high)
-        yield f"<p>RMSE is in PV units. No model can reach less than between {low} and {high}.</p>"
+        floor = f"The noise floor is between {low} and {high}: no model can do better."
+        yield f"<p>RMSE is in PV units. {floor}</p>"
     for number, (step, evidence) in enumerate(zip(found.steps, found.evidence, strict=True)):
         if number:
             yield f"<h2>Step {number}: {escape(step_name(step))}</h2>"
@@ -137,13 +141,12 @@ def _step(step: Step, evidence: StepEvidence) -> Iterable[str]:
             each.effect,
             f"{each.error_reduction_percent:.1f}",
             f"{each.low:.1f} to {each.high:.1f}",
-            f"{each.p:.2g}",
-            each.objection or "" if each.surprises else "",
+            chance_words(each),
         )
         for each in evidence.candidates[:CANDIDATES]
     ]
     if rows:
-        yield _table(("tried", "held-out squared error lower by, %", "90 %", "p", "rejected since"), rows)
+        yield _table(("tried", "held-out squared error lower by, %", "90 % interval", BY_CHANCE), rows)
     if step.verdict is not None:
         others = " or ".join(step.verdict.indistinguishable)
         beside = f"; this record cannot distinguish it from {others}" if others else ""
@@ -156,10 +159,15 @@ def _number(value: float | None) -> str:
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     lines = [
-        "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in row) + "</tr>"
+        "<tr>" + "".join(_cell(tag, cell, name) for cell, name in zip(row, head, strict=True)) + "</tr>"
         for tag, row in (("th", head), *(("td", row) for row in rows))
     ]
     return "<table>" + "\n".join(lines) + "</table>"
+
+
+def _cell(tag: str, cell: str, column: str) -> str:
+    kind = ' class="words"' if column == BY_CHANCE else ""
+    return f"<{tag}{kind}>{escape(cell)}</{tag}>"
 
 
 def _picture(name: str, figure: Figure) -> str:

@@ -85,6 +85,8 @@ def _summary(rows: Sequence[ValveRow]) -> Iterator[str]:
     if flawed:
         names = ", ".join(f"{row.name} ({quality_words(row.lead.quality)})" for row in flawed)
         yield f'<p class="flaw">Records that spoil a verdict: {escape(names)}.</p>'
+    else:
+        yield '<p class="muted">Data: no record has a flaw that spoils a verdict.</p>'
 
 
 def _valves(rows: Sequence[ValveRow]) -> Iterator[str]:
@@ -142,13 +144,18 @@ def _data(rows: Sequence[ValveRow]) -> Iterator[str]:
 
 def _indices(rows: Sequence[ValveRow]) -> Iterator[str]:
     yield "<h2>Performance indices</h2>"
-    yield _open(("valve", *(f"{each.name.replace('_', ' ')}, {each.unit}" for each in INDICES)))
+    yield _open(("valve", *(_index_name(each.name, each.unit) for each in INDICES)))
     for row in rows:
         cells = "".join(
             f'<td class="number">{_number(row.lead.indices.get(each.name), ".4g")}</td>' for each in INDICES
         )
         yield f"<tr><td>{escape(row.name)}</td>{cells}</tr>"
     yield "</tbody></table>"
+
+
+def _index_name(name: str, unit: str) -> str:
+    words = name.replace("_", " ")
+    return f"{words}, {unit}" if unit else words
 
 
 def _not_read(lines: Sequence[str]) -> Iterator[str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from agent.report.advice import advice
 from agent.report.ranking import GROUPS, ORDER, estimate_of, group_of, probability_of
-from agent.report.reasons import CLASS_WORDS, reasons
+from agent.report.reasons import CLASS_WORDS, data_words, reasons
 
 if TYPE_CHECKING:
     from agent.analysis.data_quality import DataQuality
@@ -93,7 +93,8 @@ def short_reason(diagnosis: Diagnosis) -> str:
     steady = oscillation is not None and oscillation.detected and oscillation.period is not None
     if diagnosis.verdict == "no_stiction" and oscillation is not None and steady:
         return f"oscillates with a period of {oscillation.period:.4g} s for another cause"
-    return next(iter(reasons(diagnosis)), "")
+    of_data = () if diagnosis.record is None else data_words(diagnosis.record)
+    return next((each for each in reasons(diagnosis) if each not in of_data), "")
 
 
 def valve_rows(

@@ -28,11 +28,14 @@ class TagClocks:
         """Begin without any; ``ts`` is the sampling time, s."""
         self._least = max(SAMPLES * ts, SECONDS)
         self._seen: dict[str, deque[tuple[float, float]]] = {role: deque(maxlen=NEWEST) for role in COMPARED}
+        self._ahead: dict[str, deque[float]] = {role: deque(maxlen=NEWEST) for role in COMPARED}
+        """Time less arrival of the same; every look at a plant takes the largest of each loop."""
 
     def see(self, role: str, time: float, arrival: float) -> None:
         """Take the time of a new value (s UTC) that arrived at ``arrival`` (monotonic, s)."""
         if role in self._seen:
             self._seen[role].append((time, arrival))
+            self._ahead[role].append(time - arrival)
 
     @property
     def apart(self) -> float:
@@ -49,4 +52,4 @@ class TagClocks:
         ticked, passed = seen[-1][0] - seen[0][0], seen[-1][1] - seen[0][1]
         if abs(ticked - passed) > AT_PACE * passed:
             return math.nan
-        return max(time - arrival for time, arrival in seen)
+        return max(self._ahead[role])

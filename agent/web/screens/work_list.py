@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
 from starlette.responses import Response
 
-from agent.report.ranking import GROUPS, estimate_of, probability_of
+from agent.report.ranking import estimate_of, probability_of
 from agent.web.event_stream import EventStream
 from agent.web.plant import Look, Plant
-from agent.web.ranking import Item
+from agent.web.ranking import Item, widest
 from agent.web.rows import plain, row_of, sparkline_of
 from agent.web.screens.answers import too_many_pages
 from agent.web.screens.screen import PageScreen
@@ -68,15 +67,18 @@ class Rows:
 
 def listed(look: Look, wanted: Wanted) -> dict[str, Any]:
     """Return the counts of all loops and the names of those that a page shows, in their order."""
-    counts: Counter[str] = Counter(item.group for item in look.items)
-    counts["stale"] = sum(item.stale for item in look.items)
-    fit = [item for item in look.items if _fits(item, wanted)]
+    every = not (wanted.group or wanted.area or wanted.search)
+    fit = look.items if every else [item for item in look.items if _fits(item, wanted)]
     if wanted.sort != "next":
-        fit.sort(key=lambda item: _key(item, wanted.sort))
+        fit = sorted(fit, key=lambda item: _key(item, wanted.sort))
     first = wanted.page * wanted.size
     return {
-        "counts": {group: counts[group] for group in [*GROUPS, "stale"]},
-        "plant": {"loops": len(look.items), "fitting": len(fit), "widest": _widest(fit)},
+        "counts": look.counts,
+        "plant": {
+            "loops": len(look.items),
+            "fitting": len(fit),
+            "widest": look.widest if every else widest(fit),
+        },
         "order": [item.status.loop for item in fit[first : first + wanted.size]],
     }
 
@@ -135,9 +137,3 @@ def _key(item: Item, sort: str) -> tuple[float | str, ...]:
     if sort == "since":
         return (NEVER if item.since is None else -item.since, name)
     return (name,)
-
-
-def _widest(items: list[Item]) -> float | None:
-    """Return the scale of the bars: the upper end of the widest interval of S, OP units."""
-    found = [s for s in (estimate_of(item.status.diagnosis) for item in items) if s is not None]
-    return max((s.value if s.high is None else s.high for s in found), default=None)

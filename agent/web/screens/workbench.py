@@ -10,8 +10,10 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, HTTPException, Query, Request
 from pydantic import BaseModel, Field
-from starlette.responses import HTMLResponse, JSONResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse, Response
+from starlette.routing import Route
 
+from agent.web.app import shell
 from agent.web.event_stream import EventStream
 from agent.web.screens.answers import too_many_pages
 from agent.web.screens.loop import REPORT_POLICY
@@ -29,6 +31,17 @@ Name = Annotated[str, Query(min_length=1, max_length=300)]
 ColumnName = Annotated[str | None, Query(max_length=200)]
 Live = Callable[[str], bytes | None]
 """Returns the held window of a loop as CSV; None where there is no such loop."""
+
+
+def leads_to(sessions: Sessions, name: str) -> Route:
+    """Return the route of ``/`` that leads to a session that is open already, while it is."""
+
+    async def root(request: Request) -> Response:
+        if name in sessions.open and not request.query_params:
+            return RedirectResponse(f"/?session={name}", headers={"Cache-Control": "no-store"})
+        return await shell(request)
+
+    return Route("/", root)
 
 
 class EffectChange(BaseModel):

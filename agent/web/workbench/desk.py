@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from agent.runtime.capabilities import cores, step_back
+from agent.web.workbench.same_lines import ReadSource
 from agent.web.workbench.view import axis_json, curve_json, tree_json
 from connectors.base import ConfigError
 
@@ -130,7 +131,9 @@ class Desk:
 
     def _state(self) -> None:
         if self._opening is not None:
-            self._send("state", tree_json(self._tree, self._opening.name, self._columns))
+            given = {role: name for role, name in (self._opening.columns or {}).items() if name}
+            source = ReadSource(self._opening.name, given, self._opening.loop)
+            self._send("state", tree_json(self._tree, source, self._columns))
 
     def _progress(self, what: str, done: int, of: int, /) -> None:
         self._send("progress", {"what": what.replace("_", " "), "done": done, "of": of})

@@ -6,14 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from agent.report.comparison_text import causes_words, step_name, verdict_words
+from agent.report.comparison_text import causes_words, chance_words, step_name, verdict_words
 from agent.report.headline import headline
 from agent.web.rows import numbers, plain
 from agent.web.workbench.next_test import distinguishing_test
+from agent.web.workbench.same_lines import command_of, python_of
 from agent.workbench.residual.axes import UNITS
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
+    from agent.web.workbench.same_lines import ReadSource
     from agent.workbench.comparison import Comparison
     from agent.workbench.session.step_tree import StepTree, TreeNode
 
@@ -23,17 +25,17 @@ SCATTER = 1200
 """Points of the residual against an axis."""
 
 
-def tree_json(tree: StepTree, recording: str, columns: dict[str, str]) -> dict[str, Any]:
+def tree_json(tree: StepTree, source: ReadSource, columns: dict[str, str]) -> dict[str, Any]:
     """Return all that the page draws of the node that is looked at.
 
     Args:
         tree: The session.
-        recording: Name of its file.
+        source: What was read, and how.
         columns: Role -> column that it was read from.
     """
     window = tree.window
     own = {
-        "recording": recording,
+        "recording": source.recording,
         "loop": window.loop,
         "columns": columns,
         "samples": len(window),
@@ -49,8 +51,8 @@ def tree_json(tree: StepTree, recording: str, columns: dict[str, str]) -> dict[s
         "path": _path(tree),
         "model": _model(node),
         "found": None if node.comparison is None else _found(node.comparison),
-        "command": _command(recording, node),
-        "python": _python(recording, node),
+        "command": command_of(source, node),
+        "python": python_of(source, node),
     }
 
 
@@ -184,29 +186,10 @@ def _found(found: Comparison) -> dict[str, Any]:
                 "low": plain(each.low),
                 "high": plain(each.high),
                 "p": plain(each.p),
-                "objection": each.objection if each.surprises else None,
+                "chance": chance_words(each),
             }
             for each in found.candidates
         ],
         "floor": None if floor is None else {"low": plain(floor.low), "high": plain(floor.high)},
         "unseen": list(found.unseen),
     }
-
-
-def _command(recording: str, node: TreeNode) -> str:
-    added = "".join(f" --add {each}" for each in node.step.effects)
-    return f"slipjump compare {recording}{added}"
-
-
-def _python(recording: str, node: TreeNode) -> str:
-    lines = [
-        "from pathlib import Path",
-        "from agent.analysis.record.window_of_recording import loop_window",
-        "from agent.workbench.session import Workbench",
-        "from connectors.recording import read_recording",
-        "",
-        f"bench = Workbench(loop_window(read_recording(Path({recording!r}))), base={node.bench.base.name!r})",
-        *(f"bench.add({each!r})" for each in node.step.effects),
-        "print(bench.comparison().verdict)",
-    ]
-    return "\n".join(lines)

@@ -1,5 +1,6 @@
 """The words of a diagnosis: numbers with intervals where there are any, and plain words where not."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -122,10 +123,21 @@ def test_json_keeps_its_keys_where_nothing_is_known(found):
     assert process["intervals"] is None
 
 
+def test_evidence_is_named_by_its_strength_the_strongest_first():
+    odds = {"kano_a": 2.0, "innovations": 973.0, "free_run": 7.2, "damarla": 26.0, "horch_ccf": 1 / 5}
+    witnesses = tuple(Witness(name, math.log(each)) for name, each in odds.items())
+    found = replace(
+        DIAGNOSIS, weighed=Weighed(0.8, witnesses), quantification=replace(FOUND, quick_evidence=1.0)
+    )
+    said = "very strong by innovations; strong by damarla; clear by free_run; weak by kano_a"
+    assert f"evidence for stiction: {said}" in reasons(found)
+    assert "evidence against stiction: clear by horch_ccf" in reasons(found)
+
+
 def test_what_changes_no_odds_is_no_evidence():
     witnesses = (Witness("horch_ccf", 1.2), Witness("free_run", 0.01), Witness("rossi_scali", -0.02))
     found = replace(
         DIAGNOSIS, weighed=Weighed(0.8, witnesses), quantification=replace(FOUND, quick_evidence=1.0)
     )
-    assert "evidence for stiction: horch_ccf (odds x 3.3)" in reasons(found)
+    assert "evidence for stiction: clear by horch_ccf" in reasons(found)
     assert not any("evidence against" in each for each in reasons(found))

@@ -14,7 +14,7 @@ from agent.analysis.one_valve import judged_together
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import MethodResult, Quantification, StictionEstimate
 from agent.report.advice import advice
-from agent.report.reasons import odds, reasons
+from agent.report.reasons import reasons
 from agent.units import FrictionBands
 
 N = 300
@@ -75,7 +75,7 @@ def test_little_is_enough_where_all_say_it():
     assert first.confidence >= SURE
     assert first.confidence == told[3].confidence
     assert (first.cause, first.stiction_class) == ("stiction", "dead_band_stick_slip")
-    assert reasons(first)[0].startswith("this recording alone is undecided (odds 1 to ")
+    assert reasons(first)[0].startswith("this recording alone is undecided (probability 0.")
     assert "with the 3 other recordings of this valve" in reasons(first)[0]
     assert any("the valve shows" in reason for reason in reasons(first))
     assert not any("too large to exclude" in reason for reason in reasons(first))
@@ -214,10 +214,3 @@ def test_joined_answers_are_sound_numbers(told):
     assert 1.0 <= found.evidence <= np.e + 1e-9
     assert found.log_likelihood_ratio >= 0
     assert found.turns >= 0
-
-
-@pytest.mark.parametrize(
-    ("probability", "said"), [(0.5, "1 to 1"), (0.8, "4 to 1"), (0.2, "1 to 4"), (0.99, "99 to 1")]
-)
-def test_odds(probability, said):
-    assert odds(probability) == said

@@ -174,3 +174,11 @@ def test_a_report_of_another_kind_or_over_a_recording_is_refused(tmp_path, capsy
         fleet(tmp_path, "FIC101_1.csv")
     assert not fleet(tmp_path, "plant.html").write()
     assert "no recording could be read" in capsys.readouterr().err
+
+
+def test_why_a_valve_is_sound_is_nothing_of_its_data():
+    found = diagnosis("FIC103", verdict="no_stiction")
+    quiet = Oscillation(detected=False, period=None, regularity=None)
+    found = replace(found, record=replace(found.record, manual=20, gaps=2), oscillation=quiet)
+    own = finding_of("a.csv", found, data_quality(window("FIC103"), found))
+    assert own.reason == "the loop shows no regular oscillation"

@@ -185,8 +185,8 @@ def test_the_first_curve_of_a_tick_comes_before_its_fit(tmp_path, monkeypatch):
     monkeypatch.setattr(bench, "known_effects", lambda: few)
     sent = []
     desk = Desk(lambda kind, content: sent.append((kind, content)))
-    (tmp_path / "a.csv").write_bytes(recording(400))
-    desk.open(Opening(tmp_path / "a.csv", "a.csv"), map)
+    (tmp_path / "a.csv").write_bytes(recording(400).replace(b"time,OP,PV", b"time,u,y"))
+    desk.open(Opening(tmp_path / "a.csv", "a.csv", columns={"OP": "u", "PV": "y", "SP": ""}), map)
     sent.clear()
     desk.tick("deadband")
     kinds = [kind for kind, _ in sent]
@@ -202,6 +202,13 @@ def test_the_first_curve_of_a_tick_comes_before_its_fit(tmp_path, monkeypatch):
     desk.leave_out(100.0, 140.0)
     left = sent[-1][1]
     assert (left["nodes"][-1]["effects"], left["model"]["left_out"]) == (["deadband"], [[100.0, 140.0]])
-    desk.validate(Opening(tmp_path / "a.csv", "a.csv"))
+    known = {}
+    monkeypatch.chdir(tmp_path)
+    exec(left["python"], known)  # noqa: S102 - the lines that the page offers
+    assert known["bench"].step.held_out.rmse == pytest.approx(left["nodes"][-1]["rmse_held_out"])
+    command = "slipjump compare a.csv --op u --pv y --add deadband"
+    assert left["command"] == f"{command}  # with the whole record: see Python"
+    assert again["command"] == command
+    desk.validate(Opening(tmp_path / "a.csv", "a.csv", columns={"OP": "u", "PV": "y"}))
     assert all(each["rmse_validation"] > 0 for each in sent[-1][1]["nodes"])
     assert desk.report().startswith("<!DOCTYPE html>")

@@ -1,5 +1,5 @@
 // Effects to tick: what each would gain, what rejects it, and which of them this record cannot distinguish.
-import { number } from "./format.js";
+import { sentence } from "./format.js";
 import { html } from "./html.js";
 import { named, plainly } from "./names.js";
 
@@ -30,12 +30,12 @@ function Row({ effect, on, busy, change, each, note, loud }) {
   return html`<label class=${`wb-effect ${loud ? "loud" : ""} ${idle ? "idle" : ""}`} data-effect=${effect}>
     <input type="checkbox" checked=${on} disabled=${busy} onChange=${change} />
     <span class="wb-name">${named(effect)}${loud && html` <span class="tag">proposed</span>`}</span>
-    ${each ? html`<span class="wb-gain">${fall(each.percent)}${!idle && html`<small>${fall(each.low)} to ${fall(each.high)}, p ${chance(each.p)}</small>`}</span>
+    ${each ? html`<span class="wb-gain">${fall(each.percent)}${!idle && html`<small>${fall(each.low)} to ${fall(each.high)}${beside(each) && `, ${each.chance}`}</small>`}</span>
       ${!idle && html`<svg class="wb-bar" height="8" width="100%" role="img" aria-label=${`Error falls by ${fall(each.percent)}, ${fall(each.low)} to ${fall(each.high)}`}><line x1="0" x2="100%" y1="4" y2="4" class="scale" />
         <line x1=${place(each.low)} x2=${place(each.high)} y1="4" y2="4" class="interval" /><line x1=${place(each.percent)} x2=${place(each.percent)} y1="0" y2="8" class="value" /></svg>`}
-      ${!idle && each.objection && html`<small class="wb-why">Rejected: ${plainly(each.objection)}</small>`}` : html`<span class="quiet">${note}</span>`}
+      ${!idle && !beside(each) && html`<small class="wb-why">${sentence(plainly(each.chance))}</small>`}` : html`<span class="quiet">${note}</span>`}
   </label>`;
 }
 
 const fall = (value) => (Math.abs(value) < 0.5 ? "0 %" : `${value < 0 ? "−" : ""}${Math.abs(value).toFixed(0)} %`);
-const chance = (p) => (p !== null && p < 0.001 ? "< 0.001" : number(p, 2));
+const beside = (each) => each.chance.startsWith("p "); // else words, in a line of their own

@@ -43,7 +43,7 @@ export function Decision({ row, id, decided }) {
         ${row.alarm === "out_of_service"
           ? html`<button type="button" disabled=${busy} onClick=${() => order("in_service")}>Return to service</button>`
           : html`<button type="button" disabled=${busy} onClick=${() => order("out_of_service", {}, "a reason")}>Out of service</button>`}
-        ${row.alarm === "shelved" && html`<button type="button" disabled=${busy} onClick=${() => order("unshelve")}>Unshelve</button>`}
+        ${row.alarm === "shelved" && html`<button type="button" data-testid="unshelve" disabled=${busy} onClick=${() => order("unshelve")}>Unshelve</button>`}
       </div>
       ${row.alarm !== "out_of_service" && html`<div class="buttons"><button type="button" data-testid="shelve" disabled=${busy || !(Number(hours) > 0)} onClick=${() => order("shelve", { hours: Number(hours) }, "a reason")}>${silenced ? "Shelve anew" : "Shelve"}</button>
         <label class="beside">for <input type="number" min="0.1" max="8760" step="any" value=${hours} onInput=${(event) => setHours(event.target.value)} aria-label="Hours" /> hours</label></div>`}

@@ -24,7 +24,7 @@ export function History({ entries }) {
       text=${`S over ${judged.length} windows: ${valuesText(data[1])}${repairs.length ? `; ${repairs.length} repairs` : ""}`}
       lines=${[{ label: "S", colour: "measured", width: 1.8, points: 5 }, { label: "90 % interval", colour: "bar", width: 0.75 }, { label: "upper end", colour: "bar", width: 0.75 }]} />`}
     <p class="quiet">${judged.length} ${judged.length === 1 ? "window" : "windows"} judged${judged.length ? `, from ${moment(judged[0].time)} to ${moment(judged.at(-1).time)}` : ""}.</p>
-    ${decided.length > 0 && html`<div class="scroll" tabindex="0" role="group" aria-label="Table"><table><caption class="unseen">Alarms and decisions</caption>
+    ${decided.length > 0 && html`<div class="scroll" tabindex="0" role="group" aria-label="Table"><table class="cards"><caption class="unseen">Alarms and decisions</caption>
       <thead><tr><th scope="col">Time</th><th scope="col">What</th><th scope="col">Who</th><th scope="col">Comment</th></tr></thead>
-      <tbody>${decided.map((each) => html`<tr><td class="nowrap">${moment(each.time)}</td><td>${each.action ? sentence(words(each.action)) : alarmWords(each.state)}</td><td>${each.by ?? "diagnosis"}</td><td class="said">${each.comment ?? ""}</td></tr>`)}</tbody></table></div>`}`;
+      <tbody>${decided.map((each) => html`<tr><td class="nowrap">${moment(each.time)}</td><td>${each.action ? sentence(words(each.action)) : alarmWords(each.state)}</td><td data-label="Who">${each.by ?? "diagnosis"}</td><td class="said wide-cell">${each.comment ?? ""}</td></tr>`)}</tbody></table></div>`}`;
 }

@@ -41,17 +41,17 @@ export default function Alarms() {
     ${alarms && alarms.length === 0 && html`<section class="card empty"><p><strong>All alarms are normal.</strong></p><p>A valve that begins to stick appears here.</p></section>`}
     <div class="stack">${sections.map(([state, rows]) => html`
       <section class="card" key=${state}><h2>${alarmWords(state)} <span class="count">${rows.length}</span></h2>
-        <div class="scroll" tabindex="0" role="group" aria-label=${`Table: ${alarmWords(state)}`}><table class="alarm-list"><caption class="unseen">${alarmWords(state)}</caption>
+        <div class="scroll" tabindex="0" role="group" aria-label=${`Table: ${alarmWords(state)}`}><table class="alarm-list cards"><caption class="unseen">${alarmWords(state)}</caption>
           <thead><tr><th scope="col">Loop</th><th scope="col">Verdict</th><th scope="col" class="number">S, OP units</th><th scope="col">Priority</th><th scope="col">NE 107</th><th scope="col">Since</th><th scope="col">${state === "shelved" ? "Time left" : OPEN.has(state) ? html`<span class="unseen">Acknowledge</span>` : "By"}</th></tr></thead>
           <tbody>${rows.map((row) => html`<tr key=${row.loop} data-loop=${row.loop} data-alarm=${row.alarm}><th scope="row"><a href=${pageOf(row.loop)}>${row.loop}</a></th>
             <td><span class=${`verdict-words ${row.group}`}><${Shape} group=${row.group} size=${14} /> ${row.words}</span></td>
-            <td class="number">${number(row.s?.value)}</td><td>${sentence(row.priority)}</td><td>${sentence(words(row.ne107))}</td><td class="nowrap" title=${moment(row.since)}>${when(row.since)}</td>
-            <td>${OPEN.has(state) ? html`<button type="button" class="small" data-testid="acknowledge-here" onClick=${() => acknowledge(row)}>Acknowledge<span class="unseen"> ${row.loop}</span></button>`
+            <td class="number" data-label="S, OP units">${number(row.s?.value)}</td><td data-label="Priority">${sentence(row.priority)}</td><td data-label="NE 107">${sentence(words(row.ne107))}</td><td class="nowrap" data-label="Since" title=${moment(row.since)}>${when(row.since)}</td>
+            <td class="wide-cell">${OPEN.has(state) ? html`<button type="button" class="small" data-testid="acknowledge-here" onClick=${() => acknowledge(row)}>Acknowledge<span class="unseen"> ${row.loop}</span></button>`
               : html`${state === "shelved" ? `${duration(row.until - Date.now() / 1000)}, by ${row.by}` : row.by ?? ""}<span class="under">${reason(row.loop, { shelved: "shelve", out_of_service: "out_of_service", acked_active: "acknowledge" }[state])}</span>`}</td></tr>`)}</tbody></table></div></section>`)}
     <section class="card"><h2>Who did what</h2>
-      ${decisions.length === 0 ? html`<p class="quiet">Nobody decided anything yet, and no alarm came.</p>` : html`<div class="scroll" tabindex="0" role="group" aria-label="Table: who did what"><table><caption class="unseen">Changes of alarms and decisions, the newest first</caption>
+      ${decisions.length === 0 ? html`<p class="quiet">Nobody decided anything yet, and no alarm came.</p>` : html`<div class="scroll" tabindex="0" role="group" aria-label="Table: who did what"><table class="cards"><caption class="unseen">Changes of alarms and decisions, the newest first</caption>
         <thead><tr><th scope="col">Time</th><th scope="col">Loop</th><th scope="col">What</th><th scope="col">Who</th><th scope="col">Comment</th></tr></thead>
         <tbody>${decisions.map((each) => html`<tr><td class="nowrap">${moment(each.time)}</td><td><a href=${pageOf(each.loop)}>${each.loop}</a></td>
-          <td class="nowrap">${each.kind === "note" ? sentence(words(each.action)) : html`<${AlarmMark} row=${{ alarm: each.state, priority: "" }} />`}</td><td>${each.by ?? "diagnosis"}</td><td class="said">${each.comment ?? ""}</td></tr>`)}</tbody></table></div>`}
+          <td class="nowrap">${each.kind === "note" ? sentence(words(each.action)) : html`<${AlarmMark} row=${{ alarm: each.state, priority: "" }} />`}</td><td data-label="Who">${each.by ?? "diagnosis"}</td><td class="said wide-cell">${each.comment ?? ""}</td></tr>`)}</tbody></table></div>`}
     </section></div>`;
 }

@@ -139,7 +139,9 @@ function OnDemandMap({ base, start }) {
 function Settings({ about }) {
   const { settings, counters, row } = about;
   const rows = [["Bus", `${row.bus}, connection ${row.connection}`], ["Sampling time", `${number(settings.ts)} s`], ["Controller action", settings.acting ?? "not known"], ["Reads", settings.roles.map((each) => each.toUpperCase()).join(", ")],
-    ["Range of OP", settings.op_range ? settings.op_range.map((each) => number(each)).join(" to ") : "not known"], ["Alarm comes after", `${settings.on_delay} windows`], ["Alarm goes after", `${settings.off_delay} windows`],
+    ["Range of OP", settings.op_range ? settings.op_range.map((each) => number(each)).join(" to ") : "not known"], ["Alarm comes after", windows(settings.on_delay)], ["Alarm goes after", windows(settings.off_delay)],
     ["Samples", `${counters.samples}, ${counters.bad} bad`], ["Gaps in the window", counters.gaps]];
   return html`<table class="pairs"><caption class="unseen">Settings and counters</caption><tbody>${rows.map(([key, value]) => html`<tr><th scope="row" class="quiet">${key}</th><td>${value}</td></tr>`)}</tbody></table>`;
 }
+
+const windows = (count) => `${count} ${count === 1 ? "window" : "windows"}`;

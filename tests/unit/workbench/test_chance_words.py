@@ -1,0 +1,25 @@
+"""What stands beside the share of a candidate: never an interval above zero with a p that denies it."""
+
+from dataclasses import replace
+
+import pytest
+
+from agent.report.comparison_text import chance_words
+from agent.workbench.decision import Candidate
+
+STEP = Candidate("load_step", "disturbance", 29.0, 10.0, 48.0, 0.003)
+
+
+@pytest.mark.parametrize(
+    ("candidate", "words"),
+    [
+        (STEP, "p = 0.003"),
+        (replace(STEP, p=0.051), "p = 0.051"),
+        (replace(STEP, p=1.0), "may be chance"),
+        (replace(STEP, p=1.0, objection="it stands for another"), "rejected: it stands for another"),
+        (replace(STEP, low=-3.0, p=1.0), "p = 1"),
+        (replace(STEP, low=-3.0, p=1.0, objection="small anyway"), "p = 1"),
+    ],
+)
+def test_a_share_and_its_p_are_of_the_same_thing(candidate, words):
+    assert chance_words(candidate) == words
