@@ -30,6 +30,10 @@ def comparison_json(found: Comparison, recording: str) -> dict[str, object]:
             "low": None if floor is None else _number(floor.low),
             "high": None if floor is None else _number(floor.high),
         },
+        "not_shown": [
+            {"effect": each.effect, "why": each.why_not} for each in found.shown if each.why_not is not None
+        ],
+        "not_validated": found.not_validated,
         "smallest_visible_percent": _number(found.smallest_percent),
         "reason": found.reason,
     }

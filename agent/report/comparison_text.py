@@ -23,6 +23,8 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     if not found.steps:
         yield f"{found.loop}: not testable: {found.reason}"
         return
+    if found.not_validated is not None:
+        yield f"{found.not_validated}; the rest goes on without it"
     validated = found.steps[0].rmse_validation is not None
     yield f"{found.loop}: error of the free run from OP, RMSE in PV units"
     yield f"  {'model':28}{'fit':>10}{'held out':>10}{'validation' if validated else '':>12}{'fit %':>8}"
@@ -42,6 +44,7 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     for panel in found.where_it_fails[:PANELS]:
         made_by = f"  made by: {causes_words(panel.axis)}" if panel.p < LEVEL else ""
         yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.3g}{made_by}"
+    yield from _not_shown(found)
     for line in found.lines[:PANELS]:
         yield f"  a wave of {1 / line.frequency:.4g} s comes from outside: it keeps its own time"
     if found.candidates:
@@ -52,6 +55,16 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
         percent = f"{tried.error_reduction_percent:>9.1f} %"
         yield f"  {tried.effect:28}{percent}  {interval}  p = {tried.p:.3g}{rejected}"
     yield f"verdict: {verdict_words(found.verdict, found)}"
+
+
+def _not_shown(found: Comparison) -> Iterator[str]:
+    """Yield what the record cannot show, the effects with the same reason in one line."""
+    reasons: dict[str, list[str]] = {}
+    for each in found.shown:
+        if each.why_not is not None:
+            reasons.setdefault(each.why_not, []).append(each.effect)
+    for why, effects in reasons.items():
+        yield f"this record cannot show {', '.join(effects)}: {why}"
 
 
 def causes_words(axis: str) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from agent.workbench.coincidence import LEVEL as COINCIDENT
 from agent.workbench.coincidence import coincidence_p
 from agent.workbench.fit import contributions
+from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.likeliest import is_strong, less_likely
 from agent.workbench.other_event import is_another_gain, is_only_another_level
 from agent.workbench.residual.holm import LEVEL
@@ -175,8 +176,8 @@ class Doubts:
         if evidence.answers or evidence.once or predicts is None:
             return False
         record, effect = predicts[0].objective.record, self.models[name].fit.model.effects[-1]
-        if not effect.parameters(record.facts):
-            return False
+        if not effect.parameters(record.facts) or isinstance(effect, MeasuredInput):
+            return False  # its course was not searched for
         lines = _lines_left(*predicts)
         wave = contributions(self.models[name].fit, record)[effect.name]
         return lines is not None and lines.may_be_slow_noise(wave, record.facts.ts)

@@ -13,12 +13,14 @@ from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.foreign import EffectError
 from agent.workbench.candidates import AllTried, judged
 from agent.workbench.decision import judge
-from agent.workbench.event_scan import instant_p, instants_seen
+from agent.workbench.event_scan import course_p, instant_p, instants_seen
 from agent.workbench.fit import fit
+from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import happens_once, missing
 from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
 from agent.workbench.prediction_search import with_valve_anew
 from agent.workbench.residual.holm import LEVEL
+from agent.workbench.shown.information import Shown, shown_by
 from agent.workbench.simulated_null import simulated_null_p
 from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
 from agent.workbench.valve_starts import ValveStart, valve_starts
@@ -51,6 +53,7 @@ class Trials:
     """Effects that others wrote and that failed in a fit -> how, with file and contract."""
     _valves: tuple[ValveStart, ...] | None = None
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
+    _shown: dict[tuple[str, ...], tuple[Shown, ...]] = field(default_factory=dict)
 
     @property
     def block(self) -> int:
@@ -62,11 +65,21 @@ class Trials:
         return self._done.get(step.effects)
 
     def all_on(self, step: Step, library: Sequence[Effect]) -> AllTried:
-        """Try each effect of a library that the model does not have, refitted with all else."""
+        """Try each effect of a library that the record can show and the model does not have."""
         if step.effects not in self._done:
-            candidates = missing(step.fit.model, library)
+            hidden = {each.effect for each in self.shown_on(step, library) if each.why_not is not None}
+            candidates = [each for each in missing(step.fit.model, library) if each.name not in hidden]
             self._done[step.effects] = self.judged_on(step, candidates)
         return self._done[step.effects]
+
+    def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
+        """Return what the record can show of each effect that a model does not have; empty: not known."""
+        if step.predicts is None:
+            return ()
+        if step.effects not in self._shown:
+            self.progress("what the record can show", 0, 1)
+            self._shown[step.effects] = shown_by(*step.predicts, missing(step.fit.model, library))
+        return self._shown[step.effects]
 
     def judged_on(self, step: Step, effects: Sequence[Effect]) -> AllTried:
         """Try these effects on top of a model."""
@@ -80,6 +93,8 @@ class Trials:
         """
         effect = larger.model.effects[-1]
         self.progress(f"{effect.name} by chance", 0, 1)
+        if smaller.predicts is not None and isinstance(effect, MeasuredInput):
+            return min(1.0, effect.inputs * course_p(*smaller.predicts, effect))
         if smaller.predicts is not None and happens_once(effect, self.record.facts):
             return min(1.0, ASKED * instant_p(*smaller.predicts, effect))
         trial = NullTrial(smaller.fit, larger, self.record, self.block)
