@@ -97,7 +97,7 @@ def folds_of(record: Record, base: Fit) -> Folds | str:
     Blocks of one to three periods, at least 100 samples, shorter where the record is; for a loop that does
     not oscillate they need not hold a period. Blocks with less than half of their samples are left out. Where
     OP tests the loop in a few stretches only, a step or two, blocks are shorter there, so that each fold
-    holds some of what tells.
+    holds some of the information.
 
     Args:
         record: OP and PV.

@@ -1,4 +1,4 @@
-"""How plainly a record would tell each effect if it were there: the information of its predictions.
+"""How plainly a record would show each effect if it were there: the information of its predictions.
 
 An effect changes the free run. What of the change the model cannot imitate, by another value of its own, by
 gain, level or drift, is seen in the innovations: its squares over their variance are by how much likelier the
@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.oscillation.signals import noise_level
 from agent.physics.foreign import EffectError
 from agent.workbench.residual.state_dependence import directions, left_of_start
 from agent.workbench.residual.very_strong import VERY_STRONG
@@ -97,7 +98,7 @@ class _Asked:
         moved = [self.predicts.whitened(each) for each in changes]
         whole = np.array([float(np.sum(each**2)) for each in moved])
         new = np.array([float(np.sum((each - self.known @ (self.known.T @ each)) ** 2)) for each in moved])
-        variance = max(self.predicts.variance(self.best), TINY)
+        variance = self.least_variance()
         if effect.stage == "disturbance":  # its height may be any
             part = float(np.max(new / np.maximum(whole, TINY)))
             return math.inf, part
@@ -114,7 +115,7 @@ class _Asked:
         model = replace(objective.model, effects=(*objective.model.effects, effect))
         space, layout = space_of(model, record.facts), model.layout(record.facts)
         values, before = objective.space.values(self.best), objective.columns(self.best)
-        gain = self.predicts.fit(self.best).coefficients[0]
+        gain = self.largest_gain(before[:, 0])
         found = []
         for point in hypercube(PLACES, len(space) - len(values)):
             own = space.values(np.concatenate((self.best, point)))
@@ -126,11 +127,35 @@ class _Asked:
                 found.append(gain * (columns[:, :1] - before[:, :1]))
         return found
 
+    def least_variance(self) -> float:
+        """Return the variance of the innovations that a complete model may have, PV units squared.
+
+        Where an effect is missing those of the model are too large: the white part of PV is no larger.
+        """
+        known = self.predicts.objective.record.weight > 0
+        white = noise_level(self.predicts.objective.record.pv[known]) ** 2
+        return max(min(self.predicts.variance(self.best), white), TINY)
+
+    def largest_gain(self, response: FloatArray) -> float:
+        """Return the largest gain that the loop may have: with it the response (n,) is all of PV but noise.
+
+        Where an effect is missing that of the model may be anything: a stop that OP winds up behind hides it.
+        """
+        target = self.predicts.objective.target
+        moves = response * target.weight
+        moves = moves - target.basis @ (target.basis.T @ moves)
+        noise = target.count * self.least_variance()
+        most = math.sqrt(max(float(target.pv @ target.pv) - noise, 0.0) / max(float(moves @ moves), TINY))
+        return max(abs(float(self.predicts.fit(self.best).coefficients[0])), most)
+
     def left_by_refit(self, change: FloatArray) -> float:
         """Return the squares that the model leaves, fitted to its free run with a change, PV units."""
         predicts = self.predicts
         record = predicts.objective.record
-        pv = predicts.free_run(self.best) + change[:, 0]
+        columns = predicts.objective.columns(self.best)
+        own = predicts.fit(self.best).coefficients.copy()
+        own[0] = self.largest_gain(columns[:, 0])
+        pv = columns @ own + change[:, 0]
         posed = replace(predicts.objective, record=replace(record, pv=pv))
         behind = whitened(posed, predicts.noise)
         behind = replace(behind, target=replace(behind.target, gain_sign=0))
