@@ -82,6 +82,7 @@ def _verdict(verdict: Verdict) -> dict[str, object]:
         "family": verdict.family,
         "indistinguishable": list(verdict.indistinguishable),
         "at_bound": list(verdict.at_bound),
+        "lacks": list(verdict.lacks),
     }
 
 

@@ -86,12 +86,15 @@ def verdict_words(verdict: Verdict, found: Comparison) -> str:
     others = " or ".join(verdict.indistinguishable)
     if verdict.kind == "not_testable":
         return str(found.reason)
+    lacks = "".join(f"; {each}" for each in verdict.lacks)
     if verdict.kind == "confirmed":
-        return f"{verdict.effect} is missing"
+        return f"{verdict.effect} is missing{', and something else' if lacks else ''}{lacks}"
     if verdict.kind == "family":
-        return f"{verdict.family} is missing: this record cannot distinguish {verdict.effect} from {others}"
+        one = f"{verdict.family} is missing: this record cannot distinguish {verdict.effect} from {others}"
+        return f"{one}{'; something else is missing too' if lacks else ''}{lacks}"
     if verdict.kind == "suggested":
         beside = f"; {others} would explain it as well" if others else ""
+        beside += lacks
         for name in verdict.at_bound:
             beside += f"; {name} ran into the bound of its search"
         return f"perhaps {verdict.effect} is missing, but that is not certain{beside}"

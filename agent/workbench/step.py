@@ -35,6 +35,8 @@ class Verdict:
     at_bound: tuple[str, ...] = ()
     """Parameters of ``effect`` that ran into a bound: what it stands for is not confirmed then. Without an
     effect those of the process that ran into the upper one: slower than any that the record can show."""
+    lacks: tuple[str, ...] = ()
+    """In words what else the model lacks with ``effect``, or what makes it a suggestion."""
 
 
 @dataclass(frozen=True, slots=True)

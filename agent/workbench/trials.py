@@ -23,6 +23,7 @@ from agent.workbench.residual.holm import LEVEL
 from agent.workbench.shown.information import Shown, shown_by
 from agent.workbench.simulated_null import simulated_null_p
 from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
+from agent.workbench.validation import rmse_on
 from agent.workbench.valve_starts import ValveStart, valve_starts
 
 if TYPE_CHECKING:
@@ -51,6 +52,8 @@ class Trials:
     progress: Progress
     left_out: dict[str, str] = field(default_factory=dict)
     """Effects that others wrote and that failed in a fit -> how, with file and contract."""
+    validation: Record | None = None
+    """Another recording of the loop, to which nothing is fitted."""
     _valves: tuple[ValveStart, ...] | None = None
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
     _shown: dict[tuple[str, ...], tuple[Shown, ...]] = field(default_factory=dict)
@@ -84,7 +87,8 @@ class Trials:
     def judged_on(self, step: Step, effects: Sequence[Effect]) -> AllTried:
         """Try these effects on top of a model."""
         models = self._tried(step, effects)
-        return judged(step, models, self.record, partial(self.null_p, step), self._both)
+        null_p = partial(self.null_p, step)
+        return judged(step, models, self.record, null_p, self._both, self._is_worse)
 
     def null_p(self, smaller: Step | Tried, larger: Fit) -> float:
         """Return how likely the last effect of ``larger`` seems to explain as much where it is not there.
@@ -143,6 +147,10 @@ class Trials:
     def predicted(self, fitted: Fit) -> Tried:
         """Return a fit with its held-out error."""
         return predicted(fitted, self.record, self.folds)
+
+    def _is_worse(self, smaller: Fit, larger: Fit) -> bool:
+        other = self.validation
+        return other is not None and rmse_on(larger, other) > rmse_on(smaller, other)
 
     def _both(self, one: Tried, other: Effect) -> Tried:
         """Try an effect on top of a model that is not the smaller one."""

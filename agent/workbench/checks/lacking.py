@@ -22,7 +22,7 @@ DYNAMICS = frozenset({"op_rate"})
 LARGER_DYNAMICS = ("second_order", "inverse_response", "integrating")
 """Effects that make the process larger, in the order in which they are tried."""
 NEARLY_ALL = 0.95
-"""Part of the held-out squared error that an effect explains, from which on what is left is another effect:
+"""Part of the held-out squared error that an effect explains, from which on the rest is another effect:
 with less a neighbour of the true cause may do as much (docs/decisions/0062)."""
 
 

@@ -94,6 +94,7 @@ class Bench:
             self.reason = found
             return
         self._trials, base_alone = found
+        self._trials.validation = self._validation
         self.take(base_alone)
 
     def use_hooks(self, run: Map, progress: Progress) -> None:
