@@ -1,9 +1,9 @@
 """Does a wave keep the time of OP's own cycle? Then the loop may make it itself.
 
 A valve or a mass that sticks makes a wave at OP's cycle and at its harmonics, and so does a load that drives
-the loop: OP then takes the load's time. Two things distinguish a load from the loop: it keeps its own time where
-OP's cycle does not (the phase), or it is a pure wave, while friction makes odd harmonics (the shape).
-Source: S. Karra and M. Karim, Control Eng. Practice 17 (2009) 1291, on harmonics of valves that stick.
+the loop: OP then takes the load's time. Two things distinguish a load from the loop: it keeps its own time
+where OP's cycle does not (the phase), or it is a pure wave, while friction makes odd harmonics (the shape).
+Source: reference ``missing_effect.md`` section 3, external sinusoid.
 """
 
 from __future__ import annotations

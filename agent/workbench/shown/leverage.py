@@ -1,7 +1,7 @@
-"""Where in a record a model's numbers are determined: the share of the Fisher information that each sample holds.
+"""Where in a record a model's numbers are determined: the Fisher information that each sample holds.
 
-In free run a number is determined by the samples that its change would move. Their squares, each number's on the
-scale on which it is known, are the leverages of least squares; they sum to the count of the numbers.
+In free run a number is determined by the samples that its change would move. Their squares, each number's on
+the scale on which it is known, are the leverages of least squares; they sum to the count of the numbers.
 Source: D. Hoaglin and R. Welsch, The hat matrix in regression and ANOVA, Am. Stat. 32 (1978) 17.
 """
 
