@@ -49,7 +49,7 @@ def _step(step: Step) -> dict[str, object]:
         "rmse_validation": _number(step.rmse_validation),
         "fit_percent": _number(step.fit_percent),
         "verdict": None if step.verdict is None else _verdict(step.verdict),
-        "parameters": {each.name: _parameter(each) for each in step.parameters},
+        "parameters": {each.name: _parameter(each) for each in step.numbers},
     }
 
 

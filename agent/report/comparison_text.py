@@ -36,7 +36,7 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     if found.noise_floor is not None:
         yield f"  noise floor between {found.noise_floor.low:.4g} and {found.noise_floor.high:.4g}"
     yield "parameters, with 90 % intervals"
-    for each in found.steps[-1].parameters:
+    for each in found.steps[-1].numbers:
         unit = "" if each.unit == "1" else f" {each.unit}"
         bound = ", at the bound of its search" if each.at_bound else ""
         yield f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g}){bound}"

@@ -10,7 +10,7 @@ degrees of freedom (reconstructed from Shao and Tu, The Jackknife and Bootstrap,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,6 +29,7 @@ from agent.workbench.likelihood_profile import (
 )
 from agent.workbench.paired_blocks import CONFIDENCE
 from agent.workbench.residual.state_dependence import Dependence, state_dependence
+from agent.workbench.solved.numbers import solved_numbers
 from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
@@ -63,6 +64,8 @@ class Estimate:
     parameters: tuple[FittedParameter, ...]
     pv: FloatArray
     """Free run, PV units, (n,)."""
+    solved: tuple[FittedParameter, ...] = field(default=(), kw_only=True)
+    """What was solved for: gain, heights, amplitude, phase; empty on a base that is not linear."""
     dependence: Mapping[str, Dependence]
     """By axis, whether the loop answers OP otherwise there; empty where that cannot be asked."""
     happened: float
@@ -95,6 +98,10 @@ def estimated(found: Tried, record: Record) -> Estimate:
         predicts.free_run(best),
         state_dependence(predicts, best),
         instant_p(predicts, best, LoadStepEffect()),
+        solved=tuple(
+            FittedParameter(name, unit, value, low, high)
+            for name, (value, unit), low, high in solved_numbers(predicts, best)
+        ),
     )
 
 

@@ -71,6 +71,11 @@ class Step:
         """All that were searched, each with its interval."""
         return self.estimate.parameters
 
+    @property
+    def numbers(self) -> tuple[FittedParameter, ...]:
+        """All that were searched, then all that were solved for, each with its interval."""
+        return (*self.estimate.parameters, *self.estimate.solved)
+
 
 def step_of(
     found: Tried,

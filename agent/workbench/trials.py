@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.foreign import EffectError
 from agent.workbench.candidates import AllTried, judged
 from agent.workbench.decision import judge
 from agent.workbench.event_scan import course_p, instant_p, instants_seen
+from agent.workbench.evidence import far_likelier
 from agent.workbench.fit import fit
 from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import happens_once, missing
@@ -22,6 +24,7 @@ from agent.workbench.prediction_search import with_valve_anew
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.shown.information import Shown, shown_by
 from agent.workbench.simulated_null import simulated_null_p
+from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
 from agent.workbench.validation import rmse_on
 from agent.workbench.valve_starts import ValveStart, valve_starts
@@ -129,6 +132,18 @@ class Trials:
         self.progress("another valve", 0, 1)
         other = with_valve_anew(*found.predicts, self.run)
         return found if other is None else self.predicted(other[0].fit(other[1]))
+
+    def with_fewest_steps(self, found: Tried) -> Tried:
+        """Return a model whose last effect is steps of a load with as many as the record needs."""
+        effect = found.fit.model.effects[-1]
+        if not isinstance(effect, LoadStepEffect):
+            return found
+        for steps in range(1, effect.steps):
+            self.progress(f"{steps} step{'s' * (steps > 1)} of a load", 0, 1)
+            fewer = self.predicted(with_steps(found.fit, self.record, steps))
+            if not far_likelier(fewer, found, self.record):
+                return fewer
+        return found
 
     def without(self, fitted: Fit, name: str) -> Tried:
         """Return the model without one of its effects, refitted from the values that it has."""

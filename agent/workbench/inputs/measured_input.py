@@ -10,7 +10,7 @@ import numpy as np
 from agent.identify.problem import bridge
 from agent.physics.bases.lag_bases import delay_of, lag_of
 from agent.physics.bases.linear_process import lagged
-from agent.physics.effect import Effect, Facts, Parameter, Stage
+from agent.physics.effect import Effect, Facts, Parameter, Solved, Stage
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -43,6 +43,10 @@ class MeasuredInput:
             Parameter("delay", "s", 0.0, delay.high, natural=True),
             Parameter("lag", "s", lag.low, lag.high, log=True, natural=True),
         )
+
+    def solved(self, coefficients: FloatArray, gain: float) -> dict[str, Solved]:  # noqa: ARG002
+        """Return the gain from the input to PV, PV units per unit of the input."""
+        return {"gain": (float(coefficients[0]), "PV/1")}
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return the input behind its dead time and lag, its own unit about its mean, (n, 1)."""
