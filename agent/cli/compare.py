@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from connectors.recording import ReadOptions
 
 Names = list[str]
+BASE_HELP = "Process to begin with: fopdt, sopdt, integrator, oscillatory, two_tanks, or auto: the likeliest."
 
 
 def compare(
@@ -38,9 +39,7 @@ def compare(
             metavar="OTHER", help="Another recording of the loop: every step is scored on it, none fitted."
         ),
     ] = None,
-    base: Annotated[
-        str, typer.Option(metavar="NAME", help="Process to begin with: fopdt, sopdt, integrator, two_tanks.")
-    ] = "fopdt",
+    base: Annotated[str, typer.Option(metavar="NAME", help=BASE_HELP)] = "fopdt",
     load: Annotated[
         Path | None, typer.Option(metavar="MODEL.yaml", help="Begin with the effects of a saved model.")
     ] = None,
@@ -213,9 +212,11 @@ def _effects(files: Iterable[str]) -> tuple[Effect, ...]:
 def _check_names(base: str, names: Iterable[str], effects: Sequence[Effect]) -> None:
     """Refuse what does not exist before anything is read."""
     from agent.workbench.library import base_named, effect_named
+    from agent.workbench.session.auto_base import AUTO
 
     try:
-        base_named(base)
+        if base != AUTO:
+            base_named(base)
         for name in names:
             effect_named(name, effects)
     except ValueError as error:

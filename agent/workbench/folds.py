@@ -150,7 +150,7 @@ def memory(base: Fit, record: Record) -> float:
     process = base.model.base.process(base.values)
     if not isinstance(process, LinearProcess) or process.integrates:
         return record.period
-    return (process.delay + 3 * sum(process.lags)) / record.facts.ts
+    return (process.delay + process.settling) / record.facts.ts
 
 
 def held_out(fitted: Fit, record: Record, folds: Folds, noise: Innovations | None = None) -> HeldOut:

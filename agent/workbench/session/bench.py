@@ -12,10 +12,11 @@ from agent.workbench.candidates import naming, verdict_of
 from agent.workbench.fit import contributions, residual_of
 from agent.workbench.hooks import Map, Progress, silent
 from agent.workbench.inputs.measured_input import measured_inputs
-from agent.workbench.library import applies, base_named, effect_named, library, missing
+from agent.workbench.library import applies, effect_named, library, missing
 from agent.workbench.saved_model import saved
 from agent.workbench.session import views
-from agent.workbench.session.opening import opened, other_record
+from agent.workbench.session.auto_base import based
+from agent.workbench.session.opening import other_record
 from agent.workbench.step import Step, Verdict, step_of
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ class Bench:
 
         Args:
             window: The recording.
-            base: Name of the process that the model begins with.
+            base: Name of the process that the model begins with; ``auto``: the likeliest.
             validate: Another recording of the same loop; every step is scored on it, nothing fitted. One on
                 which nothing can be scored does no harm: ``not_validated`` says why.
             without: Effects or families that are not to be tried.
@@ -70,7 +71,7 @@ class Bench:
             ValueError: No such base, effect or family, or an input does not fit the recording.
         """
         self.window = window
-        self.base = base_named(base)
+        self.base, found = based(window, base, run, progress)
         known = (*(known_effects() if effects is None else effects), *extra)
         names = {each.name for each in known}
         self.installed = (*known, *measured_inputs(inputs, other_inputs, len(window), names))
@@ -89,7 +90,6 @@ class Bench:
                 f"{window.loop} is not validated: its other recording has no input {lacking[0]}"
             )
         """In plain words why nothing can be scored on the other recording; else, or without one, None."""
-        found = opened(window, self.base, run, progress)
         if isinstance(found, str):
             self.reason = found
             return
