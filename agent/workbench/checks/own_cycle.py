@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 WORDS = "it keeps the time of OP's own cycle, as a wave that the loop makes itself would"
 NEAR = 2.0
 """Lines of the record's spectrum within which a wave and a line are one."""
-HARMONICS = (2, 3, 5)
+HARMONICS = (3, 5)
 PURE = 1 / 30
 """Amplitude of any harmonic over the wave's, below which it is pure. A band behind one lag leaves 1/9 at the
 third, behind two 1/27."""
