@@ -10,7 +10,7 @@ degrees of freedom (reconstructed from Shao and Tu, The Jackknife and Bootstrap,
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,12 +64,12 @@ class Estimate:
     parameters: tuple[FittedParameter, ...]
     pv: FloatArray
     """Free run, PV units, (n,)."""
-    solved: tuple[FittedParameter, ...] = field(default=(), kw_only=True)
-    """What was solved for: gain, heights, amplitude, phase; empty on a base that is not linear."""
     dependence: Mapping[str, Dependence]
     """By axis, whether the loop answers OP otherwise there; empty where that cannot be asked."""
     happened: float
     """How likely innovations of a complete model show a load step as large; 1 where that cannot be asked."""
+    solved: tuple[FittedParameter, ...] = ()
+    """What was solved for: gain, heights, amplitude, phase; empty on a base that is not linear."""
 
 
 def estimated(found: Tried, record: Record) -> Estimate:
