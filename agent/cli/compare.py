@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,13 +20,14 @@ from agent.cli.comparing.hooks import pool_of_cores, progress_on_terminal
 from agent.cli.comparing.outputs import mapping_of, save_model, write_report
 
 if TYPE_CHECKING:
-    from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
     from agent.workbench.comparison import Comparison
     from agent.workbench.session import Workbench
     from connectors.recording import ReadOptions
 
 Names = list[str]
+BASE_HELP = "Process to begin with: fopdt, sopdt, integrator, oscillatory, two_tanks, or auto: the likeliest."
 
 
 def compare(
@@ -37,9 +39,7 @@ def compare(
             metavar="OTHER", help="Another recording of the loop: every step is scored on it, none fitted."
         ),
     ] = None,
-    base: Annotated[
-        str, typer.Option(metavar="NAME", help="Process to begin with: fopdt, sopdt, integrator, two_tanks.")
-    ] = "fopdt",
+    base: Annotated[str, typer.Option(metavar="NAME", help=BASE_HELP)] = "fopdt",
     load: Annotated[
         Path | None, typer.Option(metavar="MODEL.yaml", help="Begin with the effects of a saved model.")
     ] = None,
@@ -57,6 +57,14 @@ def compare(
         Names | None,
         typer.Option(
             metavar="FILE.py:CLASS", help="An effect of your own in a file: docs/howto/own_effect.md."
+        ),
+    ] = None,
+    measured: Annotated[
+        Names | None,
+        typer.Option(
+            "--input",
+            metavar="NAME=COLUMN",
+            help="A measured input beside OP, a feed or a second actuator, tried like an effect; repeatable.",
         ),
     ] = None,
     auto: Annotated[bool, typer.Option("--auto", help="Add what is confirmed, until nothing is.")] = False,
@@ -103,7 +111,8 @@ def compare(
         columns, zone, time_format, date_order, decimal, pattern, mapping, modes, start, end
     )
     effects = _effects(effect or ())
-    _check_names(base, [*(add or ()), *(drop or ())], effects)
+    inputs = _named_columns(measured or ())
+    _check_names(base, [each for each in (*(add or ()), *(drop or ())) if each not in inputs], effects)
     if page:
         from agent.cli.comparing.workbench import open_page
 
@@ -111,7 +120,7 @@ def compare(
         return
     window = _window(recording, options, loop)
     other = None if validate is None else _window(validate, options, loop)
-    if _is_guided(guided, named=bool(load or add or drop or auto or as_json or report or save)):
+    if _is_guided(guided, named=bool(load or add or drop or inputs or auto or as_json or report or save)):
         from agent.cli.comparing.guide import Question, guide
 
         files = tuple(each for each in (recording, validate, mapping) if each is not None)
@@ -123,7 +132,17 @@ def compare(
         from agent.workbench.session import Workbench
 
         try:
-            bench = Workbench(window, base, other, without or (), effects=effects, run=run, progress=progress)
+            bench = Workbench(
+                window,
+                base,
+                other,
+                without or (),
+                effects=effects,
+                inputs=_inputs(recording, options, loop, inputs),
+                other_inputs={} if validate is None else _inputs(validate, options, loop, inputs),
+                run=run,
+                progress=progress,
+            )
             if bench.reason is None:
                 _steps(bench, load, add or (), drop or ())
                 if auto:
@@ -193,9 +212,11 @@ def _effects(files: Iterable[str]) -> tuple[Effect, ...]:
 def _check_names(base: str, names: Iterable[str], effects: Sequence[Effect]) -> None:
     """Refuse what does not exist before anything is read."""
     from agent.workbench.library import base_named, effect_named
+    from agent.workbench.session.auto_base import AUTO
 
     try:
-        base_named(base)
+        if base != AUTO:
+            base_named(base)
         for name in names:
             effect_named(name, effects)
     except ValueError as error:
@@ -206,7 +227,41 @@ def _window(path: Path, options: ReadOptions, loop: str | None) -> LoopWindow:
     from agent.analysis.record.recording import LoopHints
     from connectors.recording import read_recording
 
-    return option.window_of(read_recording(path, options.columns, options, loop), LoopHints())
+    # In manual OP moves the valve as well: a bump test is the best record that there is.
+    recording = replace(read_recording(path, options.columns, options, loop), mode=None)
+    return option.window_of(recording, LoopHints())
+
+
+def _named_columns(words: Iterable[str]) -> dict[str, str]:
+    """Return the column of each input by its name.
+
+    Raises:
+        BadParameter: One is not written NAME=COLUMN, or a name comes twice.
+    """
+    found: dict[str, str] = {}
+    for word in words:
+        name, _, column = word.partition("=")
+        if not (name.isidentifier() and column) or name in found:
+            raise typer.BadParameter(f"{word}: expected NAME=COLUMN, each name once", param_hint="--input")
+        found[name] = column
+    return found
+
+
+def _inputs(
+    path: Path, options: ReadOptions, loop: str | None, inputs: Mapping[str, str]
+) -> dict[str, FloatArray]:
+    """Return the measured inputs of a recording by their names, each on its time grid."""
+    from connectors.recording import RecordingError
+
+    found = {}
+    for name, column in inputs.items():
+        try:
+            window = _window(path, replace(options, columns=replace(options.columns, mv=column)), loop)
+        except RecordingError as error:
+            raise RecordingError(str(error).replace("--mv", "--input NAME=COLUMN")) from error
+        if window.mv is not None:
+            found[name] = window.mv
+    return found
 
 
 def _steps(bench: Workbench, load: Path | None, add: Iterable[str], drop: Iterable[str]) -> None:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol, TypeVar, runtime_checkable
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -129,6 +131,19 @@ class DisturbanceEffect(Effect, Protocol):
             response: Of the process to the valve, gain one, (n,).
             values: In the order of ``parameters``.
         """
+        ...
+
+
+Solved = tuple[float, str]
+"""A number that was solved for, and its unit: those of ``Parameter``, ``PV/OP``, ``rad``."""
+
+
+@runtime_checkable
+class SolvedEffect(Effect, Protocol):
+    """A disturbance whose coefficients have names for a reader: heights, an amplitude and a phase."""
+
+    def solved(self, coefficients: FloatArray, gain: float) -> Mapping[str, Solved]:
+        """Return the numbers by name, of the coefficients of ``columns``, (k,), and of the process's gain."""
         ...
 
 

@@ -30,6 +30,10 @@ def comparison_json(found: Comparison, recording: str) -> dict[str, object]:
             "low": None if floor is None else _number(floor.low),
             "high": None if floor is None else _number(floor.high),
         },
+        "not_shown": [
+            {"effect": each.effect, "why": each.why_not} for each in found.shown if each.why_not is not None
+        ],
+        "not_validated": found.not_validated,
         "smallest_visible_percent": _number(found.smallest_percent),
         "reason": found.reason,
     }
@@ -45,7 +49,7 @@ def _step(step: Step) -> dict[str, object]:
         "rmse_validation": _number(step.rmse_validation),
         "fit_percent": _number(step.fit_percent),
         "verdict": None if step.verdict is None else _verdict(step.verdict),
-        "parameters": {each.name: _parameter(each) for each in step.parameters},
+        "parameters": {each.name: _parameter(each) for each in step.numbers},
     }
 
 
@@ -78,6 +82,7 @@ def _verdict(verdict: Verdict) -> dict[str, object]:
         "family": verdict.family,
         "indistinguishable": list(verdict.indistinguishable),
         "at_bound": list(verdict.at_bound),
+        "lacks": list(verdict.lacks),
     }
 
 

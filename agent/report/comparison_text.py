@@ -25,6 +25,8 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     if not found.steps:
         yield f"{found.loop}: not testable: {found.reason}"
         return
+    if found.not_validated is not None:
+        yield f"{found.not_validated}; the rest goes on without it"
     validated = found.steps[0].rmse_validation is not None
     yield f"{found.loop}: error of the free run from OP, RMSE in PV units"
     yield f"  {'model':28}{'fit':>10}{'held out':>10}{'validation' if validated else '':>12}{'fit %':>8}"
@@ -36,7 +38,7 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     if found.noise_floor is not None:
         yield f"  noise floor between {found.noise_floor.low:.4g} and {found.noise_floor.high:.4g}"
     yield "parameters, with 90 % intervals"
-    for each in found.steps[-1].parameters:
+    for each in found.steps[-1].numbers:
         unit = "" if each.unit == "1" else f" {each.unit}"
         bound = ", at the bound of its search" if each.at_bound else ""
         yield f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g}){bound}"
@@ -44,6 +46,7 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     for panel in found.where_it_fails[:PANELS]:
         made_by = f"  made by: {causes_words(panel.axis)}" if panel.p < LEVEL else ""
         yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.2g}{made_by}"
+    yield from _not_shown(found)
     for line in found.lines[:PANELS]:
         yield f"  a wave of {1 / line.frequency:.4g} s comes from outside: it keeps its own time"
     if found.candidates:
@@ -68,6 +71,16 @@ def chance_words(tried: Candidate) -> str:
     return f"p = {tried.p:.2g}"
 
 
+def _not_shown(found: Comparison) -> Iterator[str]:
+    """Yield what the record cannot show, the effects with the same reason in one line."""
+    reasons: dict[str, list[str]] = {}
+    for each in found.shown:
+        if each.why_not is not None:
+            reasons.setdefault(each.why_not, []).append(each.effect)
+    for why, effects in reasons.items():
+        yield f"this record cannot show {', '.join(effects)}: {why}"
+
+
 def causes_words(axis: str) -> str:
     """Return the families of effects that make a residual follow an axis, in words."""
     return ", ".join(each.replace("_", " ") for each in FAMILIES_ON[axis])
@@ -87,12 +100,15 @@ def verdict_words(verdict: Verdict, found: Comparison) -> str:
     others = " or ".join(verdict.indistinguishable)
     if verdict.kind == "not_testable":
         return str(found.reason)
+    lacks = "".join(f"; {each}" for each in verdict.lacks)
     if verdict.kind == "confirmed":
-        return f"{verdict.effect} is missing"
+        return f"{verdict.effect} is missing{', and something else' if lacks else ''}{lacks}"
     if verdict.kind == "family":
-        return f"{verdict.family} is missing: this record cannot distinguish {verdict.effect} from {others}"
+        one = f"{verdict.family} is missing: this record cannot distinguish {verdict.effect} from {others}"
+        return f"{one}{'; something else is missing too' if lacks else ''}{lacks}"
     if verdict.kind == "suggested":
         beside = f"; {others} would explain it as well" if others else ""
+        beside += lacks
         for name in verdict.at_bound:
             beside += f"; {name} ran into the bound of its search"
         return f"perhaps {verdict.effect} is missing, but that is not certain{beside}"

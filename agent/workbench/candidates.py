@@ -8,12 +8,13 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from agent.workbench.decision import LEAST_PERCENT, Decision, judge
-from agent.workbench.doubts import ANSWERS, BY_CHANCE, NOT_LOWER, UNLIKELY, Doubts
+from agent.workbench.doubts import ANSWERS, BY_CHANCE, NOT_LOWER, STANDS_FOR_ANOTHER, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.likeliest import is_strong, outdone, plain
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.state_dependence import LEVEL as FOLLOWED
-from agent.workbench.residual.state_dependence import resolves, state_dependence
+from agent.workbench.residual.state_dependence import fails, resolves, state_dependence
+from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
     from agent.workbench.residual.line_spectrum import LineSpectrum
     from agent.workbench.residual.where import Failure
     from agent.workbench.trial import Tried
+
+
+WORSE_ELSEWHERE = "with it the model follows the recording for validation less well"
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,12 +46,18 @@ class AllTried:
         return () if effect is None else own_at_bound(self.models[effect].fit)
 
 
+def no_other_record(smaller: Fit, larger: Fit) -> bool:  # noqa: ARG001
+    """Return that nothing is worse: there is no other recording."""
+    return False
+
+
 def judged(
     smaller: Step,
     models: Mapping[str, Tried],
     record: Record,
     null_p_of: Callable[[Fit], float],
     together: Callable[[Tried, Effect], Tried],
+    worse: Callable[[Fit, Fit], bool] = no_other_record,
 ) -> AllTried:
     """Judge effects by their held-out errors, and the winner by a simulated null as well.
 
@@ -61,6 +71,7 @@ def judged(
         record: What they were fitted to.
         null_p_of: How likely the effect of a fit seems to explain as much where it is not there.
         together: Tries an effect on top of one of the models.
+        worse: Whether a larger model, the second, follows another recording less well than a smaller one.
     """
 
     def both_needed(name: str, other: str) -> bool:
@@ -70,6 +81,13 @@ def judged(
         predicts = larger.predicts
         return predicts is None or resolves(smaller.estimate.dependence, state_dependence(*predicts))
 
+    def beside_dynamics(name: str, other: str) -> bool:
+        larger = together(models[name], models[other].fit.model.effects[-1])
+        predicts = larger.predicts
+        if predicts is None or not far_likelier(models[other], larger, record):
+            return False
+        return not fails(state_dependence(*predicts))
+
     found = {name: evidence_of(smaller, each, record, len(models)) for name, each in models.items()}
     enough = (1 - LEAST_PERCENT / 100) * smaller.fit.error
     lowers = {name: found[name] for name, each in models.items() if each.fit.error <= enough}
@@ -78,7 +96,7 @@ def judged(
     once = {name for name, each in found.items() if each.once}
     rejected.update({name: BY_CHANCE for name in once if by_chance.get(name, 0.0) >= 1})
     rejected.update({name: ANSWERS for name in models if not found[name].more})
-    doubts = Doubts(smaller, models, found, null_p_of, both_needed)
+    doubts = Doubts(smaller, models, found, null_p_of, both_needed, beside_dynamics)
     clear: set[str] = set()
     if smaller.predicts is not None:
         rejected.update(dict.fromkeys(outdone(found), UNLIKELY))
@@ -99,7 +117,49 @@ def judged(
         alike = [found[each] for each in (decision.effect, *decision.indistinguishable)]
         if not is_strong(alike, len(models)):
             decision = replace(decision, kind="suggested")
-    return AllTried(decision, models)
+    return AllTried(_lowered(_no_weaker(decision, doubts), doubts, smaller, models, worse), models)
+
+
+def _no_weaker(decision: Decision, doubts: Doubts) -> Decision:
+    """Return the likeliest effect in place of a far weaker one that is left where a check rejected it.
+
+    Something else is missing beside it, or it stands for something else: it is suggested at most.
+    """
+    if decision.effect is None:
+        return decision
+    found, own = doubts.found, doubts.found[decision.effect]
+    stronger = [
+        name
+        for name, why in doubts.objections.items()
+        if why == STANDS_FOR_ANOTHER
+        and found[name].family != own.family
+        and not found[name].once
+        and found[name].criterion - own.criterion > VERY_STRONG
+    ]
+    if not stronger:
+        return decision
+    best = max(stronger, key=lambda name: found[name].criterion)
+    return replace(
+        decision, kind="suggested", effect=best, family=found[best].family, indistinguishable=(), rivals=()
+    )
+
+
+def _lowered(
+    decision: Decision,
+    doubts: Doubts,
+    smaller: Step,
+    models: Mapping[str, Tried],
+    worse: Callable[[Fit, Fit], bool],
+) -> Decision:
+    """Return a decision with what it lacks in words, lowered to a suggestion where a check says so."""
+    effect = decision.effect
+    if effect is None:
+        return decision
+    words = doubts.lowered.get(effect)
+    if words is None and decision.kind != "suggested" and worse(smaller.fit, models[effect].fit):
+        words = WORSE_ELSEWHERE
+    lacks = tuple(each for each in (words, doubts.lacks.get(effect)) if each is not None)
+    return replace(decision, kind=decision.kind if words is None else "suggested", lacks=lacks)
 
 
 def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts, rejected: Mapping[str, str]) -> Decision:
@@ -135,12 +195,17 @@ def verdict_of(
     decision = found.decision
     if decision.kind != "none":
         return Verdict(
-            decision.kind, decision.effect, decision.family, decision.indistinguishable, found.at_bound
+            decision.kind,
+            decision.effect,
+            decision.family,
+            decision.indistinguishable,
+            found.at_bound,
+            decision.lacks,
         )
-    fails = any(each.p < FOLLOWED for each in failures)
+    follows = any(each.p < FOLLOWED for each in failures)
     waves = lines is not None and lines.certain
     slow = ran_out(step, facts)
-    visible = fails or waves or slow
+    visible = follows or waves or slow
     return Verdict("none_of_the_known" if visible else "no_failure_visible", at_bound=slow)
 
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from agent.workbench.residual.line_spectrum import Line
     from agent.workbench.residual.noise_floor import NoiseFloor
     from agent.workbench.residual.where import Failure
+    from agent.workbench.shown.information import Shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +49,11 @@ class Comparison:
     """In plain words why the recording is not testable, or not informative; None where it is."""
     unseen: tuple[str, ...]
     """What this comparison could not have seen, one statement each."""
+    shown: tuple[Shown, ...] = ()
+    """What the record can show of each effect that the newest model does not have; empty: not known."""
+    not_validated: str | None = None
+    """In plain words why nothing could be scored on the other recording; None where it could, or there is
+    none."""
 
 
 def not_testable(loop: str, reason: str) -> Comparison:

@@ -69,6 +69,8 @@ class Decision:
     other to be confirmed above it; where it does not, either explains what the other does."""
     candidates: tuple[Candidate, ...]
     """The largest reduction first."""
+    lacks: tuple[str, ...] = ()
+    """In words what else the model lacks with the effect, or what makes it a suggestion."""
 
 
 def judge(

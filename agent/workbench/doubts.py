@@ -6,14 +6,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from agent.physics.effects.sinusoid import Sinusoid
+from agent.workbench.checks.lacking import DYNAMICS, dominates, lacks_words, larger_dynamics
+from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
+from agent.workbench.checks.own_cycle import keeps_time_of_loop
 from agent.workbench.coincidence import LEVEL as COINCIDENT
 from agent.workbench.coincidence import coincidence_p
 from agent.workbench.fit import contributions
+from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.likeliest import is_strong, less_likely
 from agent.workbench.other_event import is_another_gain, is_only_another_level
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.line_spectrum import CERTAIN_PART, line_spectrum
-from agent.workbench.residual.state_dependence import fails, state_dependence, still_fails
+from agent.workbench.residual.state_dependence import failing, fails, state_dependence, still_fails
 from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
@@ -39,6 +46,11 @@ OTHER_EVENT = "what happened was of another kind"
 """What rejects an effect although it lowers the held-out error, in words for the user."""
 
 
+def never(name: str, other: str) -> bool:  # noqa: ARG001
+    """Return that nothing else helps."""
+    return False
+
+
 @dataclass(slots=True)
 class Doubts:
     """Of the candidates on top of one model."""
@@ -51,8 +63,14 @@ class Doubts:
     """How likely the effect of a fit seems to explain as much where it is not there."""
     both_needed: Callable[[str, str], bool]
     """Whether the record is far likelier with two of the effects than with either, and they explain it."""
+    beside_dynamics: Callable[[str, str], bool] = never
+    """Whether an effect is needed beside larger dynamics, the second, and both explain the record."""
     objections: dict[str, str] = field(default_factory=dict)
     """What rejects an effect, in words; ``of`` fills it."""
+    lowered: dict[str, str] = field(default_factory=dict)
+    """What makes an effect a suggestion at most, in words."""
+    lacks: dict[str, str] = field(default_factory=dict)
+    """What the model still lacks with an effect that is plainly there, in words."""
     _asked: set[str] = field(default_factory=set)
     _told: dict[str, Mapping[str, Dependence]] = field(default_factory=dict)
 
@@ -111,6 +129,8 @@ class Doubts:
             return STANDS_FOR_ANOTHER
         if self._stands_for_a_wave(name):
             return WAVE
+        if self._keeps_time_of_loop(name):
+            self.lowered[name] = OWN_CYCLE
         return SLOW_NOISE if self._is_slow_noise(name) else None
 
     def _stands_for_another(self, name: str) -> bool:
@@ -120,11 +140,37 @@ class Doubts:
         knows nothing of OP must leave nothing that hangs on OP.
         """
         evidence = self.found[name]
-        if evidence.answers:
-            explains = not self._leaves(name)
-        else:
-            explains = not evidence.once or not fails(self._dependence(name))
-        return not explains and not any(self._is_missing_too(other, name) for other in self.models)
+        left = self._leaves(name) if evidence.answers else set()
+        if evidence.once and not evidence.answers:
+            left = failing(self._dependence(name))
+        if not left:
+            return False
+        self.lacks[name] = lacks_words(left)
+        if any(self._is_missing_too(other, name) for other in self.models):
+            return False
+        if left <= DYNAMICS and any(
+            self.beside_dynamics(name, other) for other in self._larger_dynamics(name)
+        ):
+            return False
+        base, own = self.smaller.held_out.losses, self.models[name].held_out.losses
+        if dominates(name, self.found, 1 - float(np.nansum(own) / np.nansum(base))):
+            return False
+        del self.lacks[name]
+        return True
+
+    def _larger_dynamics(self, name: str) -> tuple[str, ...]:
+        family = self.found[name].family
+        kin = {each for each, one in self.found.items() if one.family == family}
+        return larger_dynamics(self.models, kin)
+
+    def _keeps_time_of_loop(self, name: str) -> bool:
+        """Whether an effect is a wave of a searched frequency that the loop may make itself."""
+        predicts, effect = self.smaller.predicts, self.models[name].fit.model.effects[-1]
+        if predicts is None or not isinstance(effect, Sinusoid):
+            return False
+        record = predicts[0].objective.record
+        frequency = float(self.models[name].fit.values[-1])
+        return keeps_time_of_loop(predicts[0].left(predicts[1]), record.op, frequency, record.facts.ts)
 
     def _stands_for_a_wave(self, name: str) -> bool:
         """Whether what answers OP leaves a wave that is most of what is left, and no candidate is that wave.
@@ -175,8 +221,8 @@ class Doubts:
         if evidence.answers or evidence.once or predicts is None:
             return False
         record, effect = predicts[0].objective.record, self.models[name].fit.model.effects[-1]
-        if not effect.parameters(record.facts):
-            return False
+        if not effect.parameters(record.facts) or isinstance(effect, MeasuredInput):
+            return False  # its course was not searched for
         lines = _lines_left(*predicts)
         wave = contributions(self.models[name].fit, record)[effect.name]
         return lines is not None and lines.may_be_slow_noise(wave, record.facts.ts)

@@ -100,9 +100,32 @@ def instant_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
         return 1.0
     seen = float(scan.best(scan.left[:, None]).explained[0])
     by_chance = scan.best(_beyond(surrogates(scan.left, SURROGATES, 0).T, scan.known)).explained
+    return _tail(seen, by_chance)
+
+
+def _tail(seen: float, by_chance: FloatArray) -> float:
+    """Return how likely the largest of many is at least ``seen``, as those of the surrogates (d,) scatter."""
     scale = GUMBEL_SCALE * max(float(by_chance.std()), np.finfo(float).tiny)
     mode = float(by_chance.mean()) - np.euler_gamma * scale
     return -math.expm1(-math.exp(-min(max((seen - mode) / scale, -50.0), 700.0)))
+
+
+def course_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
+    """Return how likely a disturbance whose course is known explains as much where it does not act.
+
+    Of all its values the best counts, on the innovations and on each of their surrogates.
+
+    Args:
+        predicts: Of the model without the effect, on a linear base.
+        best: The point of the unit cube where its predictions are best, (k,).
+        effect: A disturbance of one column.
+    """
+    scan = _scan(predicts, best, effect)
+    if not len(scan.values):
+        return 1.0
+    seen = float(np.max((scan.atoms.T @ scan.left) ** 2))
+    others = _beyond(surrogates(scan.left, SURROGATES, 0).T, scan.known)
+    return _tail(seen, np.max((scan.atoms.T @ others) ** 2, axis=0))
 
 
 def instants_seen(predicts: Predictor, best: FloatArray, effect: Effect) -> FloatArray:

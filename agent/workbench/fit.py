@@ -162,6 +162,9 @@ def refit(fitted: Fit, record: Record, weight: FloatArray, noise: Innovations | 
         at = round(value / record.facts.ts)
         if stays and parameter.instant and not weight[min(at, len(weight) - 1)]:
             hidden.add(effect)
+    # Where its instant is hidden nothing of an event is seen, nor its lag.
+    names = objective.space.names
+    free = [each and name.partition(".")[0] not in hidden for each, name in zip(free, names, strict=True)]
     owners = objective.layout.owners(record.op, fitted.values)
     pinned = Pinned(
         objective,

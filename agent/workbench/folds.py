@@ -14,10 +14,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from agent.physics.bases.linear_process import LinearProcess
 from agent.workbench.fit import Fit, refit
 from agent.workbench.record import FEW_CYCLES
+from agent.workbench.shown.leverage import leverage_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,6 +36,11 @@ BLOCKS = 25
 """Wanted: with fewer the intervals are wide."""
 LEAST_BLOCK = 100
 """Samples, where the record is long enough for ``BLOCKS`` of them."""
+LEAST_SHARE = 0.25
+"""Of what a fold would hold of the record's information if all held as much, from which on blocks are of
+equal length; else they are shorter where OP tests the loop."""
+SMOOTH = 50
+"""Parts of the record over which the information is averaged: one sample is no block."""
 RUN = 4
 """Least length of a run of blocks held out together, in guards: else the guards would take all the rest."""
 
@@ -88,7 +95,9 @@ def folds_of(record: Record, base: Fit) -> Folds | str:
     """Return the folds of a record, or as a text why there are too few blocks.
 
     Blocks of one to three periods, at least 100 samples, shorter where the record is; for a loop that does
-    not oscillate they need not hold a period. Blocks with less than half of their samples are left out.
+    not oscillate they need not hold a period. Blocks with less than half of their samples are left out. Where
+    OP tests the loop in a few stretches only, a step or two, blocks are shorter there, so that each fold
+    holds some of the information.
 
     Args:
         record: OP and PV.
@@ -98,17 +107,42 @@ def folds_of(record: Record, base: Fit) -> Folds | str:
     length = min(max(2 * period, LEAST_BLOCK), n / BLOCKS)
     least = period if n > FEW_CYCLES * period else 0.0
     length = int(min(max(length, least), n / (FEWEST_BLOCKS + SPARE)))
-    block = np.minimum(np.arange(n) // length, n // length - 1)  # the last one takes the rest
-    known = np.bincount(block, weights=record.weight)
-    enough = known >= 0.5 * np.bincount(block)
+    equal = np.minimum(np.arange(n) // length, n // length - 1)  # the last one takes the rest
+    share = leverage_of(base, record)
+    found = _folds(equal, record, base)
+    if isinstance(found, str):
+        return found
+    held = [float(share[found.held_out(fold)].sum()) for fold in range(FOLDS)]
+    if min(held) >= LEAST_SHARE * sum(held) / FOLDS:
+        return found
+    by_excitation = _folds(_as_much_in_each(share, n // length), record, base)
+    return found if isinstance(by_excitation, str) else by_excitation
+
+
+def _as_much_in_each(share: FloatArray, blocks: int) -> NDArray[np.int64]:
+    """Return the block of each sample, (n,), each with as much of time and information, half and half.
+
+    ``share``: of the information, (n,), sum 1.
+    """
+    n = len(share)
+    smooth = uniform_filter1d(share, max(1, n // SMOOTH), mode="nearest")
+    held = np.cumsum(0.5 / n + 0.5 * smooth / smooth.sum())
+    return np.minimum((held * blocks).astype(np.int64), blocks - 1)
+
+
+def _folds(block: NDArray[np.int64], record: Record, base: Fit) -> Folds | str:
+    """Return folds of blocks (n,), those with less than half of their samples left out."""
+    lengths = np.bincount(block)
+    enough = np.bincount(block, weights=record.weight) >= 0.5 * lengths
     enough[0] = False
     if enough.sum() < FEWEST_BLOCKS:
         return f"only {enough.sum()} stretches of the record have enough samples, {FEWEST_BLOCKS} are needed"
     number = np.where(enough, np.cumsum(enough) - 1, -1)
-    guard = int(min(memory(base, record), length))
-    run = min(max(1, -(-RUN * guard // length)), int(enough.sum()) // FOLDS)
+    shortest = int(lengths[enough].min())
+    guard = int(min(memory(base, record), shortest))
+    run = min(max(1, -(-RUN * guard // shortest)), int(enough.sum()) // FOLDS)
     fold = np.arange(enough.sum()) // run % FOLDS
-    return Folds(number[block], fold, guard, opening=length)
+    return Folds(number[block], fold, guard, opening=int(lengths[0]))
 
 
 def memory(base: Fit, record: Record) -> float:
@@ -116,7 +150,7 @@ def memory(base: Fit, record: Record) -> float:
     process = base.model.base.process(base.values)
     if not isinstance(process, LinearProcess) or process.integrates:
         return record.period
-    return (process.delay + 3 * sum(process.lags)) / record.facts.ts
+    return (process.delay + process.settling) / record.facts.ts
 
 
 def held_out(fitted: Fit, record: Record, folds: Folds, noise: Innovations | None = None) -> HeldOut:

@@ -29,6 +29,7 @@ from agent.workbench.likelihood_profile import (
 )
 from agent.workbench.paired_blocks import CONFIDENCE
 from agent.workbench.residual.state_dependence import Dependence, state_dependence
+from agent.workbench.solved.numbers import solved_numbers
 from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
@@ -67,6 +68,8 @@ class Estimate:
     """By axis, whether the loop answers OP otherwise there; empty where that cannot be asked."""
     happened: float
     """How likely innovations of a complete model show a load step as large; 1 where that cannot be asked."""
+    solved: tuple[FittedParameter, ...] = ()
+    """What was solved for: gain, heights, amplitude, phase; empty on a base that is not linear."""
 
 
 def estimated(found: Tried, record: Record) -> Estimate:
@@ -95,6 +98,10 @@ def estimated(found: Tried, record: Record) -> Estimate:
         predicts.free_run(best),
         state_dependence(predicts, best),
         instant_p(predicts, best, LoadStepEffect()),
+        solved=tuple(
+            FittedParameter(name, unit, value, low, high)
+            for name, (value, unit), low, high in solved_numbers(predicts, best)
+        ),
     )
 
 

@@ -17,9 +17,25 @@ from agent.physics.effect import Facts
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
 
-FEWEST_REVERSALS = 8
-"""Reversals of OP beyond its noise: they show how a valve moves (``missing_effect.md`` section 4, step 0)."""
-
+SPOILT = frozenset(
+    {
+        "clocks_differ",
+        "few_samples",
+        "gaps",
+        "manual",
+        "op_constant",
+        "op_still",
+        "pv_by_exception",
+        "pv_constant",
+        "pv_frozen",
+        "pv_quantised",
+    }
+)
+"""Faults of ``agent.analysis.gates`` with which OP and PV say nothing of each other. The others speak of the
+form of OP, few values, few turns, a limit, and close methods that look at shapes: what such a record can show
+of each effect is computed (``shown``)."""
+HELD = 0.5
+"""Part of the samples that repeat the one before, from which on OP is stepped: by hand, a test, a relay."""
 FEW_CYCLES = 8
 """Dominant periods in a record, up to which it is doubtful whether the loop oscillates at all."""
 
@@ -52,17 +68,16 @@ def record_of(window: LoopWindow, *, from_start: bool = False) -> Record | str:
     ``from_start``: PV counts from the first sample on, for a model that has its initial state as a parameter.
     """
     closed = closed_by(window)
-    if closed is not None:
-        return closed
-    reversals = significant_reversals(window.op)
-    if reversals < FEWEST_REVERSALS:
-        return f"OP reverses only {reversals} times, at least {FEWEST_REVERSALS} reversals are needed"
-    return bare_record(window, from_start=from_start)
+    return bare_record(window, from_start=from_start) if closed is None else closed
 
 
 def closed_by(window: LoopWindow) -> str | None:
     """Return as a text why no model can be fitted to or scored on a window; None where one can."""
-    closing = [each.reason for each in gates(window, detect_oscillation(window)) if "model" in each.closes]
+    closing = [
+        each.reason
+        for each in gates(window, detect_oscillation(window))
+        if "model" in each.closes and each.name in SPOILT
+    ]
     return "; ".join(closing) or None
 
 
@@ -72,7 +87,7 @@ def bare_record(window: LoopWindow, *, from_start: bool = False) -> Record:
     period = period_of(op)
     counts = window.valid & ~after_gaps(window.op, period) & ~after_gaps(window.pv, period)
     if not from_start:
-        counts[: int(min(BURN * period, len(op) / 12))] = False
+        counts[: _unknown_start(op, period)] = False
     facts = Facts(
         ts=window.ts,
         samples=len(op),
@@ -85,6 +100,18 @@ def bare_record(window: LoopWindow, *, from_start: bool = False) -> Record:
         gain_sign=process_gain_sign(window),
     )
     return Record(window.loop, op, pv, counts.astype(np.float64), facts)
+
+
+def _unknown_start(op: FloatArray, period: float) -> int:
+    """Return for how many samples PV answers to an OP that is not known.
+
+    A stepped OP that stands still at first was known before as well as after, but for the time before that.
+    """
+    longest = int(min(BURN * period, len(op) / 12))
+    moves = np.flatnonzero(np.diff(op))
+    if len(moves) > (1 - HELD) * len(op) or not len(moves):
+        return longest
+    return min(longest, int(moves[0]) // 2)
 
 
 def period_of(op: FloatArray) -> float:

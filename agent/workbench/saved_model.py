@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.physics.effects.load_step import TIMES, LoadStepEffect
+
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
-    from agent.physics.effect import Facts
+    from agent.physics.effect import Effect, Facts
     from agent.physics.loop_model import LoopModel
     from agent.workbench.intervals import FittedParameter
 
@@ -27,6 +29,13 @@ class SavedModel:
     effects: tuple[str, ...]
     values: Mapping[str, float]
     """By the full name of the parameter, own units."""
+
+    def as_saved(self, effect: Effect) -> Effect:
+        """Return an effect as the model has it: with as many steps of a load as it has instants."""
+        if not isinstance(effect, LoadStepEffect):
+            return effect
+        steps = sum(f"{effect.name}.{each}" in self.values for each in TIMES)
+        return replace(effect, steps=max(steps, 1))
 
     def values_of(self, model: LoopModel, facts: Facts) -> FloatArray:
         """Return the values of the parameters that ``model`` has, (k,).

@@ -45,15 +45,16 @@ class Space:
     def at_bound(self, values: FloatArray) -> tuple[str, ...]:
         """Return the names of parameters that ran into a bound of the search: a sign that they mean nothing.
 
-        Where a record begins may lie anywhere, nature's bounds are no sign, and at its null an effect is
-        not there.
+        Where a record begins may lie anywhere, nature's bounds are no sign, at its null an effect is not
+        there, and nothing is less than zero where the range begins there: a lag, a delay.
         """
         at = self.at(values)
         found = []
         for name, parameter, value in zip(self.names, self.parameters, at.tolist(), strict=True):
             end = parameter.low if value < AT_BOUND else parameter.high
             inside = AT_BOUND <= value <= 1 - AT_BOUND
-            if not (inside or parameter.of_record or parameter.natural or end == parameter.null):
+            nature = parameter.natural or end == parameter.null or end == 0.0 == parameter.low
+            if not (inside or parameter.of_record or nature):
                 found.append(name)
         return tuple(found)
 

@@ -35,6 +35,8 @@ class Verdict:
     at_bound: tuple[str, ...] = ()
     """Parameters of ``effect`` that ran into a bound: what it stands for is not confirmed then. Without an
     effect those of the process that ran into the upper one: slower than any that the record can show."""
+    lacks: tuple[str, ...] = ()
+    """In words what else the model lacks with ``effect``, or what makes it a suggestion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +70,11 @@ class Step:
     def parameters(self) -> tuple[FittedParameter, ...]:
         """All that were searched, each with its interval."""
         return self.estimate.parameters
+
+    @property
+    def numbers(self) -> tuple[FittedParameter, ...]:
+        """All that were searched, then all that were solved for, each with its interval."""
+        return (*self.estimate.parameters, *self.estimate.solved)
 
 
 def step_of(

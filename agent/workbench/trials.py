@@ -10,17 +10,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.foreign import EffectError
 from agent.workbench.candidates import AllTried, judged
 from agent.workbench.decision import judge
-from agent.workbench.event_scan import instant_p, instants_seen
+from agent.workbench.event_scan import course_p, instant_p, instants_seen
+from agent.workbench.evidence import far_likelier
 from agent.workbench.fit import fit
+from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import happens_once, missing
 from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
 from agent.workbench.prediction_search import with_valve_anew
 from agent.workbench.residual.holm import LEVEL
+from agent.workbench.shown.information import Shown, shown_by
 from agent.workbench.simulated_null import simulated_null_p
+from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
+from agent.workbench.validation import rmse_on
 from agent.workbench.valve_starts import ValveStart, valve_starts
 
 if TYPE_CHECKING:
@@ -49,8 +55,11 @@ class Trials:
     progress: Progress
     left_out: dict[str, str] = field(default_factory=dict)
     """Effects that others wrote and that failed in a fit -> how, with file and contract."""
+    validation: Record | None = None
+    """Another recording of the loop, to which nothing is fitted."""
     _valves: tuple[ValveStart, ...] | None = None
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
+    _shown: dict[tuple[str, ...], tuple[Shown, ...]] = field(default_factory=dict)
 
     @property
     def block(self) -> int:
@@ -62,16 +71,27 @@ class Trials:
         return self._done.get(step.effects)
 
     def all_on(self, step: Step, library: Sequence[Effect]) -> AllTried:
-        """Try each effect of a library that the model does not have, refitted with all else."""
+        """Try each effect of a library that the record can show and the model does not have."""
         if step.effects not in self._done:
-            candidates = missing(step.fit.model, library)
+            hidden = {each.effect for each in self.shown_on(step, library) if each.why_not is not None}
+            candidates = [each for each in missing(step.fit.model, library) if each.name not in hidden]
             self._done[step.effects] = self.judged_on(step, candidates)
         return self._done[step.effects]
+
+    def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
+        """Return what the record can show of each effect that a model does not have; empty: not known."""
+        if step.predicts is None:
+            return ()
+        if step.effects not in self._shown:
+            self.progress("what the record can show", 0, 1)
+            self._shown[step.effects] = shown_by(*step.predicts, missing(step.fit.model, library))
+        return self._shown[step.effects]
 
     def judged_on(self, step: Step, effects: Sequence[Effect]) -> AllTried:
         """Try these effects on top of a model."""
         models = self._tried(step, effects)
-        return judged(step, models, self.record, partial(self.null_p, step), self._both)
+        null_p = partial(self.null_p, step)
+        return judged(step, models, self.record, null_p, self._both, self._is_worse)
 
     def null_p(self, smaller: Step | Tried, larger: Fit) -> float:
         """Return how likely the last effect of ``larger`` seems to explain as much where it is not there.
@@ -80,6 +100,8 @@ class Trials:
         """
         effect = larger.model.effects[-1]
         self.progress(f"{effect.name} by chance", 0, 1)
+        if smaller.predicts is not None and isinstance(effect, MeasuredInput):
+            return min(1.0, effect.inputs * course_p(*smaller.predicts, effect))
         if smaller.predicts is not None and happens_once(effect, self.record.facts):
             return min(1.0, ASKED * instant_p(*smaller.predicts, effect))
         trial = NullTrial(smaller.fit, larger, self.record, self.block)
@@ -111,6 +133,18 @@ class Trials:
         other = with_valve_anew(*found.predicts, self.run)
         return found if other is None else self.predicted(other[0].fit(other[1]))
 
+    def with_fewest_steps(self, found: Tried) -> Tried:
+        """Return a model whose last effect is steps of a load with as many as the record needs."""
+        effect = found.fit.model.effects[-1]
+        if not isinstance(effect, LoadStepEffect):
+            return found
+        for steps in range(1, effect.steps):
+            self.progress(f"{steps} step{'s' * (steps > 1)} of a load", 0, 1)
+            fewer = self.predicted(with_steps(found.fit, self.record, steps))
+            if not far_likelier(fewer, found, self.record):
+                return fewer
+        return found
+
     def without(self, fitted: Fit, name: str) -> Tried:
         """Return the model without one of its effects, refitted from the values that it has."""
         kept = np.array(
@@ -128,6 +162,10 @@ class Trials:
     def predicted(self, fitted: Fit) -> Tried:
         """Return a fit with its held-out error."""
         return predicted(fitted, self.record, self.folds)
+
+    def _is_worse(self, smaller: Fit, larger: Fit) -> bool:
+        other = self.validation
+        return other is not None and rmse_on(larger, other) > rmse_on(smaller, other)
 
     def _both(self, one: Tried, other: Effect) -> Tried:
         """Try an effect on top of a model that is not the smaller one."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import minimize
 
+from agent.workbench.inputs.measured_input import MeasuredInput, elsewhere
 from agent.workbench.nuisance import nuisance
 from agent.workbench.search import hypercube
 from agent.workbench.space import space_of
@@ -34,8 +36,13 @@ def free_run_on(fitted: Fit, other: Record) -> FloatArray:
     """Return PV of another recording in free run from its OP, PV units, (n,).
 
     All that belongs to the loop is kept. The initial state is estimated from the opening of the recording;
-    level, drift and the amplitudes of disturbances belong to a recording and are fitted to all of it.
+    level, drift and the amplitudes of disturbances belong to a recording and are fitted to all of it, but for
+    the gains of measured inputs.
+
+    Raises:
+        ValueError: The other recording lacks an input of the model.
     """
+    fitted = replace(fitted, model=elsewhere(fitted.model))
     drift = nuisance(len(other), other.period) if fitted.model.base.linear else None
     return _run(fitted, other, _started(fitted, other), drift, other.weight > 0)
 
@@ -70,8 +77,11 @@ def _run(
 ) -> FloatArray:
     """Return the free run; drift and disturbances are fitted to the samples that count."""
     columns = fitted.model.columns(other.op, values, other.facts)
-    ran = columns[:, 0] * fitted.coefficients[0]
-    own = columns[:, 1:] if drift is None else np.column_stack((columns[:, 1:], drift))
+    inputs = {each.name for each in fitted.model.effects if isinstance(each, MeasuredInput)}
+    owners = fitted.model.layout(other.facts).owners(other.op, values)
+    kept = np.array([owner == "" or owner in inputs for owner in owners])
+    ran = columns[:, kept] @ fitted.coefficients[kept]
+    own = columns[:, ~kept] if drift is None else np.column_stack((columns[:, ~kept], drift))
     if not own.shape[1]:
         return np.asarray(ran, dtype=np.float64)
     amounts, *_ = np.linalg.lstsq(own[counts], (other.pv - ran)[counts], rcond=None)

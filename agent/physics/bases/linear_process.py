@@ -39,6 +39,11 @@ class LinearProcess:
     """Speed at which the response goes on, over the response, 1/s: it adds this times the integral
     of its deviation from its mean."""
 
+    @property
+    def settling(self) -> float:
+        """Time in which the response has settled, s: three time constants."""
+        return 3 * sum(self.lags)
+
     def respond(self, position: FloatArray, ts: float) -> FloatArray:
         """Return the deviation of PV for gain one, (n,), in OP units (integrating: OP units times s).
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.physics.effect import Facts, Parameter, Stage
+from agent.physics.effect import Facts, Parameter, Solved, Stage
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -43,6 +43,11 @@ class GainChange:
             Parameter("pivot", "1", -1.0, 1.0, of_record=True),
             Parameter("tau", "s", 0.0, facts.period, natural=True),
         )
+
+    def solved(self, coefficients: FloatArray, gain: float) -> dict[str, Solved]:
+        """Return the gain after the instant, and over that before."""
+        after = gain + float(coefficients[0])
+        return {"gain_after": (after, "PV/OP"), "ratio": (after / gain if gain else 0.0, "1")}
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:
         """Return the response after the instant, zero before, (n, 1).

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.physics.effect import Facts, Parameter, Stage
+from agent.physics.effect import Facts, Parameter, Solved, Stage
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 EDGE = 0.05
 """Share of the record at either end in which a step cannot be distinguished from the level."""
 STEPS = 3
-"""In all."""
+"""In all, at most."""
+TIMES = ("time", "time_2", "time_3")
+HEIGHTS = ("height", "height_2", "height_3")
 INSTANTS = 120
 """Instants of the record that are scanned before a search begins."""
 LAGS = (0.0, 0.25, 1.0)
@@ -28,7 +30,7 @@ LEAST_ENERGY = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class LoadStepEffect:
-    """Three steps behind a lag of their own on PV; their heights are solved for.
+    """Steps behind a lag of their own on PV; their heights are solved for.
 
     One step alone does not find a load that comes and goes again, as of a pump or a batch: the residual is
     nearly as large as without it. For a load that changes once the other two steps are small. A load enters
@@ -41,24 +43,26 @@ class LoadStepEffect:
     family: str = "disturbance"
     stage: Stage = "disturbance"
     bases: tuple[str, ...] = ()
+    steps: int = STEPS
+    """How many it has."""
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return the instants, in any order, and the lag."""
         first, last = EDGE * facts.duration, (1 - EDGE) * facts.duration
-        return (
-            Parameter("time", "s", first, last, of_record=True),
-            Parameter("time_2", "s", first, last, of_record=True),
-            Parameter("time_3", "s", first, last, of_record=True),
-            Parameter("tau", "s", 0.0, 4 * facts.period),
-        )
+        instants = [Parameter(each, "s", first, last, of_record=True) for each in TIMES[: self.steps]]
+        return (*instants, Parameter("tau", "s", 0.0, 4 * facts.period))
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:  # noqa: ARG002
-        """Return the steps, of height one, (n, 3)."""
+        """Return the steps, of height one, (n, steps)."""
         *instants, tau = values.tolist()
         return np.stack([stepped(time, instant, tau) for instant in instants], axis=1)
 
+    def solved(self, coefficients: FloatArray, gain: float) -> dict[str, Solved]:  # noqa: ARG002
+        """Return the heights, in the order of the instants."""
+        return {name: (float(each), "PV") for name, each in zip(HEIGHTS, coefficients, strict=False)}
+
     def spotted(self, residual: FloatArray, facts: Facts) -> FloatArray:
-        """Return for each of some lags the steps with the smallest residual, one after the other, (m, 4)."""
+        """Return for each of some lags the steps that leave least, one after the other, (m, steps + 1)."""
         first, last = EDGE * facts.duration, (1 - EDGE) * facts.duration
         time = np.asarray(facts.ts * np.arange(len(residual)), dtype=np.float64)
         known = np.isfinite(residual)
@@ -68,7 +72,7 @@ class LoadStepEffect:
             steps = np.stack([stepped(time, each, tau) for each in instants], axis=1)[known]
             drift = np.stack((np.ones(len(steps)), time[known]), axis=1)
             places: list[int] = []
-            for _ in range(STEPS):
+            for _ in range(self.steps):
                 besides = np.column_stack((drift, steps[:, places]))
                 places.append(_explains_most(steps, besides, residual[known]))
             found.append((*instants[places], tau))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.signal import find_peaks, periodogram
 
-from agent.physics.effect import Facts, Parameter, Stage
+from agent.physics.effect import Facts, Parameter, Solved, Stage
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,6 +38,12 @@ class Sinusoid:
         """Return cosine and sine, (n, 2)."""
         angle = 2 * np.pi * float(values[0]) * time
         return np.column_stack((np.cos(angle), np.sin(angle)))
+
+    def solved(self, coefficients: FloatArray, gain: float) -> dict[str, Solved]:  # noqa: ARG002
+        """Return amplitude and phase of A cos(2 pi f t + phase), t from the start of the record."""
+        cosine, sine = (float(each) for each in coefficients)
+        amplitude, phase = float(np.hypot(cosine, sine)), float(np.arctan2(-sine, cosine))
+        return {"amplitude": (amplitude, "PV"), "phase": (phase, "rad")}
 
     def spotted(self, residual: FloatArray, facts: Facts) -> FloatArray:
         """Return the frequencies of the highest lines, 1/s, (m, 1), m up to ``LINES``.

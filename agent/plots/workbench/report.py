@@ -117,7 +117,7 @@ def _text(found: Comparison) -> Iterable[str]:
     yield "<h2>Parameters of the last model</h2>"
     rows = [
         (each.name, _number(each.value), f"{_number(each.low)} to {_number(each.high)}", each.unit)
-        for each in found.steps[-1].parameters
+        for each in found.steps[-1].numbers
     ]
     yield _table(("parameter", "value", "90 % interval", "unit"), rows)
 

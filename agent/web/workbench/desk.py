@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import signal
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -147,7 +147,7 @@ def _read(opening: Opening) -> tuple[Any, dict[str, str]]:
     own = {role.lower(): name for role, name in (opening.columns or {}).items() if name}
     names = {each: own.get(each, getattr(STANDARD, each)) for each in ("time", "op", "pv", "sp")}
     try:
-        recording = read_recording(opening.file, Columns(**names), None, opening.loop)
+        recording = replace(read_recording(opening.file, Columns(**names), None, opening.loop), mode=None)
         return loop_window(recording), dict(recording.tags)
     except RecordingError as error:
         raise RecordingError(

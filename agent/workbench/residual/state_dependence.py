@@ -82,9 +82,14 @@ def state_dependence(predicts: Predictor, best: FloatArray) -> dict[str, Depende
     return {axis: replace(each, p=min(1.0, len(found) * each.p)) for axis, each in found.items()}
 
 
+def failing(found: Mapping[str, Dependence]) -> set[str]:
+    """Return the axes on which a model fails."""
+    return {axis for axis, each in found.items() if DOUBTED * each.p < LEVEL}
+
+
 def fails(found: Mapping[str, Dependence]) -> bool:
     """Return whether a model fails on any axis."""
-    return any(DOUBTED * each.p < LEVEL for each in found.values())
+    return bool(failing(found))
 
 
 def resolves(before: Mapping[str, Dependence], after: Mapping[str, Dependence]) -> bool:

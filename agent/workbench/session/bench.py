@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from agent.physics.effects import effects as known_effects
 from agent.workbench.candidates import naming, verdict_of
 from agent.workbench.fit import contributions, residual_of
 from agent.workbench.hooks import Map, Progress, silent
-from agent.workbench.library import applies, base_named, effect_named, library, missing
+from agent.workbench.inputs.measured_input import measured_inputs
+from agent.workbench.library import applies, effect_named, library, missing
 from agent.workbench.saved_model import saved
 from agent.workbench.session import views
-from agent.workbench.session.opening import opened, other_record
+from agent.workbench.session.auto_base import based
+from agent.workbench.session.opening import other_record
 from agent.workbench.step import Step, Verdict, step_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
+    from agent.physics.bases import Base
     from agent.physics.effect import Effect
     from agent.workbench.decision import Decision
     from agent.workbench.folds import Folds
@@ -26,6 +30,9 @@ if TYPE_CHECKING:
     from agent.workbench.residual.where import Failure
     from agent.workbench.trial import Tried
     from agent.workbench.trials import Trials
+
+
+NO_INPUTS: Mapping[str, FloatArray] = MappingProxyType({})
 
 
 class Bench:
@@ -40,6 +47,8 @@ class Bench:
         *,
         effects: Sequence[Effect] | None = None,
         extra: Sequence[Effect] = (),
+        inputs: Mapping[str, FloatArray] = NO_INPUTS,
+        other_inputs: Mapping[str, FloatArray] = NO_INPUTS,
         run: Map = map,
         progress: Progress = silent,
     ) -> None:
@@ -47,20 +56,25 @@ class Bench:
 
         Args:
             window: The recording.
-            base: Name of the process that the model begins with.
-            validate: Another recording of the same loop; every step is scored on it, nothing fitted.
+            base: Name of the process that the model begins with; ``auto``: the likeliest.
+            validate: Another recording of the same loop; every step is scored on it, nothing fitted. One on
+                which nothing can be scored does no harm: ``not_validated`` says why.
             without: Effects or families that are not to be tried.
             effects: Built in and installed; None: ``agent.physics.effects.effects``.
             extra: Effects beside those.
+            inputs: Measured inputs beside OP, each (n,), NaN where missing: candidates like any effect.
+            other_inputs: The same of ``validate``.
             run: Tries effects, perhaps in parallel.
             progress: Called with what is tried next.
 
         Raises:
-            ValueError: No such base, effect or family, or nothing can be scored on ``validate``.
+            ValueError: No such base, effect or family, or an input does not fit the recording.
         """
         self.window = window
-        self.base = base_named(base)
-        self.installed = (*(known_effects() if effects is None else effects), *extra)
+        self.base, found = based(window, base, run, progress)
+        known = (*(known_effects() if effects is None else effects), *extra)
+        names = {each.name for each in known}
+        self.installed = (*known, *measured_inputs(inputs, other_inputs, len(window), names))
         self.library = library(self.installed, self.base, without)
         self.reason: str | None = None
         """In plain words why the recording is not testable; None where it is."""
@@ -68,12 +82,19 @@ class Bench:
         self._made: dict[tuple[object, ...], Step] = {}
         self._failures: dict[tuple[object, ...], tuple[Failure, ...]] = {}
         self._trials: Trials | None = None
-        self._validation = None if validate is None else other_record(validate, self.base)
-        found = opened(window, self.base, run, progress)
+        self._validation, self.not_validated = _validation(validate, self.base)
+        lacking = [name for name in inputs if name not in other_inputs]
+        if lacking and self._validation is not None:
+            self._validation = None
+            self.not_validated = (
+                f"{window.loop} is not validated: its other recording has no input {lacking[0]}"
+            )
+        """In plain words why nothing can be scored on the other recording; else, or without one, None."""
         if isinstance(found, str):
             self.reason = found
             return
         self._trials, base_alone = found
+        self._trials.validation = self._validation
         self.take(base_alone)
 
     def use_hooks(self, run: Map, progress: Progress) -> None:
@@ -178,7 +199,7 @@ class Bench:
         if name in self.trials.left_out:
             raise ValueError(self.trials.left_out[name])
         verdict = verdict_of(self.step, found, self.where_it_fails(), self.lines(), self.record.facts)
-        larger = self.trials.with_valve_anew(found.models[name])
+        larger = self.trials.with_fewest_steps(self.trials.with_valve_anew(found.models[name]))
         return self.take(larger, naming(verdict, name), added=name)
 
     def addable(self, name: str) -> Effect:
@@ -250,3 +271,11 @@ class Bench:
             ValueError: The recording is not testable.
         """
         return saved(self.window.loop, self.step.fit.model, self.step.parameters)
+
+
+def _validation(window: LoopWindow | None, base: Base) -> tuple[Record | None, str | None]:
+    """Return another recording as a record, or in words why nothing can be scored on it; both may be None."""
+    try:
+        return (None if window is None else other_record(window, base)), None
+    except ValueError as error:
+        return None, str(error)

@@ -48,6 +48,8 @@ def compared(bench: Bench) -> Comparison:
         smallest_percent=smallest,
         reason=reason,
         unseen=unseen(bench, smallest),
+        shown=bench.trials.shown_on(bench.step, bench.library),
+        not_validated=bench.not_validated,
     )
 
 

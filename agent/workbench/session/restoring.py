@@ -29,7 +29,7 @@ def add_saved(bench: Bench, mapping: object) -> None:
         bench.effect(name)  # reported before anything is fitted
     for name in model.effects:
         effect, smaller, record = bench.addable(name), bench.step.fit.model, bench.record
-        larger = replace(smaller, effects=(*smaller.effects, effect))
+        larger = replace(smaller, effects=(*smaller.effects, model.as_saved(effect)))
         starts = model.values_of(larger, record.facts)[np.newaxis]
         bench.trials.progress(name, len(smaller.effects), len(model.effects))
         bench.take(bench.trials.predicted(fit(larger, record, record.weight, starts)), added=name)

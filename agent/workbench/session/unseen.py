@@ -37,6 +37,9 @@ def _statements(bench: Bench, smallest_percent: float | None) -> Iterator[str]:
     yield f"anything faster than two samples ({2 * facts.ts:.4g} s)"
     slowest = f"{SLOWEST * facts.period:.4g} s"
     yield f"a drift slower than {slowest}: level and slow drift are removed with every model"
+    for shown in bench.trials.shown_on(bench.step, bench.library):
+        if shown.why_not is not None:
+            yield f"{shown.effect}: {shown.why_not}"
     outside = [each.name for each in bench.installed if not applies(each, bench.base)]
     if outside:
         yield f"{', '.join(outside)}: not possible on the base {bench.base.name}"

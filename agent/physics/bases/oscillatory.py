@@ -1,0 +1,112 @@
+"""A process that rings: an underdamped second order with a zero, plus dead time.
+
+Y / U = (1 + z T s) exp(-theta s) / (1 + 2 zeta T s + T^2 s^2). A mass on a spring, a drive with a shaft that
+gives, two vessels that exchange, an inner loop that is tuned tightly.
+Source: D. Seborg, T. Edgar, D. Mellichamp, F. Doyle, Process Dynamics and Control, 3rd ed., 5.4 and 6.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.signal import lfilter
+
+from agent.physics.bases.lag_bases import delay_of, lag_of
+from agent.physics.bases.linear_process import LinearProcess, lagged
+from agent.physics.effect import Facts, Parameter
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+
+DAMPING = (0.02, 1.5)
+"""From hardly damped to two lags; with more damping the two are far apart, and ``sopdt`` is the base."""
+ZERO = (-3.0, 6.0)
+"""Of the zero's time constant over T: a first move the wrong way, up to one far beyond the end."""
+
+DOUBLE = 1e-4
+"""Distance of the damping from one below which both poles would be the same."""
+
+
+@dataclass(frozen=True, slots=True)
+class RingingProcess(LinearProcess):
+    """The same with whatever lags, lead and creep effects add before it."""
+
+    tau: float = 1.0
+    """T, one over the natural frequency, s per radian."""
+    damping: float = 1.0
+    """zeta."""
+    zero: float = 0.0
+    """z."""
+
+    @property
+    def settling(self) -> float:
+        """Time in which the response has settled, s."""
+        return 3 * sum(self.lags) + 3 * self.tau / min(self.damping, 1.0)
+
+    def respond(self, position: FloatArray, ts: float) -> FloatArray:
+        """Return the deviation of PV for gain one, OP units, (n,), from rest at the first position.
+
+        A held position is taken for the line through the middles of its steps, which is exact to the third
+        order of the sampling time over T.
+        """
+        driven = self._late(position, ts)
+        for lag in self.lags:
+            driven = lagged(driven, lag / ts)
+        top, bottom = second_order(self.tau / ts, self.damping, self.zero)
+        response = driven[0] + lfilter(top, bottom, driven - driven[0])
+        if self.lead > 0.0:
+            response = response - self.lead / ts * np.gradient(response)
+        if self.creep > 0.0:
+            response = response + self.creep * ts * np.cumsum(response - response.mean())
+        return np.asarray(response, dtype=np.float64)
+
+    def _late(self, position: FloatArray, ts: float) -> FloatArray:
+        """Return the position after the dead time, of which half a sample is the hold's, (n,)."""
+        at = np.arange(len(position), dtype=np.float64)
+        return np.asarray(np.interp(at - (max(self.delay / ts, 1.0) - 0.5), at, position), dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class Oscillatory:
+    """Underdamped second order with a zero, plus dead time."""
+
+    name: str = "oscillatory"
+    linear: bool = True
+
+    def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
+        """Return delay, time constant, damping and zero."""
+        return (
+            delay_of(facts),
+            lag_of("tau", facts),
+            Parameter("damping", "1", *DAMPING, log=True, natural=True),
+            Parameter("zero", "1", *ZERO, natural=True),
+        )
+
+    def process(self, values: FloatArray) -> RingingProcess:
+        """Return the process with these values."""
+        delay, tau, damping, zero = (float(each) for each in values)
+        return RingingProcess(delay=delay, tau=tau, damping=damping, zero=zero)
+
+
+def second_order(tau: float, damping: float, zero: float) -> tuple[FloatArray, FloatArray]:
+    """Return numerator and denominator of the filter, first-order hold; ``tau`` in samples.
+
+    By partial fractions: each pole p, with its residue r, turns straight lines from sample to sample exactly
+    into e^p, r phi_2(p) and r (phi_1(p) - phi_2(p)), phi_1 = (e^p - 1) / p, phi_2 = (e^p - 1 - p) / p^2.
+    """
+    away = damping if abs(damping - 1.0) > DOUBLE else 1.0 + DOUBLE
+    root = np.sqrt(complex(away * away - 1.0))
+    poles = (-away + np.array([root, -root])) / tau
+    residues = (1.0 + zero * tau * poles) / (tau * tau * (poles - poles[::-1]))
+    grown = np.exp(poles)
+    once = np.expm1(poles) / poles
+    twice = (np.expm1(poles) - poles) / poles**2
+    own = np.stack((residues * twice, residues * (once - twice)), axis=1)
+    other = np.stack((np.ones(2), -grown[::-1]), axis=1)
+    top = np.convolve(own[0], other[0]) + np.convolve(own[1], other[1])
+    bottom = np.convolve(other[0], other[1])
+    return np.ascontiguousarray(top.real), np.ascontiguousarray(bottom.real)

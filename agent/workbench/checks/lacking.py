@@ -1,0 +1,57 @@
+"""What a model still lacks with an effect that the record plainly shows: it lowers no verdict.
+
+Where the effect explains nearly all of the error and every other cause is far less likely, a remainder on an
+axis is another effect, not a sign that the first is not there. Where only the dynamics object, larger
+dynamics are tried beside it first.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from agent.workbench.residual.very_strong import VERY_STRONG
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping
+
+    from agent.workbench.evidence import Evidence
+    from agent.workbench.trial import Tried
+
+DYNAMICS = frozenset({"op_rate"})
+"""Axes on which missing lags and leads show."""
+LARGER_DYNAMICS = ("second_order", "inverse_response", "integrating")
+"""Effects that make the process larger, in the order in which they are tried."""
+NEARLY_ALL = 0.95
+"""Part of the held-out squared error that an effect explains, from which on the rest is another effect:
+with less a neighbour of the true cause may do as much (docs/decisions/0062)."""
+
+
+def dominates(name: str, found: Mapping[str, Evidence], explained: float) -> bool:
+    """Return whether an effect explains nearly all and every effect of another family is far less likely.
+
+    Args:
+        name: Of the effect.
+        found: What the innovations say of all candidates.
+        explained: Part of the held-out squared error of the smaller model.
+    """
+    own = found[name]
+    return (
+        own.answers
+        and not own.once
+        and explained >= NEARLY_ALL
+        and all(
+            own.criterion - each.criterion > VERY_STRONG
+            for each in found.values()
+            if each.family != own.family
+        )
+    )
+
+
+def larger_dynamics(models: Mapping[str, Tried], beside: Collection[str]) -> tuple[str, ...]:
+    """Return the effects that make the dynamics larger, of other families than those ``beside`` them."""
+    return tuple(name for name in LARGER_DYNAMICS if name in models and name not in beside)
+
+
+def lacks_words(axes: Collection[str]) -> str:
+    """Return what a model lacks, in words, by the axes on which it still fails."""
+    return f"with it the model still fails with {', '.join(sorted(each.replace('_', ' ') for each in axes))}"

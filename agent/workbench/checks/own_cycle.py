@@ -1,0 +1,54 @@
+"""Does a wave keep the time of OP's own cycle? Then the loop may make it itself.
+
+A valve or a mass that sticks makes a wave at OP's cycle and at its harmonics, and so does a load that drives
+the loop: OP then takes the load's time. Two things distinguish a load from the loop: it keeps its own time
+where OP's cycle does not (the phase), or it is a pure wave, while friction makes odd harmonics (the shape).
+Source: reference ``missing_effect.md`` section 3, external sinusoid.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.workbench.residual.line_spectrum import line_spectrum
+
+if TYPE_CHECKING:
+    from agent.analysis.record.recording import FloatArray
+
+WORDS = "it keeps the time of OP's own cycle, as a wave that the loop makes itself would"
+NEAR = 2.0
+"""Lines of the record's spectrum within which a wave and a line are one."""
+HARMONICS = (3, 5)
+PURE = 1 / 30
+"""Amplitude of any harmonic over the wave's, below which it is pure. A band behind one lag leaves 1/9 at the
+third, behind two 1/27."""
+
+
+def keeps_time_of_loop(residual: FloatArray, op: FloatArray, frequency: float, ts: float) -> bool:
+    """Return whether a wave in a residual is in step with OP's cycle and has not the shape of a load.
+
+    Args:
+        residual: Of the model without the wave, PV units, (n,), NaN where there is none.
+        op: Without gaps, OP units, (n,).
+        frequency: Of the wave, 1/s.
+        ts: s.
+    """
+    found = line_spectrum(residual, op, ts)
+    lines = () if found is None else found.lines
+    at = [each for each in lines if abs(each.frequency - frequency) * len(op) * ts < NEAR]
+    if not at or at[0].harmonic is None or at[0].kind == "coherent":
+        return False
+    return at[0].harmonic > 1 or not _is_pure(residual, at[0].frequency * ts)
+
+
+def _is_pure(residual: FloatArray, frequency: float) -> bool:
+    """Return whether a wave of ``frequency``, cycles a sample, has no harmonics that the record shows."""
+    known = np.flatnonzero(np.isfinite(residual))
+    weighted = (residual[known] - residual[known].mean()) * np.hanning(len(known))
+
+    def amplitude(multiple: int) -> float:
+        return float(np.abs(weighted @ np.exp(-2j * np.pi * multiple * frequency * known)))
+
+    return max(amplitude(each) for each in HARMONICS) < PURE * amplitude(1)

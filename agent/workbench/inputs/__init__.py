@@ -1,0 +1,1 @@
+"""Measured inputs beside OP, a feed or a second actuator, as effects that a record may confirm."""

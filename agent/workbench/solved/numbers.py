@@ -1,0 +1,97 @@
+"""The numbers of a model that least squares solves for, each with its 90 % interval.
+
+The coefficients and the searched values are uncertain together: their covariance is that of the innovations
+by all of them. What a user reads, an amplitude, a gain after a change, is a function of the coefficients; its
+interval is that of the same function of normal draws.
+Source: L. Ljung, System Identification, 2nd ed., 9.3.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.physics.effect import SolvedEffect
+from agent.workbench.likelihood_profile import WIDER
+from agent.workbench.paired_blocks import CONFIDENCE
+from agent.workbench.predictor import DIFFERENCE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from agent.analysis.record.recording import FloatArray
+    from agent.physics.effect import Solved
+    from agent.workbench.predictor import Predictor
+
+DRAWS = 2000
+TINY = np.finfo(float).tiny
+
+
+def solved_numbers(predicts: Predictor, best: FloatArray) -> tuple[tuple[str, Solved, float, float], ...]:
+    """Return each number by its full name, with the ends of its interval: ``gain``, ``sinusoid.amplitude``.
+
+    Args:
+        predicts: Of a model on a linear base.
+        best: The point of the unit cube where its predictions are best, (k,).
+    """
+    objective = predicts.objective
+    record, model = objective.record, objective.model
+    mean = predicts.fit(best).coefficients
+    spread = np.linalg.cholesky(_covariance(predicts, best, mean))
+    normal = np.random.default_rng(0).standard_normal((DRAWS, len(mean)))
+    draws = mean + WIDER * normal @ spread.T
+    per = "PV/OP/s" if model.base.name == "integrator" else "PV/OP"
+    found = [("gain", *_number(lambda each: {"gain": (float(each[0]), per)}, mean, draws)["gain"])]
+    owners = np.array(objective.layout.owners(record.op, objective.space.values(best)))
+    for effect in model.effects:
+        own = owners == effect.name
+        if not isinstance(effect, SolvedEffect) or not own.any():
+            continue
+        of_effect = _number(partial(_of_effect, effect, own), mean, draws)
+        found += [(f"{effect.name}.{name}", *each) for name, each in of_effect.items()]
+    return tuple(found)
+
+
+def _of_effect(effect: SolvedEffect, own: NDArray[np.bool_], coefficients: FloatArray) -> dict[str, Solved]:
+    return dict(effect.solved(coefficients[own], float(coefficients[0])))
+
+
+def _number(
+    numbers: Callable[[FloatArray], dict[str, Solved]], mean: FloatArray, draws: FloatArray
+) -> dict[str, tuple[Solved, float, float]]:
+    best = numbers(mean)
+    scattered = [numbers(each) for each in draws]
+    found = {}
+    for name, (value, unit) in best.items():
+        off = np.array([each[name][0] for each in scattered]) - value
+        if unit == "rad":
+            off = np.mod(off + np.pi, 2 * np.pi) - np.pi
+        low, high = value + np.quantile(off, ((1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2))
+        found[name] = ((value, unit), float(low), float(high))
+    return found
+
+
+def _covariance(predicts: Predictor, best: FloatArray, coefficients: FloatArray) -> FloatArray:
+    """Return the covariance of the coefficients, (c, c), the searched values uncertain as well."""
+    objective = predicts.objective
+    white = predicts.whitened(objective.columns(best))
+    moved = np.empty((len(white), len(best)))
+    for i, place in enumerate(best.tolist()):
+        ends = np.vstack((best, best))
+        ends[:, i] = max(place - DIFFERENCE, 0.0), min(place + DIFFERENCE, 1.0)
+        rise = (objective.columns(ends[1]) - objective.columns(ends[0])) @ coefficients
+        moved[:, i] = predicts.whitened(rise[:, np.newaxis])[:, 0] / (ends[1, i] - ends[0, i])
+    both = np.hstack((white, np.nan_to_num(moved)))
+    variance = max(predicts.variance(best), TINY)
+    information = both.T @ both / variance
+    # One more observation of each searched value: it lies somewhere in the cube.
+    prior = np.concatenate((1e-12 * np.diag(information)[: len(coefficients)] + TINY, np.ones(len(best))))
+    scale = 1 / np.sqrt(np.diag(information) + prior)
+    scaled = (information + np.diag(prior)) * np.outer(scale, scale)
+    covariance = np.linalg.pinv(scaled, hermitian=True) * np.outer(scale, scale)
+    own = covariance[: len(coefficients), : len(coefficients)]
+    return np.asarray(own + np.diag(1e-12 * np.diag(own) + TINY), dtype=np.float64)
