@@ -118,13 +118,18 @@ def coupled_plant(seed: int) -> CoupledPlant:
 
 def _roots(rng: np.random.Generator, kinds: tuple[Kind, ...]) -> list[Scenario]:
     """Draw roots whose periods are apart, also those of a multiple of each other."""
-    while True:
-        found = [random_plant(int(rng.integers(2**31)), kind) for kind in kinds]
-        periods = [period_and_strength((_run(each)[1] - each.controller.sp)[WARM_UP:])[0] for each in found]
-        logs = [math.log(a / b) for k, a in enumerate(periods) for b in periods[:k]]
-        harmonic = [abs(each - s * math.log(n)) for each in logs for n in (1, 2, 3) for s in (1, -1)]
-        if all(each > math.log(APART) for each in harmonic):
-            return found
+    found: list[Scenario] = []
+    periods: list[float] = []
+    for kind in kinds:
+        while True:
+            scenario = random_plant(int(rng.integers(2**31)), kind)
+            period = period_and_strength((_run(scenario)[1] - scenario.controller.sp)[WARM_UP:])[0]
+            logs = [abs(math.log(period / each)) for each in periods] if period > 0 else [0.0]
+            if all(abs(each - math.log(n)) > math.log(APART) for each in logs for n in (1, 2, 3)):
+                break
+        found.append(scenario)
+        periods.append(period)
+    return found
 
 
 def _tree_of(rng: np.random.Generator, place: int, roots: int) -> int | None:

@@ -1,7 +1,8 @@
 """Oscillations of every loop of a plant, on one clock.
 
-Several a loop, each from its own peak of the spectrum (Thornhill, Huang and Zhang, J. Process Control 13 (2003)
-91; ``agent.analysis.oscillation.acf_filtered``). Loops are compared over the time that all have in common.
+Several a loop, each from its own peak of the spectrum (Thornhill, Huang and Zhang, J. Process Control 13
+(2003) 91; ``agent.analysis.oscillation.acf_filtered``). Loops are compared over the time that all of them
+have in common.
 """
 
 from __future__ import annotations
@@ -70,7 +71,8 @@ def common_record(windows: Sequence[LoopWindow]) -> CommonRecord:
     kept = [each for each in windows if _overlap(each, longest) >= FEWEST_SAMPLES * ts]
     start = max(each.start for each in kept)
     end = min(each.start + (len(each) - 1) * each.ts for each in kept)
-    times = start + ts * np.arange(max(int((end - start) / ts) + 1, 0))
+    count = max(int((end - start) / ts) + 1, 0)
+    times = np.asarray(start + ts * np.arange(count), dtype=np.float64)
     rows = [(each.loop, _at(each, each.error, times), _at(each, each.op, times)) for each in kept]
     rows = [row for row in rows if row[1] is not None and row[2] is not None]
     names, errors, ops = ([row[k] for row in rows] for k in range(3))
@@ -84,10 +86,16 @@ def waves(record: CommonRecord) -> list[Wave]:
         kept: list[Wave] = []
         for each in sorted(components(values, record.ts), key=lambda one: -(one.share or 0.0)):
             period = each.period or 0.0
-            if period and not any(_belongs(period, other.period) for other in kept):
+            if period and not any(belongs(period, other.period) for other in kept):
                 kept.append(Wave(place, period, each.share or 0.0))
         found += kept
     return found
+
+
+def share_of(values: FloatArray, period: float) -> float:
+    """Return the part of a signal's power (n,) around a period (samples), 0 to 1."""
+    power = float(np.mean((values - np.mean(values)) ** 2))
+    return float(np.mean(band_passed(values, period) ** 2)) / power if power > 0 else 0.0
 
 
 def phasor(values: FloatArray, period: float) -> ComplexArray:
@@ -99,7 +107,8 @@ def phasor(values: FloatArray, period: float) -> ComplexArray:
     return np.asarray(wave / size if size > 0 else wave, dtype=np.complex128)
 
 
-def _belongs(period: float, stronger: float) -> bool:
+def belongs(period: float, stronger: float) -> bool:
+    """Return whether a period is that of a stronger oscillation, or of a harmonic of it."""
     ratio = stronger / period
     return abs(ratio - 1) < SAME or bool(np.any(np.abs(ratio / HARMONICS - 1) < SAME / 2))
 
