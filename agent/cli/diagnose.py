@@ -17,7 +17,7 @@ from agent.cli.common.errors import BAD_INPUT, complain
 from agent.cli.common.one_valve import together, valves
 from agent.cli.common.pictures import picture_files
 from agent.cli.diagnosing.fleet import Fleet
-from agent.cli.diagnosing.plant import Plant
+from agent.cli.diagnosing.plant import PlantLoops
 from agent.cli.diagnosing.work import answers, progress_of
 
 if TYPE_CHECKING:
@@ -157,7 +157,7 @@ def diagnose(
         )
         for (path, name), picture, of in zip(entries, pictures, valve, strict=True)
     ]
-    failed, whole = False, Plant(plot) if plant else None
+    failed, whole = False, PlantLoops(plot) if plant else None
     with progress_of(len(tasks)) as advance:
         for place, answer in enumerate(together(answers(tasks, advance), valve)):
             failed |= bool(answer.faults)

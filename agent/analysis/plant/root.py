@@ -4,9 +4,9 @@ Two clues of a root: its past says more of the future of the others than theirs 
 its wave is less like a sine, as each process on the way takes harmonics away (the loop with the largest
 nonlinearity is the source: Thornhill, IEEE Trans. Control Systems Technology 13 (2005) 434). They are weighed
 in the conditional logit of a choice of one out of a group (McFadden 1974), fitted to 26 groups of simulated
-plants (`benchmarks/plant_wide.py`, seeds 0 to 13), where the first alone is right for 23 and the second for 7.
-The part of a signal's power that the oscillation is, and the phase of its wave, added nothing to them. A
-diagnosis of a loop, where there is one, comes on top with its own odds that the valve sticks.
+plants (`benchmarks/plant_wide.py`, seeds 0 to 13): the first alone is right for 23, the second for 7. The
+part of a signal's power that the oscillation is, and the phase of its wave, added nothing. The diagnosis
+of a loop, where there is one, comes on top with its own odds that the valve sticks.
 """
 
 from __future__ import annotations

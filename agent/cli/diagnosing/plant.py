@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 PICTURE = "plant.png"
 
 
-class Plant:
+class PlantLoops:
     """The loops of a command, the last recording of each."""
 
     def __init__(self, folder: Path | None) -> None:
@@ -36,7 +36,7 @@ class Plant:
     def say(self, *, as_json: bool) -> bool:
         """Print what they say together, and draw it; return whether that went well."""
         from agent.analysis.plant.plant import plant_finding
-        from agent.report.plant_words import plant_json, plant_lines
+        from agent.report.fleet.plant_words import plant_json, plant_lines
 
         windows = [window for window, _ in self._loops.values()]
         finding = plant_finding(windows, [diagnosis for _, diagnosis in self._loops.values()])
