@@ -1,7 +1,7 @@
 """Which oscillations of a plant are one: the same period, and in step over the whole record.
 
-Periods alone are not enough: two valves may stick with periods that nobody can distinguish for some cycles. So
-both signals are filtered around the period, and their waves must keep their phase to each other; independent
+Periods alone are not enough: two valves may stick with periods that hardly differ for some cycles. So both
+signals are filtered around the period, and their waves must keep their phase to each other; independent
 ones drift apart. What one loop shows plainly is sought in all others, also where it hides in their noise.
 """
 
