@@ -45,14 +45,20 @@ class Field:
         """Stem position now, OP units."""
         return self._valve.position
 
-    def hold(self, op: float, elapsed: float) -> None:
-        """Hold ``op`` from ``elapsed`` s after the start of the record to the next sample."""
+    def hold(self, op: float, elapsed: float, others: float = 0.0) -> None:
+        """Hold ``op`` from ``elapsed`` s after the start of the record to the next sample.
+
+        Args:
+            op: OP units.
+            elapsed: s.
+            others: Load of other loops on the process input, OP units.
+        """
         scenario = self._scenario
         flow = self._valve.flow(self._valve.stroke(op, self._steps, self._dt)) - self._balance
         if scenario.fault.kind != "none" and elapsed >= scenario.fault.time:
             flow = self._faulty(flow)
         factor = at_time([(step.time, step.factor) for step in scenario.gain_steps], elapsed, 1.0)
-        load = self._load.over(elapsed)
+        load = self._load.over(elapsed) + others
         stopped = scenario.fault.kind == "no_flow" and elapsed >= scenario.fault.time
         self._process.respond(factor * flow, 0.0 if stopped else load)
         self._sensed = self._process.pv + (self._sensed - self._process.pv) * self._keep

@@ -71,8 +71,12 @@ class SimulatedPlant:
         while self._sample < 0:
             self.advance()
 
-    def advance(self) -> Row:
-        """Return the loop's values now, and move it on by one sampling time."""
+    def advance(self, load: float = 0.0) -> Row:
+        """Return the loop's values now, and move it on by one sampling time.
+
+        Args:
+            load: Of other loops on the process input meanwhile, OP units.
+        """
         scenario = self._scenario
         elapsed = self._sample * scenario.ts
         sp = scenario.set_point(elapsed)
@@ -80,7 +84,7 @@ class SimulatedPlant:
         pv = self._transmitted(quantised(measured, scenario.quantisation.pv), elapsed)
         op = quantised(self._controller.update(sp, pv), scenario.quantisation.op)
         row = Row(scenario.start + elapsed, {"pv": pv, "op": op, "sp": sp, "mv": self._field.position})
-        self._field.hold(op, elapsed)
+        self._field.hold(op, elapsed, load)
         self._sample += 1
         return row
 

@@ -38,6 +38,14 @@ def missing(what: str):
     pytest.skip(f"{what} is missing")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def one_standard_space_of_opcua():
+    """OPC UA servers of this process share the work of building their standard address space."""
+    from tests.opcua_space import build_once  # noqa: PLC0415 - asyncua is heavy, and collecting needs it not
+
+    build_once()
+
+
 @pytest.fixture(scope="session")
 def recordings() -> Path:
     """The folder of real recordings, read in place."""

@@ -17,6 +17,7 @@ from agent.cli.common.errors import BAD_INPUT, complain
 from agent.cli.common.one_valve import together, valves
 from agent.cli.common.pictures import picture_files
 from agent.cli.diagnosing.fleet import Fleet
+from agent.cli.diagnosing.plant import PlantLoops
 from agent.cli.diagnosing.work import answers, progress_of
 
 if TYPE_CHECKING:
@@ -70,6 +71,14 @@ def diagnose(
         bool,
         typer.Option("--one-valve", help="All recordings are of one valve, whatever they are named."),
     ] = False,
+    plant: Annotated[
+        bool,
+        typer.Option(
+            "--plant",
+            help="The recordings are loops of one plant: say which of them oscillate together, where that "
+            "begins most probably, and the way it takes. With --plot a picture, DIR/plant.png.",
+        ),
+    ] = False,
     plot: Annotated[
         Path | None,
         typer.Option(
@@ -118,15 +127,19 @@ def diagnose(
     hints = LoopHints(integrating, acting.value if acting else None, order=order)
     known = None if delay is None else delay_of(delay)
     method = None if quantifier is None else _method(quantifier)
-    if one_valve and (each or (method is not None and not _shares_evidence(method))):
-        other = "--each says the contrary" if each else f"--quantifier {quantifier} has no evidence to share"
+    if one_valve and (each or plant or (method is not None and not _shares_evidence(method))):
+        other = (
+            "--each and --plant say the contrary"
+            if each or plant
+            else f"--quantifier {quantifier} has no evidence to share"
+        )
         raise typer.BadParameter(f"{other}: take one of them", param_hint="'--one-valve'")
     options = reading.read_options(
         columns, zone, time_format, date_order, decimal, pattern, mapping, modes, start, end
     )
     entries = [each for path in option.in_folders(recordings) for each in _loops(path, options, loop)]
     names = [path if name is None else path.with_name(f"{name}.csv") for path, name in entries]
-    valve = valves(names, each=each, one_valve=one_valve)
+    valve = valves(names, each=each or plant, one_valve=one_valve)
     fleet = Fleet(names, valve, report)
     pictures = picture_files(names, plot)
     tasks = [
@@ -139,12 +152,12 @@ def diagnose(
             options,
             name,
             known,
-            shared=valve.count(of) > 1,
+            shared=plant or valve.count(of) > 1,
             small_picture=report is not None,
         )
         for (path, name), picture, of in zip(entries, pictures, valve, strict=True)
     ]
-    failed = False
+    failed, whole = False, PlantLoops(plot) if plant else None
     with progress_of(len(tasks)) as advance:
         for place, answer in enumerate(together(answers(tasks, advance), valve)):
             failed |= bool(answer.faults)
@@ -153,10 +166,14 @@ def diagnose(
             if answer.diagnosis is not None:
                 _say(answer.diagnosis, answer.task.path, as_json=as_json)
                 fleet.add(place, answer)
+                if whole is not None:
+                    whole.add(answer)
     if not as_json:
         for line in fleet.table():
             print(line, flush=True)  # noqa: T201 - this is the command's output
     failed |= not fleet.write()
+    if whole is not None:
+        failed |= not whole.say(as_json=as_json)
     if failed:
         raise typer.Exit(BAD_INPUT)
 

@@ -10,14 +10,18 @@ from agent.checks import checks_of
 EACH = pytest.mark.parametrize("member", QUANTIFIERS, ids=lambda member: member.name)
 
 
-SEARCHES_LONG = {"hints_that_do_not_fit", "no_valve_explains_it", "single_lost_samples", "long_record"}
-"""Checks where `free_run` searches for 5 s and more; in `make bench` for it, here for all others."""
+SEARCHES_LONG = {
+    "free_run": {"hints_that_do_not_fit", "no_valve_explains_it", "single_lost_samples", "long_record"},
+    "population": {"no_valve_explains_it", "long_record"},
+}
+"""Checks where a quantifier searches for 5 s and more; in `make bench` for it, here for all others."""
 
 
 def items():
+    """All checks of a member in a row: they share its answers."""
     for member in QUANTIFIERS:
         for check in checks_of("quantifiers"):
-            long = member.name == "free_run" and check.name in SEARCHES_LONG
+            long = check.name in SEARCHES_LONG.get(member.name, ())
             marks = pytest.mark.bench if long else pytest.mark.slow
             yield pytest.param(member, check, id=f"{check.name}-{member.name}", marks=marks)
 

@@ -10,7 +10,7 @@ import pytest
 
 from connectors.exports.fault import LONGEST_CELL, RecordingError
 from connectors.exports.reading import read_export
-from connectors.exports.tables import delimited
+from connectors.exports.tables import delimited, unpacked
 from tests.conftest import ROOT
 
 LIMIT = 2 << 30
@@ -57,4 +57,14 @@ def test_cells_of_text_are_bounded(tmp_path, monkeypatch):
     path = tmp_path / "FIC101.csv.gz"
     path.write_bytes(gzip.compress(b"time,OP,PV\n" + b"0,0,0\n" * 10_000))
     with pytest.raises(RecordingError, match=r"line 251: has more than 1000 cells: split it"):
+        read_export(path)
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_bytes_are_bounded_however_long_the_file_goes_on(tmp_path, monkeypatch, packed):
+    monkeypatch.setattr(unpacked, "MOST_BYTES", 1 << 20)
+    path = tmp_path / ("FIC101.csv.gz" if packed else "FIC101.csv")
+    content = b"time,OP,PV\n" + b"0,0,0\n" * (1 << 18)
+    path.write_bytes(gzip.compress(content) if packed else content)
+    with pytest.raises(RecordingError, match=r"FIC101.*is larger than 1 MiB unpacked: split it"):
         read_export(path)

@@ -49,7 +49,7 @@ class EndsReading(HangsUp):
 
 def test_the_same_where_the_reader_notices_it_first():
     bus = EndsReading(on_and_on)
-    agent = agent_of(bus, LOOPS)
+    agent = agent_of(bus, LOOPS, hop=1.0)
     virtual(worked(agent, 3600.0))
     refusals = agent.outboxes["bus"].refusals
     assert {each.subject for each in bus.published} == {"FIC102"}
@@ -59,7 +59,7 @@ def test_the_same_where_the_reader_notices_it_first():
 
 def test_a_topic_at_which_the_broker_hangs_up_is_parked_and_the_rest_is_published():
     scada = HangsUp(None, name="scada")
-    agent = agent_of(FakeBus(stream(LOOPS, 7200)), LOOPS, scada=scada)
+    agent = agent_of(FakeBus(stream(LOOPS, 7200)), LOOPS, scada=scada, hop=1.0)
 
     async def scenario():
         task = asyncio.create_task(agent.run())

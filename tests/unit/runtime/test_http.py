@@ -127,6 +127,20 @@ async def test_a_plant_that_is_away_is_reported_but_is_no_reason_to_start_anew()
     assert ("slipjump_loop_data_age_seconds", "FIC101") not in value  # not known is not zero
 
 
+async def test_a_state_file_that_cannot_be_written_is_unhealthy_with_the_reason_and_still_alive(tmp_path):
+    agent, port = agent_of(FakeBus(stream(["FIC101"], 3600, step=0.05))), free_port()
+    agent.journal._path = tmp_path / "not yet" / "plant.sqlite"
+
+    async def scenario():
+        await until(lambda: agent.journal.problem)
+        return [await asked(port, path) for path in ("/health", "/live")]
+
+    (code, health), live = await served(agent, port, scenario=scenario)
+    said = json.loads(health)
+    assert (code, said["status"], live) == (503, "degraded", (200, "ok\n"))
+    assert "plant.sqlite" in said["store_error"]
+
+
 async def test_who_shows_no_token_learns_nothing_but_that_it_lives(tmp_path):
     (tmp_path / "token").write_text("s3cret\n")
     agent, port = agent_of(FakeBus(stream(["FIC101"], 5000))), free_port()
@@ -211,6 +225,23 @@ async def test_silent_and_half_open_clients_give_way_and_live_always_answers(mon
         assert (await asked(port, "/metrics"))[0] == 200
         for _, writer in silent:
             writer.close()
+
+    await served(agent_of(FakeBus(stream(["FIC101"], 10))), port, scenario=scenario)
+
+
+async def test_beyond_the_most_connections_a_silent_one_is_closed_for_each_that_comes(monkeypatch):
+    monkeypatch.setattr(patient_http, "REQUEST_WITHIN", 3600.0)  # time closes none of them
+    monkeypatch.setattr(patient_http, "MOST_CONNECTIONS", 20)
+    port = free_port()
+
+    async def scenario():
+        silent = [await asyncio.open_connection("127.0.0.1", port) for _ in range(50)]
+        ends = [asyncio.create_task(reader.read()) for reader, _ in silent]
+        await until(lambda: sum(each.done() for each in ends) >= 30)
+        assert await asked(port, "/live") == (200, "ok\n")
+        for _, writer in silent:
+            writer.close()
+        await asyncio.gather(*ends, return_exceptions=True)
 
     await served(agent_of(FakeBus(stream(["FIC101"], 10))), port, scenario=scenario)
 

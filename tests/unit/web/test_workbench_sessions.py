@@ -23,7 +23,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(240)]  # a cold cache of ker
 EVIL = "<script>alert(1)<script>.csv"
 
 
-def recording(samples=500):
+def recording(samples=300):
     """A first-order lag behind a dead band, as CSV."""
     rng = np.random.default_rng(1)
     op = 50 + 6 * np.repeat(rng.uniform(-1, 1, samples // 20), 20) + np.linspace(0, 1, samples)
@@ -63,15 +63,15 @@ async def test_a_session_from_the_upload_to_its_end(served):
     name = answer.json()["session"]
     base = f"/api/workbench/sessions/{name}"
     state = (await web.get(base)).json()
-    assert (state["recording"], state["samples"], state["columns"]["OP"]) == (EVIL, 500, "OP")
+    assert (state["recording"], state["samples"], state["columns"]["OP"]) == (EVIL, 300, "OP")
     assert [each["name"] for each in state["nodes"]] == ["fopdt"]
-    assert len(state["model"]["curves"]["pv"]) == 500
+    assert len(state["model"]["curves"]["pv"]) == 300
     folder = sessions.open[name].folder
     assert [path.name for path in folder.rglob("*.csv")] == [
         "_script_alert_1__script_.csv"
     ]  # no other letters on disk
     simulated = await web.post(f"{base}/simulate", json={"values": {"tau": 3.0}})  # waits for the candidates
-    assert len(simulated.json()["pv"]) == 500
+    assert len(simulated.json()["pv"]) == 300
     found = (await web.get(base)).json()["found"]
     assert found["candidates"]
     assert found["verdict"]["words"]
@@ -191,7 +191,7 @@ def test_the_first_curve_of_a_tick_comes_before_its_fit(tmp_path, monkeypatch):
     desk.tick("deadband")
     kinds = [kind for kind, _ in sent]
     assert kinds[0] == "curve"
-    assert len(sent[0][1]["pv"]) == 400
+    assert len(sent[0][1]["pv"]) == 300
     state = next(content for kind, content in sent if kind == "state")
     errors = [each["rmse_held_out"] for each in state["nodes"]]
     assert errors[1] < errors[0]

@@ -181,7 +181,7 @@ def test_compare_names_what_it_leaves_out_and_does_not_know_it(offers, capsys, t
 
 NAN_IN_A_FIT = OWN.replace(
     "at, ratio = values\n",
-    "at, ratio = values\n        if len(position) == 800:\n            return position * np.nan\n",
+    "at, ratio = values\n        if len(position) == 300:\n            return position * np.nan\n",
 )
 RAISES_IN_A_FIT = NAN_IN_A_FIT.replace("return position * np.nan", "raise ZeroDivisionError('of mine')")
 SHORT_IN_A_FIT = NAN_IN_A_FIT.replace("return position * np.nan", "return position[1:]")
@@ -192,7 +192,7 @@ SHORT_IN_A_FIT = NAN_IN_A_FIT.replace("return position * np.nan", "return positi
     [
         (NAN_IN_A_FIT, "must return finite numbers within all its bounds"),
         (RAISES_IN_A_FIT, "must not raise; it raised ZeroDivisionError: of mine"),
-        (SHORT_IN_A_FIT, "must return 800 samples; it returned (799,)"),
+        (SHORT_IN_A_FIT, "must return 300 samples; it returned (299,)"),
     ],
     ids=["nan", "raises", "short"],
 )
@@ -202,7 +202,7 @@ def test_an_effect_that_fails_in_the_middle_of_a_fit_is_left_out_in_one_line(tmp
     found = plug_ins.usable_effects([f"{tmp_path / name}.py:Own"])
     assert found.left_out == ()
     few = [each.name for each in EFFECTS if each.name != "deadband"]
-    bench = Workbench(slack(), without=few, effects=found.effects)
+    bench = Workbench(slack(samples=300), without=few, effects=found.effects)
     assert [each.effect for each in bench.candidates().candidates] == ["deadband"]
     (line,) = bench.trials.left_out.values()
     assert line.startswith(f"effect split_range ({tmp_path / name}.py) ")
