@@ -1,7 +1,7 @@
 """Rates with which windows have which outcome: Dirichlet parameters, for sticking and for sound valves.
 
 Made by ``python -m benchmarks memory_rates``, never on recordings. How often valves have an outcome, and how
-alike the windows of one are (the sum), come from simulated weeks of 16 valves (even seeds, six windows
+alike the windows of one are (the sum), come from simulated weeks of 40 valves (even seeds, six windows
 each); how many of those with an outcome stick, from the calibration of the log odds of a window on 346 loops.
 """
 
@@ -14,22 +14,22 @@ if TYPE_CHECKING:
     from agent.analysis.memory.outcome import Outcome
 
 STICKS: Mapping[Outcome, float] = {
-    "against": 0.298,
-    "hardly": 0.154,
-    "weak": 0.161,
-    "fair": 0.350,
-    "strong": 0.411,
-    "very_strong": 1.225,
-    "stuck": 0.065,
+    "against": 0.070,
+    "hardly": 0.026,
+    "weak": 0.035,
+    "fair": 0.109,
+    "strong": 0.096,
+    "very_strong": 0.475,
+    "stuck": 0.058,
 }
 SOUND: Mapping[Outcome, float] = {
-    "against": 4.789,
-    "hardly": 1.425,
-    "weak": 0.605,
-    "fair": 0.378,
-    "strong": 0.077,
-    "very_strong": 0.046,
-    "stuck": 0.015,
+    "against": 1.459,
+    "hardly": 0.316,
+    "weak": 0.172,
+    "fair": 0.153,
+    "strong": 0.024,
+    "very_strong": 0.023,
+    "stuck": 0.017,
 }
 MIMICS = 0.025
 """Part of the sound valves whose windows look like those of a valve that sticks, all of them: something that

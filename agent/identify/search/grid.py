@@ -49,7 +49,7 @@ LAGS, DELAYS, FARTHEST = 6, 12, 0.75
 """Time constants and delays of the bank, and its longest delay over the longest there is."""
 S_BINS = 16
 LOOKS = 6
-"""How often in the first period and a half stems are asked whether they have met."""
+"""How often in the first period and a half it is seen whether stems have met."""
 TOGETHER = 1e-3
 """Distance over f_S within which they have, at the end of it,"""
 THE_SAME = 1e-6
