@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.innovations import local_search
-from agent.analysis.innovations.whitened import STEP
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.identify import bank as banks
@@ -31,6 +30,7 @@ from agent.identify.objective import (
 from agent.identify.problem import high_pass
 from agent.identify.search import grid
 from agent.identify.search.grid import STEMS
+from agent.identify.simplex import STEP, simplex
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference import free_run_twins as slow
 from tests.reference.damped_stem_branches import damped_stem_in_small_steps
@@ -210,9 +210,7 @@ def test_searches_never_lose_and_repeat_themselves(seed):
     axes = np.array([LOG_TAU, DELAY, LOG_TAU2])
     runs = [
         lambda rng: local_search.random_steps(start, before, 1.0, FOPDT, problem, 150, rng),
-        lambda _: local_search.simplex(
-            start, STEP, axes, objective.valve_position(start, problem), SOPDT, problem, 150
-        ),
+        lambda _: simplex(start, STEP, axes, objective.valve_position(start, problem), SOPDT, problem, 150),
     ]
     for run, structure in zip(runs, (FOPDT, SOPDT), strict=True):
         found, error = run(np.random.default_rng(seed))

@@ -1,7 +1,7 @@
-"""The two local searches: a simplex for what is smooth, random steps for what is not.
+"""Random steps of a valve.
 
-Delay and time constants move the error smoothly. S, J and the valve's start move it in steps, for only the
-instants of slip matter; and S trades off with the delay, so that its steps go along that ridge.
+S, J and the start of a valve move the error in steps, for only the instants of slip matter; and S trades off
+with the delay, so that its steps go along that ridge.
 """
 
 from __future__ import annotations
@@ -33,76 +33,7 @@ from agent.jit import kernel
 from agent.physics.valves.damped_stem import GIVE
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from agent.analysis.record.recording import FloatArray
-
-
-@kernel
-def simplex(
-    start: FloatArray,
-    step: FloatArray,
-    axes: NDArray[np.int64],
-    position: FloatArray,
-    structure: int,
-    problem: Problem,
-    evaluations: int,
-) -> tuple[FloatArray, float]:
-    """Return the best candidate over the coordinates ``axes`` and its error (Nelder and Mead 1965).
-
-    The coordinates are of the process: its valve stays at ``position``, OP units, (n,).
-    """
-    k = axes.size
-    points = np.empty((k + 1, start.size))
-    errors = np.empty(k + 1)
-    for i in range(k + 1):
-        points[i] = start
-        if i > 0:
-            points[i, axes[i - 1]] += step[axes[i - 1]]
-        errors[i] = process_error(position, points[i], structure, problem)
-        if i > 0 and not np.isfinite(errors[i]):
-            points[i, axes[i - 1]] -= 2.0 * step[axes[i - 1]]
-            errors[i] = process_error(position, points[i], structure, problem)
-    used = k + 1
-    while used < evaluations:
-        order = np.argsort(errors)
-        points = points[order]
-        errors = errors[order]
-        if errors[k] - errors[0] < 1e-7 * errors[0]:
-            break
-        centre = np.zeros(start.size)
-        for i in range(k):
-            centre += points[i] / k
-        reflected = 2.0 * centre - points[k]
-        e_reflected = process_error(position, reflected, structure, problem)
-        used += 1
-        if e_reflected < errors[0]:
-            expanded = 3.0 * centre - 2.0 * points[k]
-            e_expanded = process_error(position, expanded, structure, problem)
-            used += 1
-            if e_expanded < e_reflected:
-                points[k], errors[k] = expanded, e_expanded
-            else:
-                points[k], errors[k] = reflected, e_reflected
-        elif e_reflected < errors[k - 1]:
-            points[k], errors[k] = reflected, e_reflected
-        else:
-            toward = reflected if e_reflected < errors[k] else points[k]
-            contracted = 0.5 * (centre + toward)
-            e_contracted = process_error(position, contracted, structure, problem)
-            used += 1
-            if e_contracted < min(e_reflected, errors[k]):
-                points[k], errors[k] = contracted, e_contracted
-            else:
-                for i in range(1, k + 1):
-                    points[i] = 0.5 * (points[0] + points[i])
-                    errors[i] = process_error(position, points[i], structure, problem)
-                used += k
-    best = np.argmin(errors)
-    found = start.copy()  # the other coordinates to the last digit: a stem may hang on it
-    for axis in axes:
-        found[axis] = points[best, axis]
-    return found, errors[best]
 
 
 @kernel

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.innovations.local_search import simplex
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -19,6 +18,7 @@ from agent.identify.objective import (
     valve_position,
 )
 from agent.identify.residuals import residuals
+from agent.identify.simplex import STEP, simplex
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 AXES = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY), INTEGRATOR: (DELAY,)}
 """What is searched of a process; the second pole keeps its ratio."""
-STEP = np.array([0.5, 1.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-"""First steps of the simplex, for each coordinate of a candidate."""
 ORDER = 3
 """Of the autoregression that takes from the innovations what a first-order filter left."""
 FREEDOM = 4.0

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.identify.fitted import Fitted, by_error, start
+from agent.identify.fitted import Fitted, start
 from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2, SIZE
-from agent.identify.search.population import Candidates, refit
+from agent.identify.search.population import Candidates, counted_blocks, refit
+from agent.identify.search.price import price
+from agent.identify.simplex import polished
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,8 +21,9 @@ if TYPE_CHECKING:
 
 PASSES = 25
 """Gauss-Newton steps of a start, at most."""
-SECOND = -1.6
-"""Log of the second time constant over the first, where a start has one."""
+SECONDS = (-1.6, -0.2)
+"""Logs of the second time constant over the first, where a start has one: a step that makes a small one
+vanish does not come back, for no derivative shows it."""
 
 
 def best_linear(problem: Problem, structures: Sequence[int], also: Fitted | None = None) -> Fitted | None:
@@ -28,7 +31,7 @@ def best_linear(problem: Problem, structures: Sequence[int], also: Fitted | None
 
     ``also`` lends its process as one more start.
     """
-    starts = np.array(process_grid(problem, SECOND))
+    starts = np.array([each for second in SECONDS for each in process_grid(problem, second)])
     if also is not None:
         lent = starts[0].copy()
         lent[[LOG_TAU, DELAY, LOG_TAU2]] = also.candidate[[LOG_TAU, DELAY, LOG_TAU2]]
@@ -37,9 +40,19 @@ def best_linear(problem: Problem, structures: Sequence[int], also: Fitted | None
     of = np.repeat(np.array(structures, dtype=np.int64), len(starts))
     population = Candidates(candidates, of, np.full(len(of), math.inf))
     refit(population, problem, PASSES)
-    best = population.sorted(1)
-    possible = by_error([start(best.candidates[0], int(best.structures[0]), problem)])
-    return possible[0] if possible else None
+    ends = []
+    for structure in structures:
+        best = population.take(np.flatnonzero(of == structure)).sorted(1)
+        end = start(best.candidates[0], structure, problem)
+        ends += [polished(end, problem)] if math.isfinite(end.error) else []
+    return by_price(ends, problem)
+
+
+def by_price(fits: Sequence[Fitted], problem: Problem) -> Fitted | None:
+    """Return the one that costs least, its error times its price; None of none."""
+    count = counted_blocks(problem)
+    costs = [each.error * price(each.candidate, each.structure, problem, count) for each in fits]
+    return fits[int(np.argmin(costs))] if fits else None
 
 
 def process_behind(fitted: Fitted, problem: Problem) -> Fitted:

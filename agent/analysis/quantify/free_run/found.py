@@ -12,6 +12,7 @@ from agent.identify.objective import LEVEL, S
 from agent.identify.search.elites import elites_of
 from agent.identify.search.linear import best_linear
 from agent.identify.search.search import possible_of, search
+from agent.identify.simplex import polished
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
@@ -56,5 +57,7 @@ def find(window: LoopWindow, problem: Problem) -> Found | None:
         candidate[S] *= problem.op_span
         candidate[LEVEL] = low + candidate[LEVEL] * problem.op_span
         fits.append(start(candidate, int(structure), problem))
-    others = by_error(fits)
-    return Found(fits[0], tuple(others)) if others else None
+    if not math.isfinite(fits[0].error):
+        return None
+    best = polished(fits[0], problem)
+    return Found(best, tuple(by_error([best, *fits[1:]])))
