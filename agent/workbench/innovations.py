@@ -61,8 +61,9 @@ def innovations(residual: FloatArray, *, longest: bool = False) -> Innovations |
     Returns:
         None where there are too few samples in a row, or the residual is constant.
     """
-    most = min(MOST_LAGS, len(residual) // ROWS_A_LAG)
-    if not np.isfinite(residual).any():
+    # The first samples have no past of so many: they are no rows.
+    most = min(MOST_LAGS, (int(np.isfinite(residual).sum()) - ROWS_A_LAG) // (ROWS_A_LAG + 1))
+    if most < 0:
         return None
     rows = sliding_window_view(residual - np.nanmean(residual), most + 1)
     complete = np.isfinite(rows).all(axis=1)

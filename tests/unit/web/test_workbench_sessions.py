@@ -191,7 +191,7 @@ def test_the_first_curve_of_a_tick_comes_before_its_fit(tmp_path, monkeypatch):
     desk.tick("deadband")
     kinds = [kind for kind, _ in sent]
     assert kinds[0] == "curve"
-    assert len(sent[0][1]["pv"]) == 300
+    assert len(sent[0][1]["pv"]) == 400
     state = next(content for kind, content in sent if kind == "state")
     errors = [each["rmse_held_out"] for each in state["nodes"]]
     assert errors[1] < errors[0]

@@ -136,7 +136,7 @@ def test_the_report_begins_with_what_was_found_and_ends_with_what_could_not_be_s
 
 def test_a_loop_whose_op_explains_nothing_is_not_informative():
     rng = np.random.default_rng(3)
-    op = made(samples=400).op
+    op = made().op
     pv = 50 + np.convolve(rng.standard_normal(len(op) + 19), np.exp(-np.arange(20) / 5), "valid")
     found = Workbench(LoopWindow("still", 0.0, 1.0, op, pv), without=FEW).comparison()
     assert found.verdict.kind == "not_testable"

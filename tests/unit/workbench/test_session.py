@@ -51,6 +51,7 @@ def test_the_json_has_every_key_and_no_nan(bench):
     assert [step["effects"] for step in found["steps"]] == [[], ["deadband"]]
     assert set(found["steps"][1]["parameters"]) == {
         "delay",
+        "gain",
         "tau",
         *(f"deadband.{each}" for each in ("s", "start", "damping")),
     }
@@ -61,6 +62,7 @@ def test_the_json_has_every_key_and_no_nan(bench):
         "family": None,
         "indistinguishable": [],
         "at_bound": [],
+        "lacks": [],
     }
     assert {each["effect"] for each in found["candidates"]} == {"sensor_lag", "load_step"}
     assert {"axis", "share", "p"} == set(found["where_it_fails"][0])
