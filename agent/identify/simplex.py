@@ -32,9 +32,14 @@ ROUNDS = (0.5, 0.2)
 EVALUATIONS = 150
 
 
+def not_given(axes: tuple[int, ...], problem: Problem) -> list[int]:
+    """Return the coordinates without the delay where the user gave it."""
+    return [axis for axis in axes if not (axis == DELAY and problem.fixed_delay > 0)]
+
+
 def polished(fitted: Fitted, problem: Problem) -> Fitted:
     """Return a candidate with its process at a minimum of the error; the valve stays."""
-    axes = [axis for axis in AXES[fitted.structure] if not (axis == DELAY and problem.fixed_delay > 0)]
+    axes = not_given(AXES[fitted.structure], problem)
     if not axes:
         return fitted
     position = valve_position(fitted.candidate, problem)

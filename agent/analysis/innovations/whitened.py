@@ -18,7 +18,7 @@ from agent.identify.objective import (
     valve_position,
 )
 from agent.identify.residuals import residuals
-from agent.identify.simplex import STEP, simplex
+from agent.identify.simplex import STEP, not_given, simplex
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -59,7 +59,7 @@ def fitted(
     candidate: FloatArray, structure: int, problem: Problem, noise: int, evaluations: int, scale: float = 1.0
 ) -> Fit:
     """Return the candidate with delay and time constant fitted."""
-    axes = [axis for axis in AXES[structure] if not (axis == DELAY and problem.fixed_delay > 0)]
+    axes = not_given(AXES[structure], problem)
     if not axes:
         error = free_run_error(candidate, structure, problem)
     else:

@@ -29,7 +29,7 @@ from agent.identify.objective import (
     S,
 )
 from agent.identify.problem import Problem, from_blocks
-from agent.identify.search.population import Candidates
+from agent.identify.search.population import S_BINS, Candidates
 from agent.identify.search.process_bank import delays_of, processes_of
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import Motion, stem_at, stem_motion, strokes
@@ -47,7 +47,6 @@ STEMS = np.array([(0.01, 0.01, 1e-8), (0.15, 0.1, 0.003), (0.3, 0.15, 0.01)])
 """Damping, supply and rest: He's valve, and two that take their time."""
 LAGS, DELAYS, FARTHEST = 6, 12, 0.75
 """Time constants and delays of the bank, and its longest delay over the longest there is."""
-S_BINS = 16
 LOOKS = 6
 """How often in the first period and a half it is seen whether stems have met."""
 TOGETHER = 1e-3

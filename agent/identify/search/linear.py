@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.identify.fitted import Fitted, start
-from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2, SIZE
+from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2, SIZE, SOPDT
 from agent.identify.search.population import Candidates, counted_blocks, refit
 from agent.identify.search.price import price
 from agent.identify.simplex import polished
@@ -31,21 +31,26 @@ def best_linear(problem: Problem, structures: Sequence[int], also: Fitted | None
 
     ``also`` lends its process as one more start.
     """
-    starts = np.array([each for second in SECONDS for each in process_grid(problem, second)])
-    if also is not None:
-        lent = starts[0].copy()
-        lent[[LOG_TAU, DELAY, LOG_TAU2]] = also.candidate[[LOG_TAU, DELAY, LOG_TAU2]]
-        starts = np.vstack([starts, lent])
-    candidates = np.concatenate([starts] * len(structures))
-    of = np.repeat(np.array(structures, dtype=np.int64), len(starts))
-    population = Candidates(candidates, of, np.full(len(of), math.inf))
-    refit(population, problem, PASSES)
     ends = []
     for structure in structures:
-        best = population.take(np.flatnonzero(of == structure)).sorted(1)
-        end = start(best.candidates[0], structure, problem)
+        starts = _starts(problem, structure, also)
+        count = len(starts)
+        population = Candidates(starts, np.full(count, structure), np.full(count, math.inf))
+        refit(population, problem, PASSES)
+        end = start(population.sorted(1).candidates[0], structure, problem)
         ends += [polished(end, problem)] if math.isfinite(end.error) else []
     return by_price(ends, problem)
+
+
+def _starts(problem: Problem, structure: int, also: Fitted | None) -> FloatArray:
+    """Return where the fits of a structure begin, (k, SIZE)."""
+    seconds = SECONDS if structure == SOPDT else SECONDS[:1]
+    starts = np.array([each for second in seconds for each in process_grid(problem, second)])
+    if also is None:
+        return starts
+    lent = starts[0].copy()
+    lent[[LOG_TAU, DELAY, LOG_TAU2]] = also.candidate[[LOG_TAU, DELAY, LOG_TAU2]]
+    return np.vstack([starts, lent])
 
 
 def by_price(fits: Sequence[Fitted], problem: Problem) -> Fitted | None:
