@@ -82,6 +82,7 @@ def pose(
     gain_sign: int = 0,
     fixed_delay: int = 0,
     blocks_per_period: float = BLOCKS_PER_PERIOD,
+    pass_time: float = PASS_TIME,
 ) -> Problem | str:
     """Return the problem, or in plain words why the record poses none.
 
@@ -91,6 +92,7 @@ def pose(
         gain_sign: Sign of the process gain; 0 where both are possible.
         fixed_delay: Delay that the user gave, samples; 0: search it.
         blocks_per_period: Least number of blocks a period, as far as there are samples.
+        pass_time: Time constant of the high-pass filter, periods.
     """
     known = np.isfinite(signal_op) & np.isfinite(signal_pv)
     n = len(signal_op)
@@ -109,7 +111,7 @@ def pose(
     pv = block_means(bridge(signal_pv), block)
     if counts.sum() < LEAST_SAMPLES or np.ptp(pv[counts]) <= 0:
         return "OP has so many gaps that PV answers to them all the time"
-    keep = math.exp(-block / (PASS_TIME * period))
+    keep = math.exp(-block / (pass_time * period))
     weight = counts.astype(np.float64)
     basis = nuisance_basis(weight, keep)
     pv = high_pass(pv - pv[counts].mean(), keep)

@@ -13,7 +13,6 @@ from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import TINY, by_chance, innovations, likelihood_ratio, tells_more
 from agent.workbench.library import acts_on_op, happens_once
 from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
-from agent.workbench.valve_scan import VALVES
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -25,6 +24,9 @@ if TYPE_CHECKING:
     from agent.workbench.trial import Tried
 
     Model = Step | Tried
+
+VALVES = 16000
+"""That a search for a sticking valve looks at, in round numbers: each counts as a try."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,7 +37,7 @@ SCAN = 400
 """Points of the first scan."""
 ROUNDS = ((8, STEP, 20), (3, STEP / 2, 40), (1, STEP / 5, 60))
 QUICK_ROUNDS = ((2, STEP / 2, 15), (1, STEP / 5, 20))
-WARM_ROUNDS = ((2, STEP / 4, 20), (1, STEP / 10, 20))
+WARM_ROUNDS = ((1, STEP / 10, 40),)
 """For a model whose values are known from almost the same samples."""
 
 

@@ -9,31 +9,28 @@ Cochrane and Orcutt, J. Am. Stat. Assoc. 44 (1949) 32.
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.fit import SCAN
 from agent.workbench.instant_order import instants_of
 from agent.workbench.library import happens_once
 from agent.workbench.predictor import predictor_behind
 from agent.workbench.projection import target_of
 from agent.workbench.search import (
-    lowered_by_simplex,
+    best_of,
+    lowered,
     objective_of,
     of_last_effect,
     searched,
     spread_about,
     whitened,
 )
-from agent.workbench.valve_scan import MOVED, valves
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.fit import Fit
-    from agent.workbench.hooks import Map
     from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
     from agent.workbench.search import Round
@@ -47,15 +44,21 @@ EVALUATIONS = 40
 CLEARLY = 1e-3
 """Part of the squares that a better valley is lower by."""
 ROUNDS: tuple[Round, ...] = ((4, 0.05, 20), (2, 0.02, 40))
+MOVED = (-0.2, 0.2)
+"""How far half of the points of a scan move what is not the last effect's, parts of a parameter's range."""
+BEST = 6
+"""Points that are searched from."""
 PLACES = 400
-"""Of an instant that are looked at."""
+"""Of an instant that are looked at,"""
+PLACED = 2
+"""in the first turns: behind the autoregression of a wrong instant the true one may not be the best."""
 
 
 def predictor(
     fitted: Fit,
     record: Record,
     smaller: tuple[Predictor, FloatArray] | None = None,
-    instants: FloatArray | None = None,
+    starts: FloatArray | None = None,
 ) -> tuple[Predictor, FloatArray] | None:
     """Return the predictions of a model with a linear base, and the point where they are best.
 
@@ -63,8 +66,8 @@ def predictor(
         fitted: In free run; the search begins there.
         record: What it was fitted to.
         smaller: The same of the model without the last effect; None where there is none.
-        instants: Values of a last effect that happened once, own units, (m, k), where the innovations of the
-            smaller model show it.
+        starts: Values to begin from as well, own units, (m, k): of an event those that the innovations of the
+            smaller model show, of a valve those that the quantifier found.
 
     Returns:
         None where the residual has too few samples in a row.
@@ -74,15 +77,16 @@ def predictor(
     first = predictor_behind(objective, fitted.pv)
     if first is None:
         return None
+    points = None if starts is None else objective.space.at(starts)
     found = _settled(first, start)
     if found is None or not len(start):
         return found
     if any(happens_once(each, record.facts) for each in fitted.model.effects[-1:]):
         # Each turn has looked for its instants all over the record, but for those that go with its lag.
-        if smaller is not None and instants is not None:
-            found = min((found, *_begun(found[0], smaller, instants)), key=_variance)
+        if points is not None:
+            found = min((found, *_from_best_of(found[0], points)), key=_variance)
         return found
-    found = min((found, *_in_other_valleys(first, start, found, smaller)), key=_variance)
+    found = min((found, *_in_other_valleys(first, start, found, points)), key=_variance)
     if smaller is not None and _variance(smaller) < _variance(found):
         # More cannot predict worse but where the search has missed it.
         begin = np.concatenate((smaller[1], found[1][len(smaller[1]) :]))
@@ -92,61 +96,42 @@ def predictor(
     return found
 
 
-def with_valve_anew(
-    predicts: Predictor, at: FloatArray, run: Map = map
-) -> tuple[Predictor, FloatArray] | None:
-    """Return where the predictions are better with another valve, all else from near ``at``; None: nowhere.
+def beside(smaller: tuple[Predictor, FloatArray], own: FloatArray) -> FloatArray:
+    """Return values (m, k), own units, of a larger model: the smaller one's best, and ``own`` (m, j)."""
+    values = smaller[0].space.values(smaller[1])
+    return np.hstack((np.tile(values, (len(own), 1)), own))
 
-    A valve that was found while another effect was missing may be the one that answers for both. ``run``
-    works on several, perhaps in parallel.
+
+def with_other_values(
+    predicts: Predictor, at: FloatArray, points: FloatArray
+) -> tuple[Predictor, FloatArray] | None:
+    """Return where the predictions are better, searched from the best of ``points`` (m, k); None: nowhere.
+
+    A valve that was found while another effect was missing may be the one that answers for both.
     """
-    objective = predicts.objective
-    points = [
-        each
-        for effect in objective.model.effects
-        if isinstance(effect, HysteresisEffect)
-        for each in valves(whitened(objective, predicts.noise), at, effect.name)
-    ]
-    found = [each for each in run(partial(_sought, predicts), points) if each is not None]
-    best = min(found, key=_variance, default=(predicts, at))
+    best = min(_from_best_of(predicts, points), key=_variance, default=(predicts, at))
     return best if _variance(best) < (1 - CLEARLY) * predicts.variance(at) else None
 
 
+def _from_best_of(predicts: Predictor, points: FloatArray) -> list[tuple[Predictor, FloatArray]]:
+    """Return where the predictions are best from each of the best of ``points`` (m, k)."""
+    found = [_sought(predicts, each) for each in best_of(predicts.behind, points, BEST)]
+    return [each for each in found if each is not None]
+
+
 def _in_other_valleys(
-    first: Predictor,
-    start: FloatArray,
-    found: tuple[Predictor, FloatArray],
-    smaller: tuple[Predictor, FloatArray] | None,
+    first: Predictor, start: FloatArray, found: tuple[Predictor, FloatArray], points: FloatArray | None
 ) -> list[tuple[Predictor, FloatArray]]:
     """Return where else the predictions are best, as far as other valleys are deeper."""
-    objective = first.objective
-    effects = objective.model.effects
-    if smaller is not None and isinstance(effects[-1], HysteresisEffect):
-        # What the smaller model leaves knows nothing of the valley of a wrong valve.
-        at = np.concatenate((smaller[1], start[len(smaller[1]) :]))
-        points = valves(whitened(objective, smaller[0].noise), at, effects[-1].name)
-        others = [_sought(found[0], each) for each in points]
-    else:
-        # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
-        others = [_elsewhere(first, start), _elsewhere(*found)]
+    if points is not None:
+        return _from_best_of(found[0], points)
+    # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
+    others = [_elsewhere(first, start), _elsewhere(*found)]
     return [each for each in others if each is not None]
 
 
 def _variance(found: tuple[Predictor, FloatArray]) -> float:
     return found[0].variance(found[1])
-
-
-def _begun(
-    predicts: Predictor, smaller: tuple[Predictor, FloatArray], instants: FloatArray
-) -> list[tuple[Predictor, FloatArray]]:
-    """Return where the predictions are best from those of the smaller model, with each of ``instants``.
-
-    In free run a load whose lag is long bends with the load that wanders, and its instants are elsewhere.
-    """
-    others = smaller[0].space.values(smaller[1])
-    points = [predicts.space.at(np.concatenate((others, own))) for own in instants]
-    found = [_sought(predicts, each) for each in points]
-    return [each for each in found if each is not None]
 
 
 def _elsewhere(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
@@ -180,10 +165,8 @@ def _settled(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray
         if again is None:
             return None
         predicts = again
-        flat = 1e-7 * predicts.error(at)
         if len(at):
-            at = _placed(predicts, at)
-            at = lowered_by_simplex(predicts.error, at, STEP, EVALUATIONS, near=1e-5, flat=flat)
+            at = lowered(predicts.behind, _placed(predicts, at) if turn < PLACED else at, STEP, EVALUATIONS)
     return predicts, at
 
 

@@ -1,8 +1,7 @@
 """From many rough points to the least free-run error: a scan, then local searches from the best.
 
-The error has several basins, so that one start is not enough. Simplex where the response is linear in the
-process (what a valve does moves the error in steps, which has no derivative), least squares by trust region
-where a base of its own makes PV and all is smooth.
+The error has several basins, so that one start is not enough. From each, steps of Gauss and Newton; then a
+simplex where the error itself has steps or kinks, at a slip, a stop or an event.
 """
 
 from __future__ import annotations
@@ -11,9 +10,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import least_squares, minimize
+from scipy.optimize import minimize
 from scipy.stats.qmc import LatinHypercube
 
+from agent.workbench.gauss_newton import lowest
 from agent.workbench.nuisance import nuisance
 from agent.workbench.projection import ProjectedPv, Solved, least_error, solve, target_behind
 from agent.workbench.space import Space, space_of
@@ -24,12 +24,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
+    from agent.physics.effect import Facts
     from agent.physics.loop_model import Layout, LoopModel
     from agent.workbench.innovations import Innovations
     from agent.workbench.record import Record
 
 Round = tuple[int, float, int]
 """Points kept, first step of the local search, its evaluations for each parameter."""
+COARSE, SMOOTH = 1e-3, 1e-5
+"""Step of derivatives, part of a parameter's range: over steps of the error, and where there are none."""
+STEPS = 12
+"""Of Gauss and Newton, at most, on a linear base."""
 STEP = 0.05
 """First step of a simplex, part of a parameter's range."""
 
@@ -43,6 +48,11 @@ class Objective:
     layout: Layout
     target: ProjectedPv
     space: Space
+
+    @property
+    def facts(self) -> Facts:
+        """Of the record."""
+        return self.record.facts
 
     def columns(self, at: FloatArray) -> FloatArray:
         """Return the columns of the model at a point of the unit cube, (k,)."""
@@ -91,6 +101,11 @@ class Pinned:
     def model(self) -> LoopModel:
         """Of the objective."""
         return self.objective.model
+
+    @property
+    def facts(self) -> Facts:
+        """Of the objective's record."""
+        return self.objective.facts
 
     def whole(self, free: FloatArray) -> FloatArray:
         """Return all coordinates, (k,), of those that move."""
@@ -188,10 +203,21 @@ def lowered(objective: Objective | Pinned, start: FloatArray, step: float, evalu
     """Return the best point of a local search from ``start`` (k,); ``evaluations`` for each parameter."""
     if not len(start):
         return start
-    if not objective.model.base.linear:
-        return _by_least_squares(objective, start, evaluations)
-    flat = 1e-7 * max(objective.error(start), 1e-300)
-    return lowered_by_simplex(objective.error, start, step, evaluations, near=1e-5, flat=flat)
+    linear = objective.model.base.linear
+    steps, difference = (STEPS, COARSE) if linear else (evaluations, SMOOTH)
+    found = lowest(lambda at: objective.solved(at).residual, start, steps, difference)
+    if not linear or not is_rough(objective):
+        return found
+    flat = 1e-7 * max(objective.error(found), 1e-300)
+    return lowered_by_simplex(objective.error, found, step, evaluations, near=1e-5, flat=flat)
+
+
+def is_rough(objective: Objective | Pinned) -> bool:
+    """Return whether the error has steps or kinks: a slip, a stop or an event at another sample."""
+    model, facts = objective.model, objective.facts
+    return any(
+        each.stage == "valve" or any(one.instant for one in each.parameters(facts)) for each in model.effects
+    )
 
 
 def lowered_by_simplex(
@@ -227,24 +253,6 @@ def lowered_by_simplex(
         },
     )
     return np.asarray(found.x, dtype=np.float64)
-
-
-def _by_least_squares(objective: Objective | Pinned, start: FloatArray, evaluations: int) -> FloatArray:
-    inside = np.clip(start, 1e-6, 1 - 1e-6)
-
-    def residual(at: FloatArray) -> FloatArray:
-        return objective.solved(at).residual
-
-    found = least_squares(
-        residual,
-        inside,
-        bounds=(0.0, 1.0),
-        max_nfev=evaluations,  # without those of the derivatives, one for each parameter
-        x_scale="jac",
-        diff_step=np.full(len(start), 1e-5),
-    )
-    point = np.asarray(found.x, dtype=np.float64)
-    return point if objective.error(point) < objective.error(start) else start
 
 
 def searched(objective: Objective | Pinned, starts: FloatArray, rounds: Sequence[Round]) -> FloatArray:

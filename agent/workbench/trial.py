@@ -13,7 +13,7 @@ from agent.physics.foreign import EffectError
 from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
 from agent.workbench.instant_order import largest_first
-from agent.workbench.prediction_search import predictor
+from agent.workbench.prediction_search import beside, predictor
 from agent.workbench.valve_starts import ValveStart, with_valve
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def tried(trial: Trial) -> Tried:
     """Fit the model with the effect, and predict each fold."""
     screen = trial.screen or screened(trial)
     fitted = fit_from(_larger(trial), trial.record, screen.points)
-    return predicted(fitted, trial.record, trial.folds, trial.predicts, trial.instants)
+    return predicted(fitted, trial.record, trial.folds, trial.predicts, _where_it_predicts(trial))
 
 
 def predicted(
@@ -100,13 +100,13 @@ def predicted(
     record: Record,
     folds: Folds,
     smaller: tuple[Predictor, FloatArray] | None = None,
-    instants: FloatArray | None = None,
+    starts: FloatArray | None = None,
 ) -> Tried:
     """Return a fit with its held-out error.
 
-    ``smaller`` and ``instants``: as ``predictor`` takes them.
+    ``smaller`` and ``starts``: as ``predictor`` takes them.
     """
-    found = predictor(fitted, record, smaller, instants) if fitted.model.base.linear else None
+    found = predictor(fitted, record, smaller, starts) if fitted.model.base.linear else None
     if found is None:
         return Tried(fitted, held_out(fitted, record, folds), None)
     predicts, best = found[0], largest_first(*found)
@@ -124,6 +124,13 @@ def _larger(trial: Trial) -> LoopModel:
     return replace(model, effects=(*model.effects, trial.effect))
 
 
+def _where_it_predicts(trial: Trial) -> FloatArray | None:
+    """Return values to begin from, (m, k), own units, the others where the smaller model predicts best."""
+    if trial.instants is None or trial.predicts is None:
+        return _valves(trial)
+    return beside(trial.predicts, trial.instants)
+
+
 def _starts(trial: Trial) -> FloatArray | None:
     effect = trial.effect
     spots = [] if trial.instants is None else [trial.instants]
@@ -132,6 +139,12 @@ def _starts(trial: Trial) -> FloatArray | None:
     if spots:
         own = np.vstack(spots)
         return np.hstack((np.tile(trial.smaller.values, (len(own), 1)), own))
+    return _valves(trial)
+
+
+def _valves(trial: Trial) -> FloatArray | None:
+    """Return the valves that the quantifier found as values of the larger model, (m, k), own units."""
+    effect = trial.effect
     if not trial.valves or not isinstance(effect, HysteresisEffect):
         return None
     names = tuple(name for name, _ in trial.smaller.model.parameters(trial.record.facts))

@@ -16,18 +16,18 @@ from agent.workbench.candidates import AllTried, judged
 from agent.workbench.decision import judge
 from agent.workbench.event_scan import course_p, instant_p, instants_seen
 from agent.workbench.evidence import far_likelier
-from agent.workbench.fit import fit
+from agent.workbench.fit import contributions, fit
 from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import happens_once, missing
 from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
-from agent.workbench.prediction_search import with_valve_anew
+from agent.workbench.prediction_search import with_other_values
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.shown.information import Shown, shown_by
 from agent.workbench.simulated_null import simulated_null_p
 from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
 from agent.workbench.validation import rmse_on
-from agent.workbench.valve_starts import ValveStart, valve_starts
+from agent.workbench.valve_starts import ValveStart, valve_starts, with_valves
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
@@ -57,7 +57,8 @@ class Trials:
     """Effects that others wrote and that failed in a fit -> how, with file and contract."""
     validation: Record | None = None
     """Another recording of the loop, to which nothing is fitted."""
-    _valves: tuple[ValveStart, ...] | None = None
+    _valves: dict[tuple[str, ...], tuple[ValveStart, ...]] = field(default_factory=dict)
+    """That the quantifier found beside a model's disturbances."""
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
     _shown: dict[tuple[str, ...], tuple[Shown, ...]] = field(default_factory=dict)
 
@@ -126,12 +127,26 @@ class Trials:
 
     def with_valve_anew(self, found: Tried) -> Tried:
         """Return a model with its valve sought again beside what was added since, if that predicts better."""
-        before = any(isinstance(each, HysteresisEffect) for each in found.fit.model.effects[:-1])
-        if not before or found.predicts is None:
+        stems = [each for each in found.fit.model.effects[:-1] if isinstance(each, HysteresisEffect)]
+        if not stems or found.predicts is None:
             return found
         self.progress("another valve", 0, 1)
-        other = with_valve_anew(*found.predicts, self.run)
+        points = with_valves(found.fit, stems[0], self._valves_beside(found.fit), self.record.facts)
+        if not len(points):
+            return found
+        predicts, at = found.predicts
+        other = with_other_values(predicts, at, predicts.space.at(points))
         return found if other is None else self.predicted(other[0].fit(other[1]))
+
+    def _valves_beside(self, fitted: Fit) -> tuple[ValveStart, ...]:
+        """Return the valves that the quantifier finds in a record less the disturbances of a model."""
+        names = tuple(each.name for each in fitted.model.effects if each.stage == "disturbance")
+        if names not in self._valves:
+            self.progress("sticking valves", 0, 1)
+            parts = contributions(fitted, self.record) if names else {}
+            added = sum((parts[each] for each in names), np.zeros(len(self.record)))
+            self._valves[names] = valve_starts(replace(self.window, pv=self.window.pv - added))
+        return self._valves[names]
 
     def with_fewest_steps(self, found: Tried) -> Tried:
         """Return a model whose last effect is steps of a load with as many as the record needs."""
@@ -173,7 +188,8 @@ class Trials:
         return tried(self._trial(one, other))
 
     def _trial(self, smaller: Step | Tried, effect: Effect) -> Trial:
-        return Trial(smaller.fit, effect, self.record, self.folds, smaller.predicts, self._valves or ())
+        valves = self._valves_beside(smaller.fit) if isinstance(effect, HysteresisEffect) else ()
+        return Trial(smaller.fit, effect, self.record, self.folds, smaller.predicts, valves)
 
     def _instants(self, smaller: Step, effect: Effect) -> FloatArray | None:
         if smaller.predicts is None or not happens_once(effect, self.record.facts):
@@ -183,9 +199,6 @@ class Trials:
     def _tried(self, smaller: Step, effects: Sequence[Effect]) -> dict[str, Tried]:
         """Try effects, the most promising first; one that fails is left out from then on."""
         effects = [each for each in effects if each.name not in self.left_out]
-        if self._valves is None and any(isinstance(each, HysteresisEffect) for each in effects):
-            self.progress("sticking valves", 0, len(effects))
-            self._valves = valve_starts(self.window)
         self.progress("a quick look at each", 0, len(effects))
         trials = [
             replace(self._trial(smaller, each), instants=self._instants(smaller, each)) for each in effects

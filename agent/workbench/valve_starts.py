@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,14 +27,23 @@ from agent.identify.objective import (
     LOG_TAU2,
     S,
 )
+from agent.identify.problem import PASS_TIME
 from agent.physics.valves.damped_stem import DampedStem
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from agent.analysis.record.recording import FloatArray, LoopWindow
+    from agent.physics.effect import Facts
+    from agent.physics.effects.hysteresis import HysteresisEffect
+    from agent.workbench.fit import Fit
 
 MOST = 8
-"""Valves that are handed on."""
+"""Valves of a view that are handed on."""
+VIEWS = (PASS_TIME, 0.1)
+"""Time constants of the high-pass filter, periods: that of the quantifier, and one behind which a load that
+wanders is nearly white, as it is for the predictions."""
 APART = 0.02
 """Least distance of two of them in S, part of OP's span, or ten times that in J/S."""
 
@@ -51,9 +61,13 @@ class ValveStart:
 
 
 def valve_starts(window: LoopWindow) -> tuple[ValveStart, ...]:
-    """Return the best sticking valve and others that differ from it, best first; none where none moves."""
-    problem = pose(window)
-    found = None if isinstance(problem, str) else find(window, problem)
+    """Return sticking valves that differ, of each view the best first; none where none moves."""
+    return tuple(chain.from_iterable(_starts_in(window, each) for each in VIEWS))
+
+
+def _starts_in(window: LoopWindow, pass_time: float) -> tuple[ValveStart, ...]:
+    problem = pose(window, pass_time=pass_time)
+    found = None if isinstance(problem, str) else find(window, problem, pass_time)
     if isinstance(problem, str) or found is None:
         return ()
     kept: list[FloatArray] = []
@@ -89,3 +103,17 @@ def _start(candidate: FloatArray, first_op: float, ts: float) -> ValveStart:
 def with_valve(values: FloatArray, names: tuple[str, ...], valve: ValveStart) -> FloatArray:
     """Return ``values`` (k,) of parameters ``names`` with the process that ``valve`` was found with."""
     return np.array([valve.process.get(name, value) for name, value in zip(names, values, strict=True)])
+
+
+def with_valves(
+    fitted: Fit, stem: HysteresisEffect, valves: Sequence[ValveStart], facts: Facts
+) -> FloatArray:
+    """Return the values of a model with each of some valves in place of its own, own units, (m, k)."""
+    names = tuple(name for name, _ in fitted.model.parameters(facts))
+    own = np.array([name.startswith(f"{stem.name}.") for name in names])
+    rows = []
+    for valve in valves:
+        row = with_valve(fitted.values, names, valve)
+        row[own] = stem.values_of(valve.bands, valve.start, valve.stem, facts.ts)
+        rows.append(row)
+    return np.array(rows).reshape(-1, len(names))

@@ -38,7 +38,6 @@ REPLACED = (
             "evidence",
             "fit.py",
             "free_memory",
-            "growing_horizon",
             "innovations",
             "intervals",
             "likelihood_profile",

@@ -13,7 +13,7 @@ from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
-from agent.workbench.evidence import evidence_of
+from agent.workbench.evidence import VALVES, evidence_of
 from agent.workbench.fit import fit, nested_fit
 from agent.workbench.folds import HeldOut
 from agent.workbench.likeliest import less_likely
@@ -21,7 +21,6 @@ from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 from agent.workbench.residual.very_strong import very_strong
 from agent.workbench.trial import Tried
-from agent.workbench.valve_scan import VALVES
 from benchmarks.cases.decoy import Decoy
 
 CANDIDATES = 14

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from agent.analysis.quantify.free_run.problem import in_spans, structures
 from agent.identify.fitted import Fitted, by_error, start
 from agent.identify.objective import LEVEL, S
+from agent.identify.problem import PASS_TIME
 from agent.identify.search.elites import elites_of
 from agent.identify.search.linear import best_linear
 from agent.identify.search.search import possible_of, search
@@ -37,14 +38,15 @@ class Found:
         return min(self.best.error, self.others[0].error)
 
 
-def find(window: LoopWindow, problem: Problem) -> Found | None:
+def find(window: LoopWindow, problem: Problem, pass_time: float = PASS_TIME) -> Found | None:
     """Return the models of a sticking valve that explain a record best; None where no valve moves.
 
     Args:
         window: The record.
         problem: What it poses, in its units; the search sees it in spans.
+        pass_time: Time constant of the high-pass filter of ``problem``, periods.
     """
-    searched = in_spans(window)
+    searched = in_spans(window, pass_time)
     if isinstance(searched, str):
         return None
     possible = structures(window.hints)

@@ -10,7 +10,7 @@ import numpy as np
 from agent.analysis.loop.controller_action import process_gain_sign
 from agent.analysis.record.spans import in_spans_of
 from agent.identify.objective import FOPDT, INTEGRATOR, SOPDT
-from agent.identify.problem import BLOCKS_PER_PERIOD
+from agent.identify.problem import BLOCKS_PER_PERIOD, PASS_TIME
 from agent.identify.problem import pose as pose_signals
 
 if TYPE_CHECKING:
@@ -21,17 +21,20 @@ DIGITS = 9
 """Decimals of a span that are kept: far less than any transmitter resolves, far more than rounding has."""
 
 
-def pose(window: LoopWindow, blocks_per_period: float = BLOCKS_PER_PERIOD) -> Problem | str:
+def pose(
+    window: LoopWindow, blocks_per_period: float = BLOCKS_PER_PERIOD, pass_time: float = PASS_TIME
+) -> Problem | str:
     """Return the problem that a window poses, or in plain words why it poses none.
 
-    ``blocks_per_period`` is the least number, as far as there are samples.
+    ``blocks_per_period`` is the least number, as far as there are samples; ``pass_time`` is the time constant
+    of the high-pass filter, periods.
     """
     fixed_delay = window.hints.delay or 0
-    problem = pose_signals(window.op, window.pv, 0, fixed_delay, blocks_per_period)
+    problem = pose_signals(window.op, window.pv, 0, fixed_delay, blocks_per_period, pass_time)
     return problem if isinstance(problem, str) else problem._replace(gain_sign=process_gain_sign(window))
 
 
-def in_spans(window: LoopWindow) -> Problem | str:
+def in_spans(window: LoopWindow, pass_time: float = PASS_TIME) -> Problem | str:
     """Return the problem in spans from the least values, rounded, or in plain words why there is none.
 
     A search takes another way where last digits differ. So the same record in other units must be the same
@@ -40,7 +43,8 @@ def in_spans(window: LoopWindow) -> Problem | str:
     spans = in_spans_of(window)
     if spans is None:
         return "OP or PV does not move"
-    return pose(replace(spans, op=np.round(spans.op, DIGITS), pv=np.round(spans.pv, DIGITS)))
+    rounded = replace(spans, op=np.round(spans.op, DIGITS), pv=np.round(spans.pv, DIGITS))
+    return pose(rounded, pass_time=pass_time)
 
 
 def structures(hints: LoopHints) -> tuple[int, ...]:

@@ -1,0 +1,71 @@
+"""Least squares within the unit cube by the steps of Gauss and Newton, damped by Levenberg and Marquardt.
+
+A coordinate at a bound from which the error falls outward stays there. scipy's trust regions keep inside the
+bounds and come near them only, so that a delay of one sample is estimated as 1.03.
+Source: J. Nocedal and S. Wright, Numerical Optimization, 2nd ed. (2006), 10.3 and 16.7.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from agent.analysis.record.recording import FloatArray
+
+FLAT = 1e-6
+"""Part of the error by which a step lowers it at least."""
+DAMPING, LESS, MORE = 1e-3, 0.1, 10.0
+"""The first, over the squares of the derivatives, and what a step that helped, or did not, makes of it."""
+TRIES = 6
+"""Dampings of one step."""
+
+
+def lowest(
+    residual: Callable[[FloatArray], FloatArray], start: FloatArray, steps: int, difference: float
+) -> FloatArray:
+    """Return the point of the unit cube, (k,), with the least squares that is found from ``start``.
+
+    Args:
+        residual: Of a point, (n,); not finite where there is none.
+        start: Where it begins, (k,).
+        steps: At most.
+        difference: Of two points for a derivative, part of the cube.
+    """
+    at, here = start, residual(start)
+    error, damping = float(here @ here), DAMPING
+    for _ in range(steps):
+        slopes = _slopes(residual, at, here, difference)
+        along, squares = slopes.T @ here, slopes.T @ slopes
+        if not np.isfinite(squares).all():
+            break
+        outward = ((at <= 0.0) & (along > 0.0)) | ((at >= 1.0) & (along < 0.0))
+        free = np.flatnonzero(~outward & (np.diag(squares) > 0.0))
+        before = error
+        for _ in range(TRIES):
+            damped = squares[np.ix_(free, free)] + damping * np.diag(np.diag(squares)[free])
+            moved = at.copy()
+            moved[free] = np.clip(at[free] - np.linalg.lstsq(damped, along[free], rcond=None)[0], 0.0, 1.0)
+            there = residual(moved)
+            if (lower := float(there @ there)) < error:
+                at, here, error, damping = moved, there, lower, damping * LESS
+                break
+            damping *= MORE
+        if error > (1.0 - FLAT) * before:
+            break
+    return at
+
+
+def _slopes(
+    residual: Callable[[FloatArray], FloatArray], at: FloatArray, here: FloatArray, difference: float
+) -> FloatArray:
+    """Return the derivatives of the residual by the coordinates, (n, k)."""
+    slopes = np.empty((len(here), len(at)))
+    for i, place in enumerate(at.tolist()):
+        moved = at.copy()
+        moved[i] = place + difference if place + difference <= 1.0 else place - difference
+        slopes[:, i] = (residual(moved) - here) / (moved[i] - place)
+    return slopes
