@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from connectors.exports.fault import RecordingError
-from connectors.exports.reading import read_export
+from connectors.exports.reading import names_of_loops, read_export
 from connectors.exports.recorded import STANDARD, Columns, Export, ReadOptions, RecordedLoop
 from connectors.sources.kinds import address_in, opened
 
@@ -68,9 +68,9 @@ def _only(path: Path, names: tuple[str, ...]) -> str:
 
 
 def loops_in(path: Path, options: ReadOptions) -> tuple[str, ...]:
-    """Return the names of the loops of a file; raises RecordingError as ``read_recording`` does."""
+    """Return the names of the loops of a file; raises RecordingError where they are not known."""
     address = address_in(path)
     if address is not None:
         with opened(address, options) as source:
             return source.loops().loops
-    return tuple(each.name for each in read_export(path, options).loops)
+    return names_of_loops(path, options)

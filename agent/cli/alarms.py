@@ -110,6 +110,13 @@ def _send(
         known = store.read().alarms
         if loop not in known:
             raise ConfigError([f"{store.path}: no loop is called {loop} (there are: {', '.join(known)})"])
+        if (
+            all(each.loop != loop for each in store.commands())
+            and known[loop].on_command(command)[0] == known[loop]
+        ):
+            raise ConfigError(
+                [f"{loop}: its alarm is {known[loop].state.value}, which {action} does not change"]
+            )
         number = store.command(loop, command)
         taken = _is_taken(store, number)
         alarm = store.read().alarms[loop]

@@ -14,6 +14,7 @@ import typer
 
 from agent.cli.common.columns import aligned
 from agent.cli.common.errors import BAD_INPUT, complain
+from agent.counted import counted
 
 if TYPE_CHECKING:
     from agent.runtime.commission.probe import Finding
@@ -139,10 +140,11 @@ def _report(settings: Settings, findings: Sequence[Finding]) -> list[str]:
         lines += ["", *aligned([["LOOP", "PUBLISHES", "PLACE", ""], *targets])]
     bad = sum(bool(each.problems) for each in findings)
     doubtful = sum(bool(each.remarks) for each in findings)
+    size = f"{counted(len(tags), 'tag')}, {counted(len(targets), 'target')}"
     return [
         *lines,
         "",
-        f"{len(tags)} tags, {len(targets)} targets: {bad} with a problem, {doubtful} to look at",
+        f"{size}: {bad} with a problem, {doubtful} to look at",
     ]
 
 

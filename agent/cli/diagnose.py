@@ -18,7 +18,7 @@ from agent.cli.common.one_valve import together, valves
 from agent.cli.common.pictures import picture_files
 from agent.cli.diagnosing.fleet import Fleet
 from agent.cli.diagnosing.plant import PlantLoops
-from agent.cli.diagnosing.work import answers, progress_of
+from agent.cli.diagnosing.work import answers, get_ready, progress_of
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
@@ -137,7 +137,9 @@ def diagnose(
     options = reading.read_options(
         columns, zone, time_format, date_order, decimal, pattern, mapping, modes, start, end
     )
-    entries = [each for path in option.in_folders(recordings) for each in _loops(path, options, loop)]
+    files = option.in_folders(recordings)
+    get_ready(len(files), pictures=plot is not None)
+    entries = [each for path in files for each in _loops(path, options, loop)]
     names = [path if name is None else path.with_name(f"{name}.csv") for path, name in entries]
     valve = valves(names, each=each or plant, one_valve=one_valve)
     fleet = Fleet(names, valve, report)

@@ -65,5 +65,5 @@ def _draw(number: int, row: ValveRow, text: Axes, pv: Axes, op: Axes) -> None:
         axes.set_axis_on()
         axes.plot(np.linspace(small.start, small.end, len(values)), values, color=colour, linewidth=0.8)
         axes.set_title(f"{name}, {duration_words(small.start)} to {duration_words(small.end)}", fontsize=7)
-        axes.tick_params(labelsize=6)
+        axes.tick_params(labelsize=6, labelbottom=False)  # the title has the ends, with their units
         tidy(axes)

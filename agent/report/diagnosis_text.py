@@ -32,7 +32,8 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
     confidence = f" (confidence {diagnosis.confidence:.2f})" if diagnosis.confidence else ""
     yield f"{diagnosis.loop}: {verdict}{confidence}"
     if diagnosis.sticks is not None and diagnosis.sticks.windows:
-        yield f"  {sticks_words(diagnosis.sticks)}"
+        alone = "; the confidence is of this record alone, at 0.5" if diagnosis.confidence else ""
+        yield f"  {sticks_words(diagnosis.sticks)}{alone}"
     if diagnosis.cause not in ("stiction", "undecided"):
         yield f"  cause: {diagnosis.cause.replace('_', ' ')}"
     found = diagnosis.quantification

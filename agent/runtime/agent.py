@@ -14,6 +14,7 @@ from agent.alarms import Announcement
 from agent.analysis.diagnose import diagnose
 from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.routine import Diagnose
+from agent.counted import counted
 from agent.runtime.crew import Crew
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
@@ -215,7 +216,8 @@ class Agent:
     @property
     def summary(self) -> str:
         """Number of loops and connections, in a line."""
-        return f"watching {len(self._pipelines)} loops on {len(self._wiring.connections)} connections"
+        loops = counted(len(self._pipelines), "loop")
+        return f"watching {loops} on {counted(len(self._wiring.connections), 'connection')}"
 
     def hung(self) -> tuple[str, ...]:
         """Return the steps whose deadline has passed, e.g. ``connection unit1: open``."""

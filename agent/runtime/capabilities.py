@@ -50,9 +50,13 @@ def start_method() -> str:
 
 
 def import_before_start(context: Any, modules: Iterable[str]) -> None:  # noqa: ANN401 - of any start method
-    """Let workers of a context find modules imported, where all come from one process."""
+    """Let workers of a context find modules imported, where all come from one process.
+
+    That process starts now and imports on a core of its own, while this one goes on.
+    """
     if context.get_start_method() == "forkserver":
         context.set_forkserver_preload([*modules])
+        importlib.import_module("multiprocessing.forkserver").ensure_running()
 
 
 def step_back(by: int) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from connectors.exports.cells.tagging import tagger_of
-from connectors.exports.layout import long_layout, time_columns, wide_layout
+from connectors.exports.layout import long_layout, short_names, time_columns, wide_layout
 from connectors.exports.loops_of_columns import loops_of_columns
 from connectors.exports.loops_of_rows import loops_of_rows
 from connectors.exports.plain_table import plain_layout
@@ -43,6 +43,21 @@ def read_export(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> Export:
     if options.span is not None:
         loops = tuple(within(loop, *options.span) for loop in loops)
     return replace(export, loops=loops)
+
+
+def names_of_loops(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> tuple[str, ...]:
+    """Return the names of the loops of a file.
+
+    A plain table has one, whatever its values are; they are not read.
+
+    Raises:
+        RecordingError: As ``read_export``, for any other table.
+    """
+    sheet = with_joined_times(sheet_of_file(path))
+    plain = plain_layout(sheet, time_columns(sheet), options)
+    if plain is None:
+        return tuple(each.name for each in read_export(path, options).loops)
+    return tuple(short_names(list(plain.loops)).values())
 
 
 def _export(path: Path, options: ReadOptions) -> Export:

@@ -17,16 +17,16 @@ if TYPE_CHECKING:
 @contextmanager
 def pool_of_cores() -> Iterator[Map]:
     """Yield a map that works on all cores."""
-    from agent.runtime.capabilities import cores, import_before_start
+    from agent.runtime.capabilities import cores
 
     workers = cores()
     if workers == 1:
         announce_compilation(threading.Event())
         yield map
         return
-    from agent.runtime.loop.process_pool import CONTEXT, process_pool
+    from agent.runtime.loop.process_pool import CONTEXT, import_early, process_pool
 
-    import_before_start(CONTEXT, ["agent.workbench.session"])
+    import_early(["agent.workbench.session"])
     announced = CONTEXT.Event()
     announce_compilation(announced)
     with process_pool(workers, announce_compilation, announced) as pool:

@@ -13,7 +13,26 @@ from agent.cli.common.answer import Answer, Task
 from agent.cli.common.compilation import announce_compilation
 from agent.cli.common.pictures import draw
 
+NEEDED = (
+    "agent.analysis.diagnose",
+    "agent.analysis.data_quality",
+    "agent.cli.diagnosing.work",
+    "agent.report.fleet.thumbnail",
+    "connectors.recording",
+)
+"""What every process imports."""
+FOR_PICTURES = ("agent.plots.fit", "agent.plots.contour", "agent.plots.profile", "agent.plots.detectors")
 DIED = "not diagnosed: its process was ended, for want of memory or by somebody"
+
+
+def get_ready(files: int, *, pictures: bool) -> None:
+    """Begin to import what the processes need, where several files make several of them probable."""
+    from agent.runtime.capabilities import cores
+
+    if min(files, cores()) > 1:
+        from agent.runtime.loop.process_pool import import_early
+
+        import_early([*NEEDED, *(FOR_PICTURES if pictures else ())])
 
 
 def work_out(task: Task) -> Answer:
@@ -47,7 +66,7 @@ def answers(tasks: Sequence[Task], advance: Callable[[], None]) -> Iterator[Answ
 
 
 def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
-    from agent.runtime.capabilities import cores, import_before_start
+    from agent.runtime.capabilities import cores
 
     workers = min(len(tasks), cores())
     if workers == 1:
@@ -56,7 +75,6 @@ def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
         return
     from agent.runtime.loop.process_pool import CONTEXT, results_of
 
-    import_before_start(CONTEXT, ["agent.analysis.diagnose"])
     announced = CONTEXT.Event()
     found = results_of(work_out, tasks, workers, announce_compilation, announced)
     for task, answer in zip(tasks, found, strict=True):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from agent.cli.common.one_valve import valve_of
+from agent.counted import counted
 from agent.report.fleet.of_survey import survey_rows
 from agent.report.fleet.page import fleet_html
 from agent.report.ranking import GROUPS
@@ -44,10 +45,8 @@ def survey_words(folder: Path, rows: Sequence[ValveRow], summary: SurveySummary)
     recordings = sum(len(row.findings) for row in rows)
     earlier = f", {summary.resumed} of them by an earlier run" if summary.resumed else ""
     failed = f"; not read: {len(summary.faults)}" if summary.faults else ""
-    return (
-        f"{recordings} recordings of {len(rows)} valves{earlier}: {found or 'nothing'}{failed}; "
-        f"{folder / TABLE}, {folder / PAGE}"
-    )
+    size = f"{counted(recordings, 'recording')} of {counted(len(rows), 'valve')}"
+    return f"{size}{earlier}: {found or 'nothing'}{failed}; {folder / TABLE}, {folder / PAGE}"
 
 
 def _valve(recording: str, loop: str) -> Hashable:

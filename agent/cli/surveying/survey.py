@@ -122,11 +122,11 @@ def _executor(cluster: str | None, workers: int | None) -> BatchExecutor:
 
 def local_processes(workers: int | None = None) -> LocalProcesses:
     """Return processes of this machine, prepared for diagnoses; None: one for each core."""
-    from agent.runtime.capabilities import cores, import_before_start
-    from agent.runtime.loop.process_pool import CONTEXT
+    from agent.runtime.capabilities import cores
+    from agent.runtime.loop.process_pool import CONTEXT, import_early
     from agent.runtime.survey.local_processes import LocalProcesses
 
-    import_before_start(CONTEXT, ["agent.analysis.diagnose"])
+    import_early(["agent.analysis.diagnose"])
     return LocalProcesses(workers or cores(), _prepare, CONTEXT.Event())
 
 

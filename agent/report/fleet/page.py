@@ -11,7 +11,7 @@ import numpy as np
 
 from agent.analysis.indices import INDICES
 from agent.report.fleet.quality_words import duration_words, quality_words, record_instead
-from agent.report.fleet.table import probability_words, stick_band, what_next, why
+from agent.report.fleet.table import probability_words, size_words, stick_band, what_next, why
 from agent.report.ranking import GROUPS
 
 if TYPE_CHECKING:
@@ -79,8 +79,7 @@ def fleet_html(rows: Sequence[ValveRow], title: str, not_read: Sequence[str] = (
 def _summary(rows: Sequence[ValveRow]) -> Iterator[str]:
     counts = Counter(row.group for row in rows)
     words = ", ".join(f"{counts[group]} {name.lower()}" for group, name in GROUPS.items() if counts[group])
-    recordings = sum(len(row.findings) for row in rows)
-    yield f'<p class="muted">{len(rows)} valves, {recordings} recordings: {escape(words)}.</p>'
+    yield f'<p class="muted">{size_words(rows)}: {escape(words)}.</p>'
     flawed = [row for row in rows if row.lead.quality.flaws]
     if flawed:
         names = ", ".join(f"{row.name} ({quality_words(row.lead.quality)})" for row in flawed)

@@ -7,6 +7,7 @@ import io
 from typing import TYPE_CHECKING
 
 from agent.analysis.indices import INDICES
+from agent.counted import counted
 from agent.report.fleet.quality_words import quality_words, record_instead
 from agent.report.numbers import value_words
 
@@ -24,13 +25,18 @@ LONGEST = 48
 
 def fleet_lines(rows: Sequence[ValveRow]) -> Iterator[str]:
     """Yield the table, the most urgent valve first."""
-    recordings = sum(len(each.findings) for each in rows)
-    yield f"{len(rows)} valves, {recordings} recordings, the most urgent first"
+    yield f"{size_words(rows)}, the most urgent first"
     cells = [HEADER, *(_cells(number, each) for number, each in enumerate(rows, 1))]
     widths = [max(len(row[k]) for row in cells) for k in range(len(HEADER) - 1)]
     for row in cells:
         columns = [f"{cell:{width}}" for cell, width in zip(row[:-1], widths, strict=True)]
         yield "  ".join((*columns, row[-1])).rstrip()
+
+
+def size_words(rows: Sequence[ValveRow]) -> str:
+    """Return how many valves and recordings there are."""
+    recordings = sum(len(each.findings) for each in rows)
+    return f"{counted(len(rows), 'valve')}, {counted(recordings, 'recording')}"
 
 
 def stick_band(finding: RecordFinding) -> str:

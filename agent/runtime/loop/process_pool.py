@@ -12,7 +12,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
-from agent.runtime.capabilities import cores, start_method
+from agent.runtime.capabilities import cores, import_before_start, start_method
 
 CONTEXT: Any = multiprocessing.get_context(start_method())
 """Workers come from a process that has no threads, event loop or sockets; a plain fork would copy ours."""
@@ -71,10 +71,15 @@ def process_pool(
         ready: Prepares each of them; it and its arguments are pickled, so it is a module-level function.
         args: Its arguments.
     """
-    if NO_COUNT not in sys.warnoptions:
-        sys.warnoptions.append(NO_COUNT)
+    _count_in_silence()
     count = cores() if workers is None else workers
     return ProcessPoolExecutor(count, CONTEXT, _begin, (ready, args))
+
+
+def import_early(modules: Sequence[str]) -> None:
+    """Let all workers find modules imported from now on, while this process goes on."""
+    _count_in_silence()
+    import_before_start(CONTEXT, modules)
 
 
 def end_workers() -> None:
@@ -82,6 +87,11 @@ def end_workers() -> None:
     for process in multiprocessing.active_children():
         if isinstance(process, CONTEXT.Process):
             process.kill()
+
+
+def _count_in_silence() -> None:
+    if NO_COUNT not in sys.warnoptions:
+        sys.warnoptions.append(NO_COUNT)
 
 
 def _begin(ready: Callable[..., object] | None, args: tuple[object, ...]) -> None:

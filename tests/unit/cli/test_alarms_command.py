@@ -123,6 +123,15 @@ def test_a_missing_file_is_reported_in_one_line(words, fault, capsys):
     assert fault in capsys.readouterr().err
 
 
+def test_a_command_that_changes_nothing_is_no_success(path, capsys):
+    store = Store(path)
+    store.write(Change({"FIC102": Alarm("FIC102")}))
+    store.close()
+    assert slipjump("alarms", "acknowledge", "FIC102", "--state", path, "--by", "jane") == 2
+    assert "FIC102: its alarm is normal, which acknowledge does not change" in capsys.readouterr().err
+    assert {each["loop"]: each["waits"] for each in listed(path, capsys)}["FIC102"] == []
+
+
 def test_a_loop_that_is_not_there_is_reported_with_those_that_are(path, capsys):
     assert slipjump("alarms", "acknowledge", "FIC999", "--state", path) == 2
     assert "no loop is called FIC999 (there are: FIC101)" in capsys.readouterr().err

@@ -77,7 +77,7 @@ def test_run_ends_well_within_five_seconds_of_a_signal_and_leaves_no_process(pla
         said += process.stderr.readlines()
         assert process.wait(timeout=10) == 0
         assert time.monotonic() - began < 5
-    assert "watching 1 loops on 1 connections" in said[0]
+    assert "watching 1 loop on 1 connection" in said[0]
     assert "stopped" in said[-1], "".join(said)
     assert "Traceback" not in "".join(said)
     deadline = time.monotonic() + 30

@@ -65,7 +65,7 @@ def test_a_service_from_start_to_end(plant):
     content["agent"] = {"http": {"port": port}}
     plant.write_text(yaml.safe_dump(content))
     with Service(plant, "--log-format", "json") as service:
-        assert "STATUS=watching 1 loops on 1 connections" in service.hears("READY=1")
+        assert "STATUS=watching 1 loop on 1 connection" in service.hears("READY=1")
         service.hears("WATCHDOG=1")
         assert service.says("connection unit1 is down")["connection"] == "unit1"
         code, health = get(port, "/health")
@@ -90,7 +90,7 @@ def test_a_service_from_start_to_end(plant):
 
         plant.write_text(yaml.safe_dump(content | {"loops": [loop, loop | {"name": "FIC102"}]}))
         service.process.send_signal(signal.SIGHUP)
-        assert "STATUS=watching 2 loops on 1 connections" in service.hears("READY=1")
+        assert "STATUS=watching 2 loops on 1 connection" in service.hears("READY=1")
         service.says("1 of 2 loops and 1 of 1 connections are new or changed")
         assert list(json.loads(get(port, "/health")[1])["loops"]) == ["FIC101", "FIC102"]
 

@@ -27,6 +27,13 @@ def app_of(access=None):
     return application(screens, access or Access(), [Route("/live", live)])
 
 
+async def test_no_answer_of_the_page_leads_to_the_host_that_the_caller_named():
+    async with client(app_of(Access(hosts=None)), "evil.example") as web:
+        for path in ("/live/", "/health/", "/api/session/", "/api/thing/"):
+            answer = await web.get(path, follow_redirects=False)
+            assert (answer.status_code, answer.headers.get("location")) == (404, None), path
+
+
 async def test_without_a_token_nothing_but_live_answers():
     async with client(app_of(Access(TOKEN, None)), "plant:9187") as web:
         assert (await web.get("/live")).status_code == 200
