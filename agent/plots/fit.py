@@ -36,7 +36,10 @@ def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
     time, unit = time_of(len(window), window.ts)
     time = time[shown]
     found = diagnosis.quantification
+    whole = len(time) == len(window)
     model_pv = None if found is None or found.model_pv is None else found.model_pv[shown]
+    if model_pv is not None and not whole:
+        model_pv = model_pv + _level(window.pv[shown] - model_pv)
     valve = None if found is None else _valve(window, found)
     op, pv = window.op[shown], window.pv[shown]
 
@@ -49,7 +52,8 @@ def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
             model_pv,
             color=MODEL,
             linewidth=1.1,
-            label=f"PV of the model{_fit(diagnosis, sticks=valve is not None)}",
+            label=f"PV of the model{'' if whole else ' at the level of PV'}"
+            f"{_fit(diagnosis, sticks=valve is not None)}",
         )
     op_axes.plot(time, op, color=MEASURED, linewidth=1.1, label="OP measured")
     if valve is not None:
@@ -69,9 +73,15 @@ def fit_figure(window: LoopWindow, diagnosis: Diagnosis) -> Figure:
         tidy(axes)
         legend_above(axes)
     figure.align_ylabels((pv_axes, op_axes))
-    part = "" if len(time) == len(window) else f",  shown: {time[0]:.4g} to {time[-1]:.4g} {unit}"
+    part = "" if whole else f",  shown: {time[0]:.4g} to {time[-1]:.4g} {unit}"
     figure.suptitle(f"{_title(diagnosis)}{part}", x=0.01, ha="left", fontsize=12)
     return figure
+
+
+def _level(residual: FloatArray) -> float:
+    """Return what of a stretch is slower than it, which the model does not explain and the fit leaves out."""
+    known = residual[np.isfinite(residual)]
+    return float(known.mean()) if len(known) else 0.0
 
 
 def _valve(window: LoopWindow, found: Quantification) -> FloatArray | None:

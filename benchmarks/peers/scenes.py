@@ -61,7 +61,8 @@ class Process:
     async def _read(self) -> None:
         if self._process.stdout is not None:
             async for line in self._process.stdout:
-                self.said.append(json.loads(line))
+                if line.startswith(b"{"):  # its libraries print warnings of their own
+                    self.said.append(json.loads(line))
 
 
 def _hold(what: str, holds: bool) -> None:  # noqa: FBT001 - the condition itself
