@@ -87,8 +87,8 @@ class MeteredWorkers:
         async with self.turns.turn(0.0):
             return function(*args)
 
-    async def run_in_turn(self, expected: float, work: Callable[[], Any]) -> Any:  # noqa: ANN401
-        async with self.turns.turn(expected):
+    async def run_in_turn(self, expected: float, work: Callable[[], Any], worth: float) -> Any:  # noqa: ANN401
+        async with self.turns.turn(expected, worth):
             found, took = self.known.diagnosed(work())
             (self.fits if found.fitted else self.quick).append(took)
             await asyncio.sleep(took)

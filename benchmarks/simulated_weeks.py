@@ -18,6 +18,7 @@ from agent.runtime.loop.process_pool import process_pool
 from benchmarks.cases.options import Options
 from benchmarks.cases.weeks import DiagnosedValve, WeeksJob, diagnosed_valve
 from benchmarks.tables.markdown import table
+from benchmarks.tables.ranking import area
 
 LOOPS, LOOPS_FULL = 10, 300
 WINDOWS, WINDOWS_FULL = 6, 42
@@ -58,7 +59,19 @@ def print_weeks(valves: Sequence[DiagnosedValve]) -> None:
         rows.append(("sticks" if sticks else "sound", len(ones), accused, *at, median))
     columns = ("valve", "valves", "some window accuses it", "P > 0.5 within a week", "at the end", "median P")
     print(table("### Simulated weeks", columns, rows))
+    print(ranking_table(valves))
     print(f"Expected calibration error at the base rate {BASE_RATE}: {calibration_error(valves):.3f}\n")
+
+
+def ranking_table(valves: Sequence[DiagnosedValve]) -> str:
+    """Return how well P at the end ranks valves that stick before sound ones, by how often they move."""
+    rows = []
+    for title, seldom in (("seldom", True), ("often", False)):
+        ones = [each for each in valves if each.name.startswith("seldom") == seldom]
+        p = [[each.memories[-1].probability() for each in ones if each.sticks == s] for s in (True, False)]
+        rows.append((title, len(p[0]), len(p[1]), f"{area(*p):.2f}", f"{calibration_error(ones):.3f}"))
+    columns = ("moves", "stick", "sound", "area under the curve", "calibration error")
+    return table("### Ranking by P at the end", columns, rows)
 
 
 def found_by(valve: DiagnosedValve, days: float) -> bool:

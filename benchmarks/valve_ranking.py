@@ -15,6 +15,7 @@ from benchmarks.cases.options import Options
 from benchmarks.cases.recordings_folder import indexed, recordings_folder
 from benchmarks.real_recordings import NOT_SCORED
 from benchmarks.tables.markdown import table
+from benchmarks.tables.ranking import area
 from connectors.recording import read_recording
 
 
@@ -55,9 +56,3 @@ def all_of(windows: list[LoopWindow]) -> list[Diagnosis]:
 def p_of(windows: list[LoopWindow], alone: list[Diagnosis]) -> float:
     sticks = judged_together(windows, alone)[0].sticks
     return 0.0 if sticks is None else sticks.probability
-
-
-def area(positive: list[float], negative: list[float]) -> float:
-    """Return the probability that one that sticks ranks before a sound one; equal ones count half."""
-    pairs = [(a > b) + 0.5 * (a == b) for a in positive for b in negative]
-    return sum(pairs) / len(pairs) if pairs else float("nan")

@@ -9,6 +9,7 @@ from agent.analysis.memory.valve_memory import ValveMemory, known_process_of, re
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.routine import routine_diagnosis
 from simulators.draws.valve_weeks import Course, valve_weeks
+from simulators.historian import kept
 from simulators.plant import simulate
 
 
@@ -46,10 +47,12 @@ def diagnosed_valve(job: WeeksJob) -> DiagnosedValve:
     valve = valve_weeks(job.seed, job.days, job.windows, sticks=job.sticks, course=job.course)
     memory, memories, accused = ValveMemory(), [], []
     for each in valve.windows:
-        scenario, record = each.scenario, simulate(each.scenario)
+        scenario, every = each.scenario, each.historian.every
+        record = kept(simulate(scenario), each.historian)
         sp = record.sp if scenario.set_points else None
         hints = LoopHints(known=known_process_of(memory))
-        window = LoopWindow(valve.name, scenario.start, scenario.ts, record.op, record.pv, sp, hints=hints)
+        ts = every * scenario.ts
+        window = LoopWindow(valve.name, scenario.start, ts, record.op, record.pv, sp, hints=hints)
         found = routine_diagnosis(window, diagnose).diagnosis
         memory = remember(memory, found, window.start, window.start + len(window) * window.ts)
         memories.append(memory)

@@ -87,7 +87,7 @@ def random_draw_of_flow(rng: np.random.Generator, name: str, seed: int, *, stick
             pv=rng.choice([0.0, noise * rng.uniform(0.2, 2.0)]), op=rng.choice([0.0, 0.0, 0.01, 0.05])
         ),
     )
-    return scenario.model_copy(update=_loads(rng, s, duration))
+    return scenario.model_copy(update=loads(rng, s, duration))
 
 
 def _slow_controller(
@@ -116,28 +116,35 @@ def _set_points(
     )
 
 
-def _loads(
-    rng: np.random.Generator, s: float, duration: float
+def loads(
+    rng: np.random.Generator, s: float, duration: float, sizes: tuple[float, float] = LOAD
 ) -> dict[str, Drift | Wander | SinusoidParameters | tuple[LoadStepParameters, ...]]:
-    """Draw one or two loads: a walk, a ramp, one that wanders about zero, steps, a slow wave."""
+    """Draw one or two loads: a walk, a ramp, one that wanders about zero, steps, a slow wave.
+
+    Args:
+        rng: Draws them.
+        s: Measure of their size, OP units.
+        duration: Of the record, s.
+        sizes: Range of the travel of OP that one requires in the whole record, over ``s``.
+    """
     names = rng.choice(["walk", "ramp", "wander", "steps", "wave"], size=rng.integers(1, 3), replace=False)
-    loads: dict[str, Drift | Wander | SinusoidParameters | tuple[LoadStepParameters, ...]] = {}
+    drawn: dict[str, Drift | Wander | SinusoidParameters | tuple[LoadStepParameters, ...]] = {}
     walk = ramp = 0.0
     for name in names:
-        size = s * log_uniform(rng, *LOAD)
+        size = s * log_uniform(rng, *sizes)
         if name == "walk":
             walk = float(size / np.sqrt(duration))
         elif name == "ramp":
             ramp = size / duration
         elif name == "wander":
-            loads["wander"] = Wander(std=size / 2, correlation=log_uniform(rng, 10, 300))
+            drawn["wander"] = Wander(std=size / 2, correlation=log_uniform(rng, 10, 300))
         elif name == "wave":
-            loads["disturbance"] = SinusoidParameters(
+            drawn["disturbance"] = SinusoidParameters(
                 amplitude=size / 2, period=duration * log_uniform(rng, 0.05, 1.0)
             )
         else:
             times = np.sort(rng.uniform(0.0, duration, rng.integers(1, 8)))
-            loads["load_steps"] = tuple(
+            drawn["load_steps"] = tuple(
                 LoadStepParameters(time=float(time), load=float(size * rng.uniform(-1, 1))) for time in times
             )
-    return loads | {"drift": Drift(walk=walk, ramp=ramp)}
+    return drawn | {"drift": Drift(walk=walk, ramp=ramp)}

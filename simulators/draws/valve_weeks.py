@@ -17,6 +17,8 @@ from simulators.draws.random_cascades import random_cascade
 from simulators.draws.random_flows import random_flow
 from simulators.draws.random_moves import log_uniform, random_moved
 from simulators.draws.random_plants import random_plant
+from simulators.draws.seldom_moves import SeldomKind, seldom_moved
+from simulators.historian import Historian
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,6 +33,9 @@ DAY = 86400.0
 SOUND = ("flow", "set_point", "drift", "one_way", "cascade", "tuning", "sinusoid", "none_noise")
 STICKS = ("flow_stiction", "set_point_stiction", "stiction", "one_way_stiction", "cascade_stiction")
 """Kinds of loops, each as likely as another."""
+SELDOM = 0.5
+"""Part of the valves that move seldom (``seldom_moves``): in a plant most set points stand for hours, and the
+other kinds all move within each window."""
 LEAST_S, MOST_S = 1.0, 12.0
 """Range of S, OP units, of an OP range of 100."""
 LONGEST = 1200.0
@@ -56,6 +61,8 @@ class Window:
     scenario: Scenario
     s: float
     """True S then, OP units; 0: sound."""
+    historian: Historian
+    """What of it is kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,12 +89,19 @@ def valve_weeks(
     """
     rng = np.random.default_rng([seed, 28, sticks])
     kind = str(rng.choice(STICKS if sticks else SOUND))
-    base = _drawn(kind, int(rng.integers(2**31)))
+    inner = int(rng.integers(2**31))
+    historian = Historian()
+    if rng.random() < SELDOM:
+        seldom: SeldomKind = "seldom_stiction" if sticks else "seldom"
+        kind, (base, historian) = seldom, seldom_moved(inner, seldom)
+    else:
+        base = _drawn(kind, inner)
     if rng.random() < 0.5:
         base = with_something_unknown(base, rng)
-    base = base.model_copy(update={"duration": min(base.duration, LONGEST)})
+    if not kind.startswith("seldom"):
+        base = base.model_copy(update={"duration": min(base.duration, LONGEST)})
     valve = base.valve
-    if sticks:
+    if sticks and not kind.startswith("seldom"):  # whose moves were drawn by their S
         s = log_uniform(rng, LEAST_S, MOST_S / (WEAR if course == "wear" else 1.0))
         valve = _with_s(valve, s)
     moments = np.sort(rng.uniform(0.0, days, windows))
@@ -105,7 +119,7 @@ def valve_weeks(
         )
         one_way = kind.startswith("one_way")
         quieter = _quieter(other_recording(scenario, rng, one_way=one_way), log_uniform(rng, *ACTIVITY))
-        found.append(Window(day, quieter, quieter.valve.f_s + quieter.valve.f_d))
+        found.append(Window(day, quieter, quieter.valve.f_s + quieter.valve.f_d, historian))
     return ValveWeeks(f"{kind}-{seed}", sticks, course, tuple(found))
 
 

@@ -8,6 +8,7 @@ without a sticking valve. See docs/methods/innovations.md.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from agent.analysis.innovations.process_search import best_process
 from agent.analysis.innovations.valve_search import best_valve
 from agent.analysis.innovations.whitened import Fit, log_likelihood
 from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.record.resolution import dithered
 from agent.analysis.record.spans import in_spans_of
 from agent.identify.objective import S, valve_position
 
@@ -58,6 +60,7 @@ def log_likelihood_ratio(window: LoopWindow, found: Quantification) -> float:
     in_spans = in_spans_of(window)
     if in_spans is None:
         return 0.0
+    in_spans = replace(in_spans, pv=dithered(in_spans.pv))
     problem = pose(in_spans)
     if isinstance(problem, str):
         return 0.0

@@ -11,59 +11,46 @@ Source: H. Raiffa and R. Schlaifer, *Applied statistical decision theory*, 1961.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from agent.analysis.memory.outcome import OUTCOMES
 from agent.analysis.memory.rates import SOUND, STICKS
-from agent.analysis.memory.valve_memory import DAY, HALF_LIFE
+from agent.analysis.memory.valve_memory import DAY, HALF_LIFE, ValveMemory
 from agent.analysis.memory.weighing_windows import BASE_RATE, probability_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from agent.analysis.memory.outcome import Outcome
-    from agent.analysis.memory.valve_memory import ValveMemory
 
 THRESHOLD = 0.5
 """Probability from which somebody looks at a valve: that of a suspicion."""
 IMPORTANCE: Mapping[str, float] = {"low": 0.5, "medium": 1.0, "high": 2.0, "critical": 4.0}
 """Of a loop by the priority of its alarm: each step counts twice as much as the one below."""
 PATIENCE = DAY
-"""Waiting time after which a loop is worth twice as much, s: so that none waits for ever."""
-
+"""Time since its last fit after which a loop is worth twice as much, s: so that none waits for ever."""
 LEAST = 1e-3
 """Worth of a fit that would change nothing now: what waits long enough has its turn."""
 
 
-@dataclass(frozen=True, slots=True)
-class WaitingFit:
-    """A loop whose window waits for its fit."""
+def worth_of_fit(
+    memory: ValveMemory, priority: str, waits: float, now: float, base_rate: float = BASE_RATE
+) -> float:
+    """Return the worth of a fit now over that of a valve of medium priority of which nothing is known.
 
-    loop: str
-    memory: ValveMemory
-    priority: str = "medium"
-    """Of its alarm."""
-    waits: float = 0.0
-    """Since its last fit, s."""
-
-
-def in_order(waiting: Sequence[WaitingFit], now: float, base_rate: float = BASE_RATE) -> tuple[str, ...]:
-    """Return the loops, the one to fit first first.
+    The expected fall of the loss, by importance and by the time since the last fit.
 
     Args:
-        waiting: In any order.
+        memory: Of the valve.
+        priority: Of its alarm.
+        waits: Since its last fit, s.
         now: s UTC.
         base_rate: Part of the plant's valves that stick.
     """
-    worth = {each.loop: value_of_fit(each, now, base_rate) for each in waiting}
-    return tuple(sorted(worth, key=lambda loop: (-worth[loop], loop)))
-
-
-def value_of_fit(waiting: WaitingFit, now: float, base_rate: float = BASE_RATE) -> float:
-    """Return the worth of a fit now: expected fall of the loss, by importance and waiting time."""
-    gain = information(_as_of(waiting.memory, now), base_rate)
-    return IMPORTANCE.get(waiting.priority, 1.0) * (gain + LEAST) * (1.0 + waiting.waits / PATIENCE)
+    gain = information(_as_of(memory, now), base_rate) + LEAST
+    usual = information(ValveMemory(), base_rate) + LEAST
+    return IMPORTANCE.get(priority, 1.0) * gain / usual * (1.0 + waits / PATIENCE)
 
 
 def information(memory: ValveMemory, base_rate: float = BASE_RATE) -> float:

@@ -14,6 +14,7 @@ from agent.alarms import Alarm, Announcement, Command, Delay
 from agent.analysis.diagnose import diagnose
 from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.memory.sticks import with_memory
+from agent.analysis.memory.value_of_fit import worth_of_fit
 from agent.analysis.memory.valve_memory import ValveMemory, known_process_of, remember
 from agent.analysis.memory.weighing_windows import BASE_RATE
 from agent.analysis.record.recording import LoopWindow
@@ -112,6 +113,8 @@ class LoopPipeline:
         """The window that a worker has, and since when it was due, monotonic, s."""
         self._cost = 0.0
         """Time that the newest diagnosis took where it had a fit, s: what the next should take."""
+        self._fitted_until: float | None = None
+        """End of the newest window that got a fit, s UTC."""
         self._pace = Pace()
         self._clocks_logged = -math.inf
         self._due = asyncio.Event()
@@ -155,6 +158,7 @@ class LoopPipeline:
             self.heard, self.judged_at, self.usable = former.heard, former.judged_at, former.usable
             self._waiting, self._due_since = former._waiting, former._due_since
             self._cost, self._pace = former._cost, former._pace
+            self._fitted_until = former._fitted_until
             if self._waiting is not None:
                 self._due.set()
         self.resume(former.alarm, former.memory)
@@ -199,18 +203,26 @@ class LoopPipeline:
     async def _judge(self) -> None:
         """Diagnose the newest window as soon as there is a worker for it."""
         try:
-            found = await self._executor.run_in_turn(self._cost, self._newest)
+            found = await self._executor.run_in_turn(self._cost, self._newest, self._worth())
         except TimeoutError:
             self._cost = LONGEST_PATIENCE
             raise
         if self._judging is not None:
             await self._decide(found, *self._judging)
 
+    def _worth(self) -> float:
+        """Return what the answer on the window that waits is worth: little where nothing would change."""
+        now = 0.0 if self._waiting is None else float(self._waiting.time[-1])
+        since = 0.0 if self._fitted_until is None else max(0.0, now - self._fitted_until)
+        return worth_of_fit(self.memory, self.settings.alarm.priority, since, now, self._base_rate)
+
     async def _decide(self, found: Routine, window: LoopWindow, due_since: float) -> None:
         """Follow the diagnosis of a window that was due since then, monotonic, s."""
         alone, fitted = found.diagnosis, found.fitted
         self._cost = alone.seconds if fitted else 0.0
         end = float(window.time[-1])
+        if fitted:
+            self._fitted_until = end
         self.memory = remember(self.memory, alone, window.start, end + window.ts)
         diagnosis = with_memory(alone, self.memory, self._base_rate)
         self._journal.note(Change(memories={self.settings.name: self.memory}))

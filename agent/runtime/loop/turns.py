@@ -1,9 +1,11 @@
-"""Whose turn it is: a few places, many calculations, and the quick ones first.
+"""Whose turn it is: a few places, many calculations, the quick ones first and of the slow ones the worthiest.
 
-Each that waits has a deadline: now, plus ``PATIENCE`` times what it should take; the earliest goes next. So
-windows without a fit pass those whose fit is slow, and no loop has more than the ``PATIENCE``-th part of a
-place while others wait. A deadline never moves, so whatever waits is served: nothing that comes later than it
-passes it (earliest deadline first; Liu and Layland, J. ACM 20(1), 1973).
+Each that waits has a deadline: now, plus ``PATIENCE`` times what it should take, less where its answer is
+worth more than a usual one and more where it is worth less, at most ``LONGEST_PATIENCE``; the earliest goes
+next. So windows without a fit pass those whose fit is slow, and no loop whose answer is a usual one has more
+than the ``PATIENCE``-th part of a place while others wait. A deadline never moves, so whatever waits is
+served: nothing that comes later than it passes it (earliest deadline first; Liu and Layland, J. ACM 20(1),
+1973).
 """
 
 from __future__ import annotations
@@ -46,14 +48,15 @@ class Turns:
         return sum(not each.granted.done() for each in self._waiting)
 
     @asynccontextmanager
-    async def turn(self, expected: float) -> AsyncIterator[None]:
+    async def turn(self, expected: float, worth: float = 1.0) -> AsyncIterator[None]:
         """Wait for a place and hold it.
 
         Args:
             expected: Time that the calculation should take, s.
+            worth: Of its answer, over that of a usual one, > 0.
         """
         clock = asyncio.get_running_loop()
-        deadline = clock.time() + min(PATIENCE * expected, LONGEST_PATIENCE)
+        deadline = clock.time() + min(PATIENCE * expected / worth, LONGEST_PATIENCE)
         mine = _Waiting(deadline, next(self._number), expected >= SLOW, clock.create_future())
         heapq.heappush(self._waiting, mine)
         self._grant()

@@ -33,12 +33,15 @@ class Executor(Protocol):
         """Return ``function(*args)``, or raise what it raises."""
         ...
 
-    async def run_in_turn(self, expected: float, work: Callable[[], Callable[[], T]]) -> T:
+    async def run_in_turn(
+        self, expected: float, work: Callable[[], Callable[[], T]], worth: float = 1.0
+    ) -> T:
         """Wait until a worker is free, then run what ``work`` returns at that moment.
 
         Args:
             expected: Time that the calculation should take, s; the quick ones come first.
             work: Gives the calculation, picklable: what is newest, however long its turn took to come.
+            worth: Of its answer, over that of a usual one, > 0: what is worth more comes earlier.
         """
         ...
 
@@ -52,7 +55,12 @@ class InlineExecutor:
         """Return ``function(*args)``."""
         return function(*args)
 
-    async def run_in_turn(self, expected: float, work: Callable[[], Callable[[], T]]) -> T:  # noqa: ARG002
+    async def run_in_turn(
+        self,
+        expected: float,  # noqa: ARG002
+        work: Callable[[], Callable[[], T]],
+        worth: float = 1.0,  # noqa: ARG002
+    ) -> T:
         """Return what the calculation of ``work`` returns."""
         return work()()
 
@@ -88,9 +96,11 @@ class PoolExecutor:
         """Return ``function(*args)``; raises TimeoutError where that takes too long."""
         return await self.run_in_turn(0.0, lambda: functools.partial(function, *args))
 
-    async def run_in_turn(self, expected: float, work: Callable[[], Callable[[], T]]) -> T:
+    async def run_in_turn(
+        self, expected: float, work: Callable[[], Callable[[], T]], worth: float = 1.0
+    ) -> T:
         """Return what the calculation of ``work`` returns; raises TimeoutError where that takes too long."""
-        async with self._turns.turn(expected):
+        async with self._turns.turn(expected, worth):
             try:
                 async with asyncio.timeout(self._within):
                     return await self._run(work())

@@ -90,7 +90,7 @@ def test_a_diagnosis_that_fails_does_not_end_its_loop(caplog):
 class SlowExecutor:
     """Takes its time, as a pool does."""
 
-    async def run_in_turn(self, _expected, work):
+    async def run_in_turn(self, _expected, work, _worth):
         calculation = work()
         await asyncio.sleep(240.0)
         return calculation()
@@ -99,7 +99,7 @@ class SlowExecutor:
 class BusyExecutor:
     """Has its only worker free now and then."""
 
-    async def run_in_turn(self, _expected, work):
+    async def run_in_turn(self, _expected, work, _worth):
         await asyncio.sleep(250.0)
         return work()()
 

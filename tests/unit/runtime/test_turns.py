@@ -22,10 +22,10 @@ class Workers:
     def queued(self):
         return self.turns.waiting
 
-    async def run_in_turn(self, expected, work):
+    async def run_in_turn(self, expected, work, worth):
         clock = asyncio.get_running_loop()
         due = clock.time()
-        async with self.turns.turn(expected):
+        async with self.turns.turn(expected, worth):
             found = work()()
             loop = found.diagnosis.loop
             self.waits[loop] = max(self.waits.get(loop, 0.0), clock.time() - due)
@@ -63,6 +63,22 @@ def test_quick_windows_pass_those_whose_fit_is_slow():
         return order
 
     assert virtual(scenario()) == ["running", "quick0", "quick1", "quick2", "slow0", "slow1", "slow2"]
+
+
+def test_of_fits_that_wait_the_one_whose_answer_is_worth_most_goes_first():
+    async def scenario():
+        turns, order = Turns(1), []
+
+        async def one(name, worth):
+            async with turns.turn(FIT, worth):
+                order.append(name)
+                await asyncio.sleep(FIT)
+
+        names = {"running": 1.0, "certain": 0.1, "usual": 1.0, "doubt": 2.0}
+        await asyncio.gather(*(one(*each) for each in names.items()))
+        return order
+
+    assert virtual(scenario()) == ["running", "doubt", "usual", "certain"]
 
 
 def test_a_slow_fit_is_served_though_quick_windows_never_end():
