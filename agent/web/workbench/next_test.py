@@ -16,6 +16,14 @@ TESTS = {
         "In manual, keep OP still for at least ten periods. A wave from outside goes on; a step of the load "
         "does not come again."
     ),
+    "valve_characteristic": (
+        "In manual, step OP through its range in ten equal steps and wait each time. Two straight parts have a "
+        "corner between two of them, a curve has none."
+    ),
+    "pv_gain": (
+        "In manual, step OP through its range in ten equal steps and wait each time. A titration is steepest in "
+        "the middle, another curve at one end."
+    ),
     "extra_lag": (
         "No test with OP and PV alone: a lag before and one behind the process respond alike. Record the "
         "position of the valve, or PV by a second transmitter."
