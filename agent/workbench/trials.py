@@ -80,7 +80,7 @@ class Trials:
         return self._done[step.effects]
 
     def _worth_a_fit(self, step: Step, effects: Sequence[Effect]) -> list[Effect]:
-        """Return the effects of which the innovations show something, as far as that is asked of them."""
+        """Return the effects of which the innovations show something, as far as they need it."""
         if step.predicts is None:
             return [each for each in effects if each.name not in SELDOM]
         scores = Scores(*step.predicts)

@@ -72,7 +72,7 @@ class NextTest:
 
 
 def next_test(step: Step, verdict: Verdict, models: dict[str, Tried]) -> NextTest | None:
-    """Return the test for the effect of a verdict and the first that cannot be told from it.
+    """Return the test for the effect of a verdict and the first that cannot be distinguished from it.
 
     Args:
         step: The model that lacks the effect.
@@ -108,7 +108,7 @@ def next_test(step: Step, verdict: Verdict, models: dict[str, Tried]) -> NextTes
 
 
 def _information(rival: Rival, record: Record, noise: Innovations, variance: float) -> FloatArray:
-    """Return what the record tells of a model's numbers, of ``Rival.sensitivity``, (j, j)."""
+    """Return what the record determines of a model's numbers, of ``Rival.sensitivity``, (j, j)."""
     moved = noise.filtered(rival.sensitivity(record.op))[len(noise.coefficients) :]
     moved = (moved - moved.mean(axis=0)) * record.weight[len(noise.coefficients) :, np.newaxis]
     return np.asarray(moved.T @ moved / variance, dtype=np.float64)
@@ -119,7 +119,7 @@ def _difference(
 ) -> tuple[float, tuple[FloatArray, FloatArray]]:
     """Return the least difference of two models in a test, and what they predict where it is least.
 
-    ``known``: what the record tells of the second one's numbers, (j, j).
+    ``known``: what the record determines of the second one's numbers, (j, j).
     """
     order = len(noise.coefficients)
     level = noise.filtered(np.ones_like(op))[order:, np.newaxis]
@@ -130,8 +130,8 @@ def _difference(
         return np.asarray(new - level @ (level.T @ new), dtype=np.float64)
 
     moved = white(second.sensitivity(op))
-    told = moved.T @ moved / variance + known
-    inverse = np.linalg.pinv(told, rcond=ROUNDING, hermitian=True)
+    joint = moved.T @ moved / variance + known
+    inverse = np.linalg.pinv(joint, rcond=ROUNDING, hermitian=True)
     one, other = first.predictions(op), second.predictions(op)
     least, both = np.inf, (one[0], other[0])
     for mine in one:
