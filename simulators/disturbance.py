@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
     from simulators.parameters import Drift, LoadStepParameters, SinusoidParameters, Wander
+
+PULSE = 0.2
+"""Part of the period that a pulse lasts."""
+SHAPES: Mapping[str, Callable[[float], float]] = {
+    "sine": math.sin,
+    "square": lambda phase: math.copysign(1.0, math.sin(phase)),
+    "sawtooth": lambda phase: (phase / math.pi) % 2.0 - 1.0,
+    "pulses": lambda phase: 2.0 * ((phase / (2.0 * math.pi)) % 1.0 < PULSE) - 2.0 * PULSE,
+}
+"""Waves of amplitude about one, of the phase, rad."""
 
 
 class Load:
@@ -39,7 +49,8 @@ class Load:
         self._walk += self._drift.walk * math.sqrt(self._ts) * self._rng.standard_normal()
         wandered = self._wander.next() if self._wander else 0.0
         stepped = at_time([(step.time, step.load) for step in self._steps], time, 0.0)
-        return wave.amplitude * math.sin(phase) + self._drift.ramp * time + self._walk + wandered + stepped
+        swings = wave.amplitude * SHAPES[wave.shape](phase)
+        return swings + self._drift.ramp * time + self._walk + wandered + stepped
 
 
 def at_time(steps: Iterable[tuple[float, float]], time: float, before: float) -> float:

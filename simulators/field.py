@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from simulators.disturbance import Load, at_time
+from simulators.parameters import TransmitterParameters
+from simulators.parts.pipe import Pipe
+from simulators.parts.transmitter import Transmitter
 from simulators.process import SimulatedProcess
 from simulators.valve import STEP, SimulatedValve
 
@@ -17,6 +20,8 @@ if TYPE_CHECKING:
     from simulators.scenario import Scenario
 
     FloatArray = NDArray[np.float64]
+
+PLAIN = TransmitterParameters()
 
 
 class Field:
@@ -29,7 +34,10 @@ class Field:
         self._dt = ts / self._steps
         self._valve = SimulatedValve(scenario.valve, scenario.op_range, scenario.controller.op)
         self._balance = float(self._valve.flow(np.array([scenario.controller.op]))[0])
-        self._process = SimulatedProcess(scenario.process, self._dt)
+        op = scenario.controller.op
+        self._process = SimulatedProcess(scenario.process, self._dt, op)
+        self._pipe = None if scenario.pipe is None else Pipe(scenario.pipe, op, self._dt)
+        self._transmitter = Transmitter(scenario.transmitter)
         self._load = Load(scenario.disturbance, scenario.drift, scenario.load_steps, scenario.wander, ts, rng)
         self._keep = math.exp(-ts / scenario.sensor_tau) if scenario.sensor_tau else 0.0
         self._sensed = 0.0
@@ -60,8 +68,13 @@ class Field:
         factor = at_time([(step.time, step.factor) for step in scenario.gain_steps], elapsed, 1.0)
         load = self._load.over(elapsed) + others
         stopped = scenario.fault.kind == "no_flow" and elapsed >= scenario.fault.time
+        if self._pipe is not None:
+            flow = self._pipe.carry(flow)
         self._process.respond(factor * flow, 0.0 if stopped else load)
-        self._sensed = self._process.pv + (self._sensed - self._process.pv) * self._keep
+        pv = self._process.pv
+        if scenario.transmitter != PLAIN:
+            pv = scenario.process.gain * self._transmitter.shown(self._process.level)
+        self._sensed = pv + (self._sensed - pv) * self._keep
 
     def _faulty(self, flow: FloatArray) -> FloatArray:
         """Return what flows in place of ``flow`` (steps,) where plug or line have a fault."""

@@ -52,6 +52,8 @@ class ValveParameters(Part):
     rangeability: PositiveFloat = 1.0
     """R of the trim: flow goes as (R^x - 1) / (R - 1) over the stroke x. Above 1 equal percentage, below 1
     quick opening."""
+    split: tuple[float, float, float] | None = None
+    """Trim in two parts: where the lower ends and the upper begins, OP units, and the slope of the upper."""
     damping: PositiveFloat = 0.2
     """Viscous damping over spring rate, s: the time constant of a stroke without friction."""
     inertia: PositiveFloat = 2.6e-5
@@ -93,6 +95,12 @@ class ProcessParameters(Part):
     """Dead time, s."""
     lead: NotNegative = 0.0
     """Inverse response: PV loses this times the speed of the last lag, s; none where integrating."""
+    absolute: PositiveFloat | None = None
+    """Of a vessel that radiates: PV of the operating point above absolute zero, OP units; of first order."""
+    friction: NotNegative = 0.0
+    """Coulomb friction of a drive, OP units; first order only."""
+    no_drive: float = 0.0
+    """OP at which such a drive has no force, OP units."""
 
     @property
     def taus(self) -> tuple[float, ...]:
@@ -111,7 +119,38 @@ class ProcessParameters(Part):
             raise ValueError(f"kind {self.kind} takes {needs[self.kind]}")
         if self.lead and not self.taus:
             raise ValueError("lead needs a lag: first_order or second_order")
+        if (self.absolute or self.friction) and (self.kind != "first_order" or self.lead):
+            raise ValueError("absolute and friction need kind first_order without lead")
+        if self.absolute and self.friction:
+            raise ValueError("a process radiates or rubs: absolute or friction")
         return self
+
+
+class PipeParameters(Part):
+    """A pipe between valve and process: what flows through it takes the longer, the less flows."""
+
+    volume: PositiveFloat
+    """What one OP unit lets through in a second is one, OP units times s."""
+    no_flow: float
+    """OP at which nothing flows, OP units."""
+
+
+class TransmitterParameters(Part):
+    """What is shown of PV."""
+
+    kind: Literal["linear", "square", "ph"] = "linear"
+    """``square``: the pressure across an orifice whose root is not extracted; ``ph``: PV is the pH of a
+    buffered solution, the valve doses a strong base."""
+    flow: PositiveFloat = 1.0
+    """Flow of the operating point, OP units; ``square`` only."""
+    ph: float = 7.0
+    """Of the operating point; ``ph`` only."""
+    strength: PositiveFloat = 1e-7
+    """Base that one OP unit adds, mol/l; ``ph`` only."""
+    buffer: NotNegative = 0.0
+    """Weak acid in the solution, mol/l; ``ph`` only."""
+    dead_band: NotNegative = 0.0
+    """Of a float or a linkage, as PV over the gain of the process, OP units."""
 
 
 class Noise(Part):
@@ -130,6 +169,8 @@ class SinusoidParameters(Part):
     """OP units."""
     period: PositiveFloat = 100.0
     """s."""
+    shape: Literal["sine", "square", "sawtooth", "pulses"] = "sine"
+    """Pulses last a fifth of the period."""
 
 
 class LoadStepParameters(Part):

@@ -25,10 +25,12 @@ from simulators.parameters import (
     Noise,
     NotNegative,
     Part,
+    PipeParameters,
     ProcessParameters,
     Quantisation,
     SetPointStep,
     SinusoidParameters,
+    TransmitterParameters,
     ValveParameters,
     Wander,
 )
@@ -67,6 +69,9 @@ class Scenario(Part):
     valve: ValveParameters = ValveParameters()
     process: ProcessParameters
     gain_steps: tuple[GainStep, ...] = ()
+    pipe: PipeParameters | None = None
+    """Between valve and process; None has no length."""
+    transmitter: TransmitterParameters = TransmitterParameters()
     sensor_tau: NotNegative = 0.0
     """Lag of the transmitter, s."""
     noise: Noise = Noise()

@@ -60,6 +60,7 @@ class SimulatedValve:
         self._state = np.array([op, start, 0.0, 0.0])
         self._plug, self._slack = start, parameters.backlash
         self._low, self._span, self._rangeability = low, span, parameters.rangeability
+        self._split = parameters.split
 
     @property
     def position(self) -> float:
@@ -68,6 +69,9 @@ class SimulatedValve:
 
     def flow(self, position: FloatArray) -> FloatArray:
         """What flows through at a position of the plug, in percent of the most as OP is, same shape."""
+        if self._split is not None:
+            ends, begins, slope = self._split
+            position = np.minimum(position, ends) + slope * np.maximum(position - begins, 0.0)
         if self._rangeability == 1.0:
             return position
         opened = (position - self._low) / self._span

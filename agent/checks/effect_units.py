@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 OP_FACTOR = 4.0
 """A power of two, so that no rounding lets a stem slip that grazes its threshold."""
 TIME_FACTOR = 64.0
-OP_POWER = {"OP": 1, "OP/s": 1, "1/OP": -1, "PV/s/OP": -1}
-SECOND_POWER = {"s": 1, "1/s": -1, "OP/s": -1, "PV/s": -1, "PV/s/OP": -1}
+OP_POWER = {"OP": 1, "OP/s": 1, "OP*s": 1, "1/OP": -1, "PV/s/OP": -1, "1/s/OP": -1}
+SECOND_POWER = {"s": 1, "OP*s": 1, "1/s": -1, "OP/s": -1, "PV/s": -1, "PV/s/OP": -1, "1/s/OP": -1}
 SHARE = 0.3
 """Of the range of each parameter."""
 TOLERANCE = 1e-9
@@ -65,7 +65,7 @@ def time_in_other_units(effect: Effect) -> None:
     )
     for base in BASES:
         if applies(effect, base):
-            gain = TIME_FACTOR if base.name == "integrator" else 1.0
+            gain = TIME_FACTOR if base.name in {"integrator", "lags_integrator"} else 1.0
             with where(f"on {base.name}"):
                 _same(LoopModel(base, (effect,), unguarded=True), scaled, OP, SECOND_POWER, TIME_FACTOR, gain)
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from agent.physics.effect import Effect
 
 STAGES = ("valve", "process", "sensor", "disturbance")
-UNITS = ("OP", "PV", "s", "1/s", "OP/s", "PV/s", "PV/s/OP", "1/OP", "1")
+UNITS = ("OP", "PV", "s", "1/s", "OP/s", "PV/s", "PV/s/OP", "1/s/OP", "OP*s", "1/OP", "1")
 LENGTHS = (60, SAMPLES, 100_000)
 """Samples of the records whose bounds are checked."""
 SHARES = (0.0, 0.07, 0.5, 0.93, 1.0)

@@ -27,7 +27,10 @@ if TYPE_CHECKING:
     from connectors.recording import ReadOptions
 
 Names = list[str]
-BASE_HELP = "Process to begin with: fopdt, sopdt, integrator, oscillatory, two_tanks, or auto: the likeliest."
+BASE_HELP = (
+    "Process to begin with: fopdt, sopdt, integrator, lags_integrator, oscillatory, two_tanks, heater, "
+    "heat_exchanger, neutralisation, or auto: the likeliest linear one."
+)
 
 
 def compare(

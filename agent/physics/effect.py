@@ -55,7 +55,7 @@ class Parameter:
 
     name: str
     unit: str
-    """``OP``, ``PV``, ``s``, ``1/s``, ``OP/s``, ``1/OP`` or ``1``."""
+    """``OP``, ``PV``, ``s``, ``1/s``, ``OP/s``, ``OP*s``, ``1/OP`` or ``1``."""
     low: float
     high: float
     null: float | None = None
@@ -113,7 +113,7 @@ class ValveEffect(Effect, Protocol):
 
 
 class SensorEffect(Effect, Protocol):
-    """Changes the measured PV, as a transmitter does; must be linear in PV."""
+    """Changes the measured PV, as a transmitter does. It sees the response for gain one, before its level."""
 
     def apply(self, pv: FloatArray, values: FloatArray, ts: float) -> FloatArray:
         """Return the measured value of ``pv``, (n,), PV units."""

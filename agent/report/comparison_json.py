@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from agent.workbench.comparison import Comparison
     from agent.workbench.decision import Candidate
+    from agent.workbench.design.next_test import NextTest
     from agent.workbench.intervals import FittedParameter
     from agent.workbench.step import Step, Verdict
 
@@ -34,8 +35,23 @@ def comparison_json(found: Comparison, recording: str) -> dict[str, object]:
             {"effect": each.effect, "why": each.why_not} for each in found.shown if each.why_not is not None
         ],
         "not_validated": found.not_validated,
+        "next_test": None if found.next_test is None else _test(found.next_test),
         "smallest_visible_percent": _number(found.smallest_percent),
         "reason": found.reason,
+    }
+
+
+def _test(test: NextTest) -> dict[str, object]:
+    plan = test.plan
+    return {
+        "effects": [test.first, test.second],
+        "words": test.words,
+        "kind": None if plan is None else plan.kind,
+        "size": None if plan is None else _number(plan.size),
+        "hold_s": None if plan is None else _number(plan.hold * test.ts),
+        "duration_s": None if plan is None else _number(len(plan.op) * test.ts),
+        "repeats": test.repeats,
+        "op": None if plan is None else [_number(each) for each in plan.op.tolist()],
     }
 
 

@@ -55,7 +55,13 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
         interval = f"({tried.low:.1f} to {tried.high:.1f})"
         percent = f"{tried.error_reduction_percent:>9.1f} %"
         yield f"  {tried.effect:28}{percent}  {interval}  {chance_words(tried)}"
+    yield from _ends(found)
+
+
+def _ends(found: Comparison) -> Iterator[str]:
     yield f"verdict: {verdict_words(found.verdict, found)}"
+    if found.next_test is not None:
+        yield f"next test: {found.next_test.words}"
 
 
 def chance_words(tried: Candidate) -> str:

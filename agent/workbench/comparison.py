@@ -9,6 +9,7 @@ from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
     from agent.workbench.decision import Candidate
+    from agent.workbench.design.next_test import NextTest
     from agent.workbench.residual.line_spectrum import Line
     from agent.workbench.residual.noise_floor import NoiseFloor
     from agent.workbench.residual.where import Failure
@@ -54,6 +55,8 @@ class Comparison:
     not_validated: str | None = None
     """In plain words why nothing could be scored on the other recording; None where it could, or there is
     none."""
+    next_test: NextTest | None = None
+    """Distinguishes the effect of the verdict from the first that the record cannot; None without one."""
 
 
 def not_testable(loop: str, reason: str) -> Comparison:

@@ -23,6 +23,7 @@ from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.shown.information import Shown, shown_by
+from agent.workbench.shown.score import SELDOM, Scores
 from agent.workbench.simulated_null import simulated_null_p
 from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
@@ -76,8 +77,15 @@ class Trials:
         if step.effects not in self._done:
             hidden = {each.effect for each in self.shown_on(step, library) if each.why_not is not None}
             candidates = [each for each in missing(step.fit.model, library) if each.name not in hidden]
-            self._done[step.effects] = self.judged_on(step, candidates)
+            self._done[step.effects] = self.judged_on(step, self._worth_a_fit(step, candidates))
         return self._done[step.effects]
+
+    def _worth_a_fit(self, step: Step, effects: Sequence[Effect]) -> list[Effect]:
+        """Return the effects of which the innovations show something, as far as they need it."""
+        if step.predicts is None:
+            return [each for each in effects if each.name not in SELDOM]
+        scores = Scores(*step.predicts)
+        return [each for each in effects if scores.worth_a_fit(each)]
 
     def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
         """Return what the record can show of each effect that a model does not have; empty: not known."""

@@ -7,8 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from agent.physics.bases import BASES
+from agent.physics.bases.linear_process import LinearProcess
 from agent.physics.bases.two_tanks import TwoTanks
 from agent.physics.effect import Effect, Facts
+from agent.physics.effects.process_friction import ProcessFriction
 from agent.physics.loop_model import LoopModel
 from agent.plots.axes import MEASURED, MODEL, VALVE, legend_above, tidy
 from simulators.draws.random_plants import random_plant
@@ -20,6 +22,11 @@ EFFECT_VALUES: dict[str, tuple[float, ...]] = {
     "asymmetric_stiction": (0.25, 0.1, 0.4, 0.3, 0.3, 0.1, 0.01),
     "saturation": (0.2, 0.75),
     "characteristic": (3.0,),
+    "split_range": (0.35, 0.15, 2.0),
+    "pv_gain": (2.0,),
+    "titration": (0.5, 0.1),
+    "sensor_deadband": (0.25, 0.0),
+    "transport_delay": (16.0, -0.2),
     "rate_limit": (0.02,),
     "actuator_lag": (10.0,),
     "second_order": (10.0,),
@@ -27,10 +34,31 @@ EFFECT_VALUES: dict[str, tuple[float, ...]] = {
     "integrating": (0.05,),
     "inverse_response": (15.0,),
     "sinusoid": (0.031,),
+    "wave": (0.021,),
     "load_step": (40.0, 100.0, 150.0, 15.0),
     "gain_change": (100.0, 0.0, 8.0),
 }
-"""Values in s, and in OP spans above the least OP where the unit has OP in it."""
+"""Values in s, and in OP spans where the unit has OP in it."""
+FROM_ZERO = {"u_low", "u_high", "place", "middle", "no_flow"}
+"""Parameters that are values of OP, given above the least OP."""
+
+
+def rubbing_drive() -> Figure:
+    """Draw the place of a driven mass with Coulomb friction and without, for the same drive."""
+    t = np.arange(0.0, 400.0)
+    op = 50 + 10 * np.sin(2 * np.pi * t / 100) * np.linspace(0.4, 1.0, len(t))
+    free = LinearProcess(4.0, (8.0, 0.0), integrates=True)
+    rubbing = ProcessFriction().change(free, np.array([3.0, 50.0]))
+    figure = Figure(figsize=(9.0, 4.4), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True)
+    above.plot(t, op, color=MEASURED, linewidth=1.1, label="OP")
+    below.plot(t, rubbing.respond(op, 1.0), color=MODEL, linewidth=1.2, label="PV with friction")
+    below.plot(t, free.respond(op, 1.0), color=VALVE, linewidth=1.2, label="PV without")
+    below.set_xlabel("time (s)")
+    for axes in (above, below):
+        tidy(axes)
+        axes.legend(fontsize=9)
+    return figure
 
 
 def overflowing_tanks() -> Figure:
@@ -60,9 +88,9 @@ def effect_in_the_loop(effect: Effect) -> Figure:
     recorded_op = simulate(random_plant(1, "sinusoid")).op[:200]
     op = np.interp(recorded_op, (recorded_op.min(), recorded_op.max()), (low, low + span))
     facts = Facts(1.0, len(op), low, low + span, 0.0, 1.0, 50.0, 1.6, 1)
-    scale = {"OP": span, "OP/s": span, "1/OP": 1 / span}
+    scale = {"OP": span, "OP/s": span, "OP*s": span, "1/OP": 1 / span}
     own = [
-        value * scale.get(each.unit, 1.0) + (low if effect.family == "valve_limits" else 0.0)
+        value * scale.get(each.unit, 1.0) + (low if each.name in FROM_ZERO else 0.0)
         for value, each in zip(EFFECT_VALUES[effect.name], effect.parameters(facts), strict=True)
     ]
     model, values = LoopModel(BASES[0], (effect,)), np.array([4.0, 8.0, *own])

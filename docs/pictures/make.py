@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from effect_pictures import EFFECT_VALUES, effect_in_the_loop, overflowing_tanks
+from effect_pictures import EFFECT_VALUES, effect_in_the_loop, overflowing_tanks, rubbing_drive
 from free_run_pictures import free_run_search, recorded
 from matplotlib.figure import Figure
 
@@ -262,6 +262,7 @@ if __name__ == "__main__":
     for detector in DETECTORS:
         stiction_detector(detector).savefig(HERE / f"detector_{detector.name}.png", dpi=DPI)
     overflowing_tanks().savefig(HERE / "effect_overflow.png", dpi=DPI)
+    rubbing_drive().savefig(HERE / "effect_process_friction.png", dpi=DPI)
     for each_effect in EFFECTS:
         if each_effect.name in EFFECT_VALUES:
             effect_in_the_loop(each_effect).savefig(HERE / f"effect_{each_effect.name}.png", dpi=DPI)

@@ -8,6 +8,18 @@ from typing import Literal
 import numpy as np
 
 from agent.units import FrictionBands
+from simulators.draws.beyond_the_valve import (
+    BeyondName,
+    changed,
+    log_uniform,
+    pv_gain,
+    sensor_deadband,
+    split_range,
+    titration,
+    transport_delay,
+    travel,
+    wave,
+)
 from simulators.parameters import GainStep, LoadStepParameters, SinusoidParameters
 from simulators.scenario import Scenario
 
@@ -26,6 +38,7 @@ EffectName = Literal[
     "sinusoid",
     "load_step",
     "gain_change",
+    BeyondName,
 ]
 SETTLING = 600
 """Samples before the record begins."""
@@ -40,14 +53,12 @@ ONE_WAY = (0.25, 4.0)
 def deadband(rng: np.random.Generator, scenario: Scenario) -> Scenario:
     """Slack between stem and plug, or friction that does not fall as the stem moves, in equal parts."""
     size = _size(rng, scenario)
-    return _changed(
-        scenario, "valve", {"backlash": size} if rng.random() < 0.5 else _friction(rng, size, 0.0)
-    )
+    return changed(scenario, "valve", {"backlash": size} if rng.random() < 0.5 else _friction(rng, size, 0.0))
 
 
 def stiction(rng: np.random.Generator, scenario: Scenario) -> Scenario:
     """Friction that falls to 0.01 to 0.6 of itself as the stem moves."""
-    return _changed(scenario, "valve", _friction(rng, _size(rng, scenario), rng.uniform(0.25, 0.98)))
+    return changed(scenario, "valve", _friction(rng, _size(rng, scenario), rng.uniform(0.25, 0.98)))
 
 
 def asymmetric_stiction(rng: np.random.Generator, scenario: Scenario) -> Scenario:
@@ -55,13 +66,13 @@ def asymmetric_stiction(rng: np.random.Generator, scenario: Scenario) -> Scenari
     closing = float(rng.choice(ONE_WAY))
     opening = _size(rng, scenario) / max(closing, 1.0)
     friction = _friction(rng, opening, rng.uniform(0.25, 0.98))
-    return _changed(scenario, "valve", {**friction, "closing": closing})
+    return changed(scenario, "valve", {**friction, "closing": closing})
 
 
 def saturation(rng: np.random.Generator, scenario: Scenario) -> Scenario:
     """A stop that the set point's higher steps would exceed."""
-    high = scenario.controller.op + _travel(scenario) * rng.uniform(0.1, 0.8)
-    return _changed(scenario, "valve", {"stops": (0.0, high)})
+    high = scenario.controller.op + travel(scenario) * rng.uniform(0.1, 0.8)
+    return changed(scenario, "valve", {"stops": (0.0, high)})
 
 
 def characteristic(rng: np.random.Generator, scenario: Scenario) -> Scenario:
@@ -69,23 +80,23 @@ def characteristic(rng: np.random.Generator, scenario: Scenario) -> Scenario:
     rangeability = log_uniform(rng, 4, 50) ** rng.choice([-1.0, 1.0])
     at = rangeability ** (scenario.controller.op / 100)
     slope = float(np.log(rangeability) * at / (rangeability - 1))
-    changed = _changed(scenario, "valve", {"rangeability": rangeability})
-    return _changed(changed, "process", {"gain": scenario.process.gain / slope})
+    trimmed = changed(scenario, "valve", {"rangeability": rangeability})
+    return changed(trimmed, "process", {"gain": scenario.process.gain / slope})
 
 
 def rate_limit(rng: np.random.Generator, scenario: Scenario) -> Scenario:
     """Air for the travel in 5 to 60 s."""
-    return _changed(scenario, "valve", {"rate": _travel(scenario) / log_uniform(rng, 5, 60)})
+    return changed(scenario, "valve", {"rate": travel(scenario) / log_uniform(rng, 5, 60)})
 
 
 def actuator_lag(rng: np.random.Generator, scenario: Scenario) -> Scenario:
     """A slow actuator."""
-    return _changed(scenario, "valve", {"tau_ip": _lag(rng, scenario)})
+    return changed(scenario, "valve", {"tau_ip": _lag(rng, scenario)})
 
 
 def second_order(rng: np.random.Generator, scenario: Scenario) -> Scenario:
     """A second lag of the process."""
-    return _changed(scenario, "process", {"kind": "second_order", "tau2": _lag(rng, scenario)})
+    return changed(scenario, "process", {"kind": "second_order", "tau2": _lag(rng, scenario)})
 
 
 def sensor_lag(rng: np.random.Generator, scenario: Scenario) -> Scenario:
@@ -96,13 +107,13 @@ def sensor_lag(rng: np.random.Generator, scenario: Scenario) -> Scenario:
 def integrating(_: np.random.Generator, scenario: Scenario) -> Scenario:
     """An integrator in place of the lag."""
     process = scenario.process
-    changed = {"kind": "integrating", "gain": process.gain / (process.tau or 1.0), "tau": None}
-    return _changed(scenario, "process", changed)
+    without_lag = {"kind": "integrating", "gain": process.gain / (process.tau or 1.0), "tau": None}
+    return changed(scenario, "process", without_lag)
 
 
 def inverse_response(rng: np.random.Generator, scenario: Scenario) -> Scenario:
     """A first move the wrong way."""
-    return _changed(scenario, "process", {"lead": _lag(rng, scenario)})
+    return changed(scenario, "process", {"lead": _lag(rng, scenario)})
 
 
 def sinusoid(rng: np.random.Generator, scenario: Scenario) -> Scenario:
@@ -144,18 +155,18 @@ HIDE: Mapping[EffectName, Callable[[np.random.Generator, Scenario], Scenario]] =
     "sinusoid": sinusoid,
     "load_step": load_step,
     "gain_change": gain_change,
+    "pv_gain": pv_gain,
+    "titration": titration,
+    "split_range": split_range,
+    "sensor_deadband": sensor_deadband,
+    "wave": wave,
+    "transport_delay": transport_delay,
 }
 """Each returns the loop with the effect, drawn at random."""
 
 
-def _travel(scenario: Scenario) -> float:
-    """OP that the largest step of the set point requires, OP units."""
-    height = max(abs(step.sp - scenario.controller.sp) for step in scenario.set_points)
-    return height / abs(scenario.process.gain)
-
-
 def _size(rng: np.random.Generator, scenario: Scenario) -> float:
-    return _travel(scenario) * log_uniform(rng, *SIZE)
+    return travel(scenario) * log_uniform(rng, *SIZE)
 
 
 def _lag(rng: np.random.Generator, scenario: Scenario) -> float:
@@ -171,13 +182,3 @@ def _friction(rng: np.random.Generator, s: float, slip: float) -> dict[str, obje
     """Friction with S ``s``, OP units, and J/S ``slip``."""
     bands = FrictionBands.from_s_j(s, j=s * slip)
     return {"law": "karnopp" if rng.random() < 0.5 else "lugre", "f_s": bands.f_s, "f_d": bands.f_d}
-
-
-def _changed(scenario: Scenario, part: str, changes: Mapping[str, object]) -> Scenario:
-    changed = getattr(scenario, part).model_copy(update=changes)
-    return scenario.model_copy(update={part: changed})
-
-
-def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
-    """Draw a number whose logarithm is spread evenly."""
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
-from simulators.draws.effect_draws import HIDE, SETTLING, EffectName, log_uniform
+from simulators.draws.beyond_the_valve import log_uniform
+from simulators.draws.effect_draws import HIDE, SETTLING, EffectName
 from simulators.field import response
 from simulators.parameters import (
     ControllerParameters,
@@ -94,6 +95,9 @@ class HiddenEffectPlant:
             "sinusoid": {"frequency": (1 / scenario.disturbance.period,)},
             "load_step": {"time": loads},
             "gain_change": {"time": gains},
+            "wave": {"frequency": (1 / scenario.disturbance.period,)},
+            "sensor_deadband": {"band": (scenario.transmitter.dead_band,)},
+            "transport_delay": {"volume": (scenario.pipe.volume if scenario.pipe else None,)},
         }
         return {
             f"{effect}.{name}": tuple(value for value in values if value is not None)

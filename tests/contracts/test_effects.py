@@ -12,15 +12,19 @@ PAIRS = [(effect, check) for effect in effects() for check in checks_of("effects
 FAMILIES = {
     "valve_hysteresis": {"stiction", "deadband", "asymmetric_stiction"},
     "valve_limits": {"saturation"},
-    "valve_characteristic": {"characteristic"},
+    "valve_characteristic": {"characteristic", "split_range"},
     "valve_speed": {"rate_limit"},
     "extra_lag": {"actuator_lag", "second_order", "sensor_lag"},
     "process_dynamics": {"integrating", "inverse_response"},
     "process_limits": {"overflow"},
-    "disturbance": {"sinusoid", "load_step"},
+    "disturbance": {"sinusoid", "load_step", "wave"},
     "gain": {"gain_change"},
+    "pv_gain": {"pv_gain", "titration"},
+    "sensor_hysteresis": {"sensor_deadband"},
+    "process_delay": {"transport_delay"},
+    "process_friction": {"process_friction"},
 }
-"""Of the design page, under "Interfaces that are checked"."""
+"""Of the design page, under "Interfaces that are checked", and those of decision 64."""
 PAGES = Path(__file__).parents[2] / "docs" / "effects"
 
 

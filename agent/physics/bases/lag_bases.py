@@ -1,4 +1,4 @@
-"""The linear bases: first order, second order and integrator, each plus dead time."""
+"""The linear bases: first order, second order, integrator alone or behind two lags, each plus dead time."""
 
 from __future__ import annotations
 
@@ -72,3 +72,20 @@ class Integrator:
     def process(self, values: FloatArray) -> LinearProcess:
         """Return the process with these values."""
         return LinearProcess(delay=float(values[0]), integrates=True)
+
+
+@dataclass(frozen=True, slots=True)
+class LagsIntegrator:
+    """Integrator behind two lags, plus dead time: a level behind a slow valve, the place of a driven mass."""
+
+    name: str = "lags_integrator"
+    linear: bool = True
+
+    def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
+        """Return delay and time constants."""
+        return (delay_of(facts), lag_of("tau", facts), lag_of("tau2", facts))
+
+    def process(self, values: FloatArray) -> LinearProcess:
+        """Return the process with these values."""
+        delay, tau, tau2 = (float(each) for each in values)
+        return LinearProcess(delay=delay, lags=(tau, tau2), integrates=True)

@@ -15,12 +15,19 @@ from agent.physics.effects.integrating import Integrating
 from agent.physics.effects.inverse_response import InverseResponse
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.effects.overflow import Overflow
+from agent.physics.effects.process_friction import ProcessFriction
+from agent.physics.effects.pv_gain import PvGain
 from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.saturation import Saturation
 from agent.physics.effects.second_order import SecondOrder
+from agent.physics.effects.sensor_deadband import SensorDeadband
 from agent.physics.effects.sensor_lag import SensorLag
 from agent.physics.effects.sinusoid import Sinusoid
+from agent.physics.effects.split_range import SplitRange
 from agent.physics.effects.stiction import Stiction
+from agent.physics.effects.titration import Titration
+from agent.physics.effects.transport_delay import TransportDelay
+from agent.physics.effects.wave import RepeatingWave
 
 __all__ = ["EFFECTS", "ENTRY_POINTS", "Effect", "effects"]
 
@@ -30,14 +37,21 @@ EFFECTS: tuple[Effect, ...] = (
     AsymmetricStiction(),
     Saturation(),
     Characteristic(),
+    SplitRange(),
+    PvGain(),
+    Titration(),
     RateLimit(),
     ActuatorLag(),
     SecondOrder(),
     SensorLag(),
+    SensorDeadband(),
+    TransportDelay(),
     Integrating(),
     InverseResponse(),
+    ProcessFriction(),
     Overflow(),
     Sinusoid(),
+    RepeatingWave(),
     LoadStepEffect(),
     GainChange(),
 )

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 SHOWN = 400
-"""Samples of the stem in the picture, in widths of its moving mean: twenty periods; a day is a solid block."""
+"""Samples of the stem in the picture, in widths of its moving mean; a whole day is a solid block."""
 
 
 def draw(axes: Axes, seen: Parallelogram) -> None:

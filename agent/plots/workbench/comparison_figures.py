@@ -9,6 +9,7 @@ import numpy as np
 from agent.plots.workbench.candidates import candidates_figure
 from agent.plots.workbench.contributions import contributions_figure
 from agent.plots.workbench.correlations import correlations_figure
+from agent.plots.workbench.next_test import next_test_figure
 from agent.plots.workbench.overlay import overlay_figure
 from agent.plots.workbench.residual_panels import residual_panels_figure
 from agent.plots.workbench.spectrum import spectrum_figure
@@ -48,6 +49,9 @@ def comparison_figures(bench: Workbench, found: Comparison) -> dict[str, Figure]
     figures["staircase"] = staircase_figure(loop, [_stair(each) for each in found.steps], found.noise_floor)
     if found.candidates:
         figures["candidates"] = candidates_figure(loop, found.candidates)
+    drawn = None if found.next_test is None else next_test_figure(loop, found.next_test)
+    if drawn is not None:
+        figures["next_test"] = drawn
     if found.where_it_fails:
         figures["where_it_fails"] = residual_panels_figure(loop, found.where_it_fails)
     lines = line_spectrum(residual, record.op, ts)

@@ -36,6 +36,10 @@ CAPTIONS = {
         "Each effect was added to the last model, which was refitted and scored on the held-out blocks. p is "
         "adjusted for the number of candidates."
     ),
+    "next_test": (
+        "What to do at the loop, and what either model would measure, with one deviation of the noise. "
+        "Sizes and times are the least that distinguish them."
+    ),
     "where_it_fails": (
         "The grey band contains the mean if residual and axis are unrelated. In closed loop OP responds to "
         "the residual, so a mean outside the band alone is no failure; p takes this into account."
@@ -94,6 +98,8 @@ def report_html(found: Comparison, figures: Mapping[str, Figure]) -> str:
 
 def _text(found: Comparison) -> Iterable[str]:
     yield f"<p>The last model: {escape(verdict_words(found.verdict, found))}.</p>"
+    if found.next_test is not None:
+        yield f"<p>The next test, {escape(found.next_test.words)}.</p>"
     yield "<h2>How far the error falls</h2>"
     steps = [
         (

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from agent.report.comparison_text import causes_words, chance_words, step_name, verdict_words
-from agent.report.headline import headline
+from agent.report.headline import capital, headline
 from agent.web.rows import numbers, plain
-from agent.web.workbench.next_test import distinguishing_test
 from agent.web.workbench.same_lines import command_of, python_of
 from agent.workbench.residual.axes import UNITS
 
@@ -166,7 +165,7 @@ def _found(found: Comparison) -> dict[str, Any]:
             "family": verdict.family,
             "indistinguishable": list(verdict.indistinguishable),
             "words": verdict_words(verdict, found),
-            "test": distinguishing_test(verdict.family) if verdict.indistinguishable else None,
+            "test": None if found.next_test is None else capital(f"{found.next_test.words}."),
         },
         "axes": [
             {

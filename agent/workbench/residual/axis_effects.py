@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 FAMILIES_ON: Mapping[str, tuple[str, ...]] = {
-    "travel_since_reversal": ("valve_hysteresis",),
+    "travel_since_reversal": ("valve_hysteresis", "sensor_hysteresis", "process_friction"),
     "direction": ("valve_hysteresis", "valve_speed"),
-    "op_level": ("valve_characteristic", "valve_limits", "process_limits", "valve_hysteresis"),
-    "op_rate": ("valve_speed", "extra_lag", "process_dynamics", "valve_hysteresis"),
-    "valve_position": ("valve_characteristic", "valve_limits", "process_limits"),
+    "op_level": ("valve_characteristic", "valve_limits", "pv_gain", "process_limits", "valve_hysteresis"),
+    "op_rate": ("valve_speed", "extra_lag", "process_dynamics", "process_delay", "valve_hysteresis"),
+    "valve_position": ("valve_characteristic", "valve_limits", "pv_gain", "process_limits"),
     "oscillation_phase": ("valve_hysteresis", "extra_lag", "disturbance"),
     "time": ("disturbance", "gain"),
     "time_of_day": ("disturbance",),

@@ -9,6 +9,7 @@ import numpy as np
 
 from agent.workbench.candidates import verdict_of
 from agent.workbench.comparison import Comparison, StepEvidence, not_testable
+from agent.workbench.design.next_test import next_test
 from agent.workbench.residual.power import smallest_reduction
 from agent.workbench.session.explained import explained_by_op, is_informative, not_informative_words
 from agent.workbench.session.unseen import unseen
@@ -50,6 +51,7 @@ def compared(bench: Bench) -> Comparison:
         unseen=unseen(bench, smallest),
         shown=bench.trials.shown_on(bench.step, bench.library),
         not_validated=bench.not_validated,
+        next_test=next_test(bench.step, verdict, dict(tried.models)),
     )
 
 

@@ -13,4 +13,4 @@ def test_what_happens_once_is_a_disturbance_with_an_instant():
 
 def test_only_disturbances_of_their_own_time_do_not_answer_to_op():
     facts = bare_record(LoopWindow("made", 0.0, 1.0, moves(), moves())).facts
-    assert [each.name for each in EFFECTS if not acts_on_op(each, facts)] == ["sinusoid", "load_step"]
+    assert [each.name for each in EFFECTS if not acts_on_op(each, facts)] == ["sinusoid", "wave", "load_step"]

@@ -1,0 +1,41 @@
+"""Sensor that follows only at the edges of a band: a float that rubs, a linkage with slack."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from agent.physics.effect import Facts, Parameter, Stage
+from agent.physics.effects.deadband import backlash
+from agent.physics.effects.pv_gain import LEVELLED
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class SensorDeadband:
+    """A band between PV and its measured value, counted in OP units: the gain is solved for.
+
+    A band of the valve lies before the lags of the process and turns with OP, this one turns with PV.
+    """
+
+    name: str = "sensor_deadband"
+    family: str = "sensor_hysteresis"
+    stage: Stage = "sensor"
+    bases: tuple[str, ...] = LEVELLED
+
+    def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
+        """Return the width of the band, and where in it PV is at first: -1 and 1 are its edges."""
+        return (
+            Parameter("band", "OP", 0.0, facts.op_span, null=0.0),
+            Parameter("start", "1", -1.0, 1.0, of_record=True, natural=True),
+        )
+
+    def apply(self, pv: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
+        """Return the measured value."""
+        band, start = (float(value) for value in values)
+        return pv if band == 0.0 else backlash(pv, band, float(pv[0]) + 0.5 * band * start)

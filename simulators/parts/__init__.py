@@ -1,0 +1,1 @@
+"""Parts of a plant that are seldom linear: pipe, transmitter, hot vessel, drive."""

@@ -1,0 +1,121 @@
+"""Effects beyond the valve, and balances: analytic cases, and plants integrated in continuous time."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from agent.physics.bases.heat_exchanger import HeatExchanger
+from agent.physics.bases.heater import Heater
+from agent.physics.bases.linear_process import LinearProcess
+from agent.physics.bases.neutralisation import Neutralisation
+from agent.physics.effects.process_friction import ProcessFriction
+from agent.physics.effects.pv_gain import PvGain
+from agent.physics.effects.sensor_deadband import SensorDeadband
+from agent.physics.effects.split_range import SplitRange
+from agent.physics.effects.titration import Titration
+from agent.physics.effects.transport_delay import TransportDelay
+from agent.physics.effects.wave import RepeatingWave
+
+T = np.arange(400.0)
+WAVE = 50 + 10 * np.sin(2 * np.pi * T / 100)
+LEVELS = np.repeat([40.0, 70.0, 55.0, 60.0, 45.0], 80)
+"""Of OP, held."""
+
+
+def integrated(rates, start):
+    """Solve a balance for ``LEVELS`` held sample by sample; its value at each sample."""
+
+    def slope(t, y):
+        return rates(LEVELS[min(int(t), len(LEVELS) - 1)], y)
+
+    found = solve_ivp(slope, (0, len(LEVELS) - 1), [start], t_eval=T, max_step=0.2, rtol=1e-7, atol=1e-9)
+    return found.y[0]
+
+
+def test_the_slope_of_a_curve_over_pv_grows_by_its_curvature():
+    curved = PvGain().apply(WAVE, np.array([0.05]), 1.0)
+    slopes = np.diff(curved) / np.diff(WAVE)
+    assert slopes.max() / slopes.min() == pytest.approx(np.exp(0.05 * 20), rel=0.05)
+
+
+def test_a_titration_is_steepest_in_the_middle():
+    slopes = np.diff(Titration().apply(WAVE, np.array([52.0, 2.0]), 1.0)) / np.diff(WAVE)
+    assert slopes.max() == pytest.approx(1.0, abs=0.01)
+    assert slopes.min() == pytest.approx(2.0 / np.hypot(2.0, 12.0), rel=0.05)
+
+
+def test_in_the_gap_of_two_trims_nothing_flows_more():
+    flow = SplitRange().apply(np.array([40.0, 50.0, 52.0, 54.0, 60.0]), np.array([50.0, 4.0, 0.5]), 1.0)
+    np.testing.assert_allclose(flow, [40.0, 50.0, 50.0, 50.0, 53.0])
+
+
+def test_a_sensor_with_a_band_loses_it_at_each_turn():
+    assert np.ptp(SensorDeadband().apply(WAVE, np.array([4.0, 0.0]), 1.0)[100:]) == pytest.approx(16.0)
+
+
+def test_what_travels_along_a_pipe_takes_its_volume_over_the_flow():
+    for level, late in ((60.0, 4), (80.0, 2)):
+        op = np.full(100, level)
+        op[50:] += 1e-6
+        out = TransportDelay().apply(op, np.array([160.0, 20.0 if late == 4 else 0.0]), 1.0)
+        assert int(np.argmax(out > level + 5e-7)) - 50 == late
+
+
+def test_a_wave_has_a_sinusoid_for_each_harmonic():
+    columns = RepeatingWave().columns(T, T, np.array([0.02]))
+    spectrum = np.abs(np.fft.rfft(columns, axis=0))
+    assert spectrum.argmax(axis=0).tolist() == [8, 8, 16, 16, 24, 24]
+    named = RepeatingWave().solved(np.array([3.0, 4.0, 0, 0, 0, 1.0]), 1.0)
+    assert named["amplitude"] == (5.0, "PV")
+    assert named["amplitude_3"] == (1.0, "PV")
+
+
+def test_a_rubbing_mass_moves_as_in_continuous_time():
+    friction, tau, drive = 3.0, 9.0, 8 * np.sin(2 * np.pi * T / 90)
+    process = ProcessFriction().change(LinearProcess(1.0, (tau, 0.0), integrates=True), np.array([3.0, 50.0]))
+    place = process.respond(50 + drive, 1.0)
+    v, speeds = 0.0, []
+    for u in drive:
+        speeds.append(v)
+        for _ in range(1000):
+            force = u if v == 0.0 and abs(u) > friction else 0.0 if v == 0.0 else v
+            after = v + 0.001 / tau * (u - v - friction * np.sign(force)) if force else 0.0
+            v = 0.0 if after * v < 0 else after
+    speed = np.diff(place - place[0]) - np.diff(place - place[0]).mean()
+    middle = 0.5 * (np.array(speeds)[1:] + np.array(speeds)[:-1])
+    np.testing.assert_allclose(speed, middle - middle.mean(), atol=0.02)
+
+
+def test_a_heater_follows_its_balance():
+    vessel = Heater(1.0, 0.4, 0.02, 0.05, 20.0, -273.0, 150.0)
+
+    def rates(u, y):
+        cold = vessel.surroundings - vessel.absolute_zero
+        radiated = ((y - vessel.absolute_zero) ** 4 - cold**4) / (4 * cold**3)
+        return vessel.heat * u - vessel.loss * (y - vessel.surroundings) - vessel.radiation * radiated
+
+    pv = vessel.respond(LEVELS, 1.0)
+    np.testing.assert_allclose(pv, integrated(rates, 150.0), atol=0.005 * np.ptp(pv))
+
+
+def test_a_heat_exchanger_follows_its_balance_and_its_gain_falls_with_the_flow():
+    exchanger = HeatExchanger(1.0, 0.002, 10.0, 0.2, 40.0, 20.0, 110.0, 70.0)
+
+    def rates(u, y):
+        flow = u - 10.0
+        return 0.002 * flow * (20.0 - y) + 0.2 * flow / (flow + 40.0) * (110.0 - y)
+
+    pv = exchanger.respond(LEVELS, 1.0)
+    np.testing.assert_allclose(pv, integrated(rates, 70.0), atol=1e-3)
+    first, second, third = pv[79], pv[159], pv[239]
+    assert abs(first - third) / 15 > 1.1 * abs(second - third) / 15
+
+
+def test_a_neutralisation_balances_its_charges():
+    tank = Neutralisation(1.0, 12.0, 52.0, 300.0, 500.0, 6.4, 5.0)
+    pv = tank.respond(LEVELS, 1.0)
+    buffered = 500.0 * (1 / (1 + 10 ** (6.4 - pv)) - 1 / (1 + 10 ** (6.4 - 7)))
+    excess = (10 ** (pv - 7) - 10 ** (7 - pv) + buffered) / 300.0
+    expected = integrated(lambda u, x: (u - 52.0 - x) / 12.0, excess[0])
+    np.testing.assert_allclose(excess, expected, atol=0.01)
+    assert pv[0] == pytest.approx(5.0)
