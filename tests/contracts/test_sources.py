@@ -297,4 +297,4 @@ def test_a_survey_takes_addresses(capsys, tmp_path):
             assert left.value.code == code
             assert ("tag TIC9.OP: shard" in printed.err) == server.broken
             server.broken = False
-    assert "1 recordings of 1 valves: 1 not testable" in printed.out
+    assert "1 recording of 1 valve: 1 not testable" in printed.out

@@ -35,7 +35,7 @@ def offered(monkeypatch):
 
 
 @pytest.fixture
-def split_range(offered, monkeypatch, tmp_path):
+def two_slopes(offered, monkeypatch, tmp_path):
     source = re.search(r"```python\n(.*?)```", PAGE, re.DOTALL).group(1)
     (tmp_path / "plant_effects.py").write_text(source, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
@@ -46,8 +46,8 @@ def split_range(offered, monkeypatch, tmp_path):
     return effects()[-1]
 
 
-def test_the_example_joins_the_others(split_range):
-    assert split_range.name == "split_range"
+def test_the_example_joins_the_others(two_slopes):
+    assert two_slopes.name == "two_slopes"
     assert effects()[:-1] == EFFECTS
 
 
@@ -96,7 +96,7 @@ def test_the_tests_of_the_page_pass_one_for_each_demand(written):
 def plant_effect(folder):
     scope = {"__name__": "plant_effects"}
     exec((folder / "plant_effects.py").read_text(encoding="utf-8"), scope)  # noqa: S102 - the page's own code
-    return scope["SplitRange"]()
+    return scope["TwoSlopes"]()
 
 
 def test_a_wrong_effect_ends_with_the_line_of_the_page(written):
@@ -105,7 +105,7 @@ def test_a_wrong_effect_ends_with_the_line_of_the_page(written):
     (written / "plant_effects.py").write_text(wrong, encoding="utf-8")
     done = run(written, *shlex.split(blocks("sh")[0])[1:])
     assert done.returncode == 1
-    (line,) = [line.strip() for line in PAGE.splitlines() if line.startswith("    effect split_range (")]
+    (line,) = [line.strip() for line in PAGE.splitlines() if line.startswith("    effect two_slopes (")]
     assert line.replace("/home/jane", str(written)) in done.stderr
 
 
@@ -126,12 +126,12 @@ def offering(offered, monkeypatch, tmp_path):
     return offer
 
 
-OWN = blocks("python")[0].replace("class SplitRange", "class Own")
+OWN = blocks("python")[0].replace("class TwoSlopes", "class Own")
 BROKEN = {
     "import": ("import no_such_package\n" + OWN, "can be imported"),
     "syntax": ("class Own(:\n", "can be imported"),
     "exit": ("1 / 0\n", "can be imported"),
-    "arguments": (OWN.replace('    name: str = "split_range"', "    name: str"), "without arguments"),
+    "arguments": (OWN.replace('    name: str = "two_slopes"', "    name: str"), "without arguments"),
     "no_parameters": (OWN.replace("def parameters", "def no_parameters"), "no attribute 'parameters'"),
     "stage": (OWN.replace('"valve"', '"pump"'), "its stage is 'pump'"),
     "bounds": (OWN.replace("0.2, 5.0", "5.0, 0.2"), "finite bounds in order"),
@@ -142,7 +142,7 @@ BROKEN = {
     ),
     "writes": (OWN.replace("at, ratio = values", "at, ratio = values; position += 0.0"), "leave its input"),
     "null": (OWN.replace("null=1.0", "null=2.0"), "must do nothing at its null"),
-    "taken": (OWN.replace('"split_range"', '"deadband"'), "a name that no other effect has"),
+    "taken": (OWN.replace('"two_slopes"', '"deadband"'), "a name that no other effect has"),
 }
 
 
@@ -153,7 +153,7 @@ def test_an_installed_effect_that_fails_is_left_out_in_one_line(offers, kind):
     offers("fine", OWN)
     found = plug_ins.usable_effects()
     assert found.effects[:-1] == EFFECTS
-    assert found.effects[-1].name == "split_range"
+    assert found.effects[-1].name == "two_slopes"
     (line,) = found.left_out
     assert demanded in line
     assert str(file) in line
@@ -171,12 +171,12 @@ def test_a_module_that_is_not_there_is_named_as_the_entry_point_has_it(offers):
 def test_compare_names_what_it_leaves_out_and_does_not_know_it(offers, capsys, tmp_path):
     offers("broken_nan", BROKEN["nan"][0])
     with pytest.raises(SystemExit) as ended:
-        main(["compare", str(tmp_path / "none.csv"), "--add", "split_range"])
+        main(["compare", str(tmp_path / "none.csv"), "--add", "two_slopes"])
     assert ended.value.code == 2
     left_out, unknown = capsys.readouterr().err.splitlines()
-    assert "effect split_range" in left_out
+    assert "effect two_slopes" in left_out
     assert "left out" in left_out
-    assert "no effect 'split_range'" in unknown
+    assert "no effect 'two_slopes'" in unknown
 
 
 NAN_IN_A_FIT = OWN.replace(
@@ -205,11 +205,11 @@ def test_an_effect_that_fails_in_the_middle_of_a_fit_is_left_out_in_one_line(tmp
     bench = Workbench(slack(samples=300), without=few, effects=found.effects)
     assert [each.effect for each in bench.candidates().candidates] == ["deadband"]
     (line,) = bench.trials.left_out.values()
-    assert line.startswith(f"effect split_range ({tmp_path / name}.py) ")
+    assert line.startswith(f"effect two_slopes ({tmp_path / name}.py) ")
     assert demanded in line
     assert any("it was left out" in each for each in bench.comparison().unseen)
-    with pytest.raises(ValueError, match="effect split_range"):
-        bench.add("split_range")
+    with pytest.raises(ValueError, match="effect two_slopes"):
+        bench.add("two_slopes")
 
 
 @pytest.mark.bench
@@ -226,9 +226,9 @@ def test_the_conversation_of_the_page_finds_the_effect_in_its_file(written):
             "WB104.csv",
             "--guided",
             "--effect",
-            "plant_effects.py:SplitRange",
+            "plant_effects.py:TwoSlopes",
         ],
-        input="add split_range\nquit\n",
+        input="add two_slopes\nquit\n",
         capture_output=True,
         text=True,
         check=False,
@@ -237,17 +237,17 @@ def test_the_conversation_of_the_page_finds_the_effect_in_its_file(written):
         timeout=300,
     )
     assert done.returncode == 0, done.stderr
-    assert "+ split_range" in done.stdout
+    assert "+ two_slopes" in done.stdout
     assert "found: split range at " in done.stdout
 
 
 @pytest.mark.parametrize("check", checks_of("effects"), ids=lambda check: check.name)
-def test_the_example_keeps_the_contract(split_range, check):
-    check(split_range)
+def test_the_example_keeps_the_contract(two_slopes, check):
+    check(two_slopes)
 
 
-def test_above_the_split_the_slope_is_another(split_range):
-    position = split_range.apply(np.array([40.0, 50.0, 60.0]), np.array([50.0, 3.0]), 1.0)
+def test_above_the_split_the_slope_is_another(two_slopes):
+    position = two_slopes.apply(np.array([40.0, 50.0, 60.0]), np.array([50.0, 3.0]), 1.0)
     np.testing.assert_array_equal(position, [40, 50, 80])
 
 

