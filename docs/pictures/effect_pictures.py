@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from agent.physics.bases import BASES
 from agent.physics.bases.linear_process import LinearProcess
@@ -16,6 +17,9 @@ from agent.plots.axes import MEASURED, MODEL, VALVE, legend_above, tidy
 from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
 
+FloatArray = NDArray[np.float64]
+Curve = tuple[str, FloatArray]
+"""Label and values, (n,)."""
 EFFECT_VALUES: dict[str, tuple[float, ...]] = {
     "deadband": (0.5, 0.3, 0.1),
     "stiction": (0.5, 0.5, 0.3, 0.3, 0.1, 0.01, 0.01),
@@ -49,16 +53,12 @@ def rubbing_drive() -> Figure:
     op = 50 + 10 * np.sin(2 * np.pi * t / 100) * np.linspace(0.4, 1.0, len(t))
     free = LinearProcess(4.0, (8.0, 0.0), integrates=True)
     rubbing = ProcessFriction().change(free, np.array([3.0, 50.0]))
-    figure = Figure(figsize=(9.0, 4.4), layout="constrained")
-    above, below = figure.subplots(2, 1, sharex=True)
-    above.plot(t, op, color=MEASURED, linewidth=1.1, label="OP")
-    below.plot(t, rubbing.respond(op, 1.0), color=MODEL, linewidth=1.2, label="PV with friction")
-    below.plot(t, free.respond(op, 1.0), color=VALVE, linewidth=1.2, label="PV without")
-    below.set_xlabel("time (s)")
-    for axes in (above, below):
-        tidy(axes)
-        axes.legend(fontsize=9)
-    return figure
+    return _beside(
+        t,
+        ("OP", op),
+        ("PV with friction", rubbing.respond(op, 1.0)),
+        ("PV without", free.respond(op, 1.0)),
+    )
 
 
 def overflowing_tanks() -> Figure:
@@ -67,11 +67,21 @@ def overflowing_tanks() -> Figure:
     pump = 3.0 + 2.0 * np.sin(2 * np.pi * t / 400) * np.linspace(0.4, 1.0, len(t))
     free = TwoTanks(0.05, 0.05, 0.5, 0.05, 0.5, 0.0, 6.0, 6.0)
     full = free._replace(limit_1=12.0, limit_2=10.0, share=0.5)
+    return _beside(
+        t,
+        ("pump (OP units)", pump),
+        ("PV with overflow", full.respond(pump, 4.0)),
+        ("PV of tanks without limits", free.respond(pump, 4.0)),
+    )
+
+
+def _beside(t: FloatArray, given: Curve, with_effect: Curve, without: Curve) -> Figure:
+    """Draw what is given over time, t (n,), s, and below it PV with an effect and without."""
     figure = Figure(figsize=(9.0, 4.4), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True)
-    above.plot(t, pump, color=MEASURED, linewidth=1.1, label="pump (OP units)")
-    below.plot(t, full.respond(pump, 4.0), color=MODEL, linewidth=1.2, label="PV with overflow")
-    below.plot(t, free.respond(pump, 4.0), color=VALVE, linewidth=1.2, label="PV of tanks without limits")
+    curves = ((above, given, MEASURED, 1.1), (below, with_effect, MODEL, 1.2), (below, without, VALVE, 1.2))
+    for axes, (label, values), color, width in curves:
+        axes.plot(t, values, color=color, linewidth=width, label=label)
     below.set_xlabel("time (s)")
     for axes in (above, below):
         tidy(axes)
