@@ -146,7 +146,7 @@ class Database:
             fault = sqlite3.DatabaseError(faults[0])
             fault.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
             raise fault
-        is_new = database.execute("SELECT name FROM sqlite_schema").fetchone() is None
+        is_new = _is_empty(database)
         if is_new:
             database.execute("PRAGMA auto_vacuum = INCREMENTAL")  # only a file without tables takes it
         else:
@@ -156,13 +156,20 @@ class Database:
         database.execute(f"PRAGMA synchronous = {self._content.synchronous}")
         database.execute(f"PRAGMA journal_size_limit = {LARGEST_LOG}")
         if is_new:
-            content = self._content
-            database.executescript(
-                f"BEGIN IMMEDIATE; {content.tables} PRAGMA application_id = {content.application}; "
-                f"PRAGMA user_version = {content.version}; COMMIT;"
-            )
+            self._make(database)
         if self._content.added:
             database.executescript(self._content.added)
+
+    def _make(self, database: sqlite3.Connection) -> None:
+        """Make the tables, unless another connection has made them since the file was seen to be empty."""
+        content = self._content
+        marks = f"PRAGMA application_id = {content.application}; PRAGMA user_version = {content.version}"
+        with database:
+            database.execute("BEGIN IMMEDIATE")
+            if _is_empty(database):
+                for statement in f"{content.tables}{marks}".split(";"):
+                    database.execute(statement)
+        self._recognise(database)
 
     def _recognise(self, database: sqlite3.Connection) -> None:
         application, version = (
@@ -181,6 +188,10 @@ def _named(path: Path) -> Iterator[None]:
         yield
     except sqlite3.Error as error:
         raise StoreError(f"{path}: {error}") from error
+
+
+def _is_empty(database: sqlite3.Connection) -> bool:
+    return database.execute("SELECT name FROM sqlite_schema").fetchone() is None
 
 
 def _is_damaged(error: StoreError) -> bool:

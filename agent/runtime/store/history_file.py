@@ -16,7 +16,7 @@ from uuid import uuid4
 from agent.runtime.store.database import Database, Format
 
 TABLES = """
-CREATE TABLE IF NOT EXISTS entry (
+CREATE TABLE entry (
     number INTEGER PRIMARY KEY,
     written REAL NOT NULL,
     time REAL NOT NULL,
@@ -24,8 +24,8 @@ CREATE TABLE IF NOT EXISTS entry (
     kind TEXT NOT NULL,
     content TEXT NOT NULL
 );
-CREATE INDEX IF NOT EXISTS entry_time ON entry (loop, time);
-CREATE INDEX IF NOT EXISTS entry_written ON entry (written);
+CREATE INDEX entry_time ON entry (loop, time);
+CREATE INDEX entry_written ON entry (written);
 """
 """``written``: when, by this machine's clock, s UTC; retention goes by it, as a source may have any.
 ``content`` is JSON."""

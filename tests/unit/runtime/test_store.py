@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from agent.alarms import Alarm, Command, Delay, Event
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.store.change import Change, Waiting
+from agent.runtime.store.database import Database
 from agent.runtime.store.journal import Journal
 from agent.runtime.store.store import Store, StoreError
 from connectors.base import Publication
@@ -39,6 +40,19 @@ def opened(path, work):
         return work(store)
     finally:
         store.close()
+
+
+def test_a_new_file_that_another_connection_makes_meanwhile_is_shared(path, monkeypatch):
+    """As writer and forwarder of the history do: both have seen that it is empty."""
+    make = Database._make
+
+    def behind_another(database, connection):
+        monkeypatch.undo()
+        opened(path, lambda store: store.write(Change(put={1: waiting(1)})))
+        make(database, connection)
+
+    monkeypatch.setattr(Database, "_make", behind_another)
+    assert opened(path, Store.read).waiting == {1: waiting(1)}
 
 
 def test_it_gives_back_what_it_was_given(path):
