@@ -113,9 +113,7 @@ def pose(
         return "OP has so many gaps that PV answers to them all the time"
     keep = math.exp(-block / (pass_time * period))
     weight = counts.astype(np.float64)
-    basis = nuisance_basis(weight, keep)
-    pv = high_pass(pv - pv[counts].mean(), keep)
-    pv = (pv - basis @ (basis.T @ (pv * weight))) * weight
+    pv, basis = behind_high_pass(pv, weight, keep)
     max_delay = max(8.0, min(0.8 * period, n / 8))
     fixed = float(fixed_delay)
     return Problem(
@@ -134,6 +132,13 @@ def pose(
         op_speed=smooth_speed(op, period),
         quiet=quiet_start(op, period),
     )
+
+
+def behind_high_pass(pv: FloatArray, weight: FloatArray, keep: float) -> tuple[FloatArray, FloatArray]:
+    """Return block means of PV, (m,), filtered, with the nuisance projected out, and its basis, (m, 3)."""
+    basis = nuisance_basis(weight, keep)
+    pv = high_pass(pv - pv[weight > 0].mean(), keep)
+    return (pv - basis @ (basis.T @ (pv * weight))) * weight, basis
 
 
 def first_periods(problem: Problem, periods: float) -> Problem:

@@ -17,7 +17,7 @@ import numpy as np
 
 from agent.analysis.stiction.shapes.phase_surrogates import surrogates
 from agent.physics.loop_model import LoopModel
-from agent.workbench.residual.state_dependence import directions, left_of_start
+from agent.workbench.residual.movable import beyond, movable
 from agent.workbench.search import hypercube
 from agent.workbench.space import space_of
 
@@ -99,7 +99,7 @@ def instant_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
     if not len(scan.values):
         return 1.0
     seen = float(scan.best(scan.left[:, None]).explained[0])
-    by_chance = scan.best(_beyond(surrogates(scan.left, SURROGATES, 0).T, scan.known)).explained
+    by_chance = scan.best(beyond(surrogates(scan.left, SURROGATES, 0).T, scan.known)).explained
     return _tail(seen, by_chance)
 
 
@@ -124,7 +124,7 @@ def course_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
     if not len(scan.values):
         return 1.0
     seen = float(np.max((scan.atoms.T @ scan.left) ** 2))
-    others = _beyond(surrogates(scan.left, SURROGATES, 0).T, scan.known)
+    others = beyond(surrogates(scan.left, SURROGATES, 0).T, scan.known)
     return _tail(seen, np.max((scan.atoms.T @ others) ** 2, axis=0))
 
 
@@ -154,23 +154,12 @@ def _scan(predicts: Predictor, best: FloatArray, effect: Effect) -> Scan:
     time = np.asarray(record.facts.ts * np.arange(len(record)), dtype=np.float64)
     columns = cast("DisturbanceEffect", effect).columns
     added = np.column_stack([columns(time, response, each)[:, 0] for each in tried])
-    known = _known(predicts, best)
+    known = movable(predicts, best)
     white = predicts.noise.filtered(added)[predicts.kept]
     length = np.linalg.norm(white, axis=0)
-    new = _beyond(white, known)
+    new = beyond(white, known)
     size = np.linalg.norm(new, axis=0)
     told = size > LEAST_NEW * length
     atoms = np.asarray(new[:, told] / size[told], dtype=np.float64)
-    left = _beyond(predicts.residual(best), known)
+    left = beyond(predicts.residual(best), known)
     return Scan(left, known, tried[told], atoms, tuple(i - own for i in instants))
-
-
-def _known(predicts: Predictor, best: FloatArray) -> FloatArray:
-    """Return orthonormal columns of what the model may move to, (m, q)."""
-    own = np.column_stack((predicts.objective.columns(best), left_of_start(predicts.objective.record)))
-    white = predicts.noise.filtered(own)[predicts.kept]
-    return directions(np.column_stack((predicts.derivative(best), white, predicts.basis)))
-
-
-def _beyond(columns: FloatArray, known: FloatArray) -> FloatArray:
-    return np.asarray(columns - known @ (known.T @ columns), dtype=np.float64)

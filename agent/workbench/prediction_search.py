@@ -96,12 +96,6 @@ def predictor(
     return found
 
 
-def beside(smaller: tuple[Predictor, FloatArray], own: FloatArray) -> FloatArray:
-    """Return values (m, k), own units, of a larger model: the smaller one's best, and ``own`` (m, j)."""
-    values = smaller[0].space.values(smaller[1])
-    return np.hstack((np.tile(values, (len(own), 1)), own))
-
-
 def with_other_values(
     predicts: Predictor, at: FloatArray, points: FloatArray
 ) -> tuple[Predictor, FloatArray] | None:

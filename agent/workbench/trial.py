@@ -13,7 +13,7 @@ from agent.physics.foreign import EffectError
 from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
 from agent.workbench.instant_order import largest_first
-from agent.workbench.prediction_search import beside, predictor
+from agent.workbench.prediction_search import predictor
 from agent.workbench.valve_starts import ValveStart, with_valve
 
 if TYPE_CHECKING:
@@ -124,11 +124,17 @@ def _larger(trial: Trial) -> LoopModel:
     return replace(model, effects=(*model.effects, trial.effect))
 
 
+def beside(values: FloatArray, own: FloatArray) -> FloatArray:
+    """Return values (m, k + j) of a larger model: those of the smaller, (k,), beside ``own`` (m, j)."""
+    return np.hstack((np.tile(values, (len(own), 1)), own))
+
+
 def _where_it_predicts(trial: Trial) -> FloatArray | None:
     """Return values to begin from, (m, k), own units, the others where the smaller model predicts best."""
     if trial.instants is None or trial.predicts is None:
         return _valves(trial)
-    return beside(trial.predicts, trial.instants)
+    predicts, best = trial.predicts
+    return beside(predicts.space.values(best), trial.instants)
 
 
 def _starts(trial: Trial) -> FloatArray | None:
@@ -137,8 +143,7 @@ def _starts(trial: Trial) -> FloatArray | None:
     if isinstance(effect, SpottedEffect):
         spots.append(effect.spotted(residual_of(trial.smaller, trial.record), trial.record.facts))
     if spots:
-        own = np.vstack(spots)
-        return np.hstack((np.tile(trial.smaller.values, (len(own), 1)), own))
+        return beside(trial.smaller.values, np.vstack(spots))
     return _valves(trial)
 
 

@@ -18,11 +18,11 @@ import numpy as np
 
 from agent.analysis.oscillation.signals import noise_level
 from agent.physics.foreign import EffectError
-from agent.workbench.residual.state_dependence import directions, left_of_start
+from agent.workbench.residual.movable import beyond, movable
 from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.search import hypercube, searched, whitened
+from agent.workbench.shown.changes import PLACES, changes
 from agent.workbench.shown.excitation import excitation_of, not_excited
-from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from agent.workbench.predictor import Predictor
     from agent.workbench.search import Round
 
-PLACES = 60
-"""Values of an effect that are looked at."""
 REFITTED = 3
 """Of them, the largest changes, before an effect is denied."""
 ROUNDS: tuple[Round, ...] = ((3, 0.05, 20), (1, 0.02, 40))
@@ -63,7 +61,7 @@ def shown_by(predicts: Predictor, best: FloatArray, effects: Iterable[Effect]) -
         effects: That could be added.
     """
     did = excitation_of(predicts.objective.record.op)
-    asked = _Asked(predicts, best, _known(predicts, best))
+    asked = _Asked(predicts, best, movable(predicts, best))
     found = []
     for effect in effects:
         try:
@@ -94,10 +92,10 @@ class _Asked:
         What a small change of the model does as well a large one may not: so before an effect is denied, the
         model is fitted to its own free run with the largest changes.
         """
-        changes = self.changes(effect)
-        moved = [self.predicts.whitened(each) for each in changes]
+        added = self.changes(effect)
+        moved = [self.predicts.whitened(each) for each in added]
         whole = np.array([float(np.sum(each**2)) for each in moved])
-        new = np.array([float(np.sum((each - self.known @ (self.known.T @ each)) ** 2)) for each in moved])
+        new = np.array([float(np.sum(beyond(each, self.known) ** 2)) for each in moved])
         variance = self.least_variance()
         if effect.stage == "disturbance":  # its height may be any
             part = float(np.max(new / np.maximum(whole, TINY)))
@@ -105,27 +103,16 @@ class _Asked:
         for at in np.argsort(-whole)[:REFITTED]:
             if new.max() >= VERY_STRONG * variance and np.any(new > IMITATED * whole):
                 break
-            new[at] = max(new[at], self.left_by_refit(changes[at]))
+            new[at] = max(new[at], self.left_by_refit(added[at]))
         return float(new.max()) / variance, float(np.max(new / np.maximum(whole, TINY)))
 
     def changes(self, effect: Effect) -> list[FloatArray]:
         """Return what an effect adds to PV at many of its values, PV units, each (n, k)."""
-        objective = self.predicts.objective
-        record = objective.record
-        model = replace(objective.model, effects=(*objective.model.effects, effect))
-        space, layout = space_of(model, record.facts), model.layout(record.facts)
-        values, before = objective.space.values(self.best), objective.columns(self.best)
-        gain = self.largest_gain(before[:, 0])
-        found = []
-        for point in hypercube(PLACES, len(space) - len(values)):
-            own = space.values(np.concatenate((self.best, point)))
-            own[: len(values)] = values
-            columns = layout.columns(record.op, own)
-            if effect.stage == "disturbance":
-                found.append(columns[:, before.shape[1] :])
-            else:
-                found.append(gain * (columns[:, :1] - before[:, :1]))
-        return found
+        found = changes(self.predicts, self.best, effect)
+        if effect.stage == "disturbance":
+            return [*found]
+        gain = self.largest_gain(self.predicts.objective.columns(self.best)[:, 0])
+        return [gain * each for each in found]
 
     def least_variance(self) -> float:
         """Return the variance of the innovations that a complete model may have, PV units squared.
@@ -161,12 +148,6 @@ class _Asked:
         behind = replace(behind, target=replace(behind.target, gain_sign=0))
         points = np.vstack((self.best, hypercube(PLACES, len(self.best))))
         return behind.error(searched(behind, points, ROUNDS))
-
-
-def _known(predicts: Predictor, best: FloatArray) -> FloatArray:
-    own = np.column_stack((predicts.objective.columns(best), left_of_start(predicts.objective.record)))
-    white = predicts.noise.filtered(own)[predicts.kept]
-    return directions(np.column_stack((predicts.derivative(best), white, predicts.basis)))
 
 
 def _part(information: float, predicts: Predictor) -> str:

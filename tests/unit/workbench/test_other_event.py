@@ -12,8 +12,9 @@ from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.fit import fit, nested_fit
 from agent.workbench.other_event import is_another_gain, is_only_another_level
-from agent.workbench.prediction_search import beside, predictor
+from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
+from agent.workbench.trial import beside
 
 LATER = np.arange(N) > 1000
 
@@ -24,7 +25,8 @@ def told(effect, op, pv):
     base = fit(LoopModel(Fopdt()), record, record.weight)
     larger = nested_fit(base, LoopModel(Fopdt(), (effect,)), record)
     smaller = predictor(base, record)
-    return predictor(larger, record, smaller, beside(smaller, instants_seen(*smaller, effect)))
+    values = smaller[0].space.values(smaller[1])
+    return predictor(larger, record, smaller, beside(values, instants_seen(*smaller, effect)))
 
 
 def open_loop(levels):

@@ -20,10 +20,10 @@ from agent.workbench.event_scan import instants_seen
 from agent.workbench.fit import fit, fit_at, nested_fit
 from agent.workbench.folds import HeldOut, folds_of, held_out
 from agent.workbench.intervals import estimated
-from agent.workbench.prediction_search import beside, predictor, with_other_values
+from agent.workbench.prediction_search import predictor, with_other_values
 from agent.workbench.projection import nuisance_part, target_of
 from agent.workbench.record import bare_record
-from agent.workbench.trial import Tried, predicted
+from agent.workbench.trial import Tried, beside, predicted
 from simulators.draws.hidden_effects import hidden_effect_plant
 
 TAU = -1 / np.log(0.9)
@@ -100,7 +100,8 @@ def test_a_load_that_steps_is_sought_where_the_innovations_show_it():
     target = target_of(record, record.weight, linear=True)
     wrong = fit_at(LoopModel(Fopdt(), (effect,)), record, target, slow)
     smaller = predictor(fit(LoopModel(Fopdt()), record, record.weight), record)
-    predicts, best = predictor(wrong, record, smaller, beside(smaller, instants_seen(*smaller, effect)))
+    values = smaller[0].space.values(smaller[1])
+    predicts, best = predictor(wrong, record, smaller, beside(values, instants_seen(*smaller, effect)))
     found = np.sort(predicts.space.values(best)[2:5])
     assert np.allclose(found, plant.parameters["load_step.time"], atol=2.0)
 

@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from agent.analysis.quantify.free_run.problem import structures
-from agent.identify.problem import Problem, bridge, high_pass, nuisance_basis
+from agent.identify.problem import Problem, behind_high_pass, bridge
 from agent.identify.search.linear import best_linear, process_behind
 from agent.physics.processes.decimation import block_means
 
@@ -38,8 +38,5 @@ def quick_evidence(window: LoopWindow, problem: Problem, sticking: Fitted) -> fl
 def filtered(window: LoopWindow, problem: Problem) -> Problem:
     """Return the same problem behind the quicker filter."""
     keep = math.exp(-problem.block / max(PASS_TIME * problem.period, LEAST_BLOCKS * problem.block))
-    pv = block_means(bridge(window.pv), problem.block)
-    pv = high_pass(pv - pv[problem.weight > 0].mean(), keep)
-    basis = nuisance_basis(problem.weight, keep)
-    pv = (pv - basis @ (basis.T @ (pv * problem.weight))) * problem.weight
+    pv, basis = behind_high_pass(block_means(bridge(window.pv), problem.block), problem.weight, keep)
     return problem._replace(keep=keep, pv=pv, basis=basis)
