@@ -13,7 +13,7 @@ from pymodbus.exceptions import ConnectionException, ModbusException
 from pymodbus.pdu import ModbusPDU
 
 from connectors.base import AccessDeniedError, ConnectionLostError
-from connectors.cancellation import obey_cancellation
+from connectors.cancellation import ends_when_cancelled, obey_cancellation
 from connectors.modbus.options import ModbusOptions, Table
 from connectors.tls import explain
 
@@ -117,7 +117,7 @@ async def connected(options: ModbusOptions) -> AsyncIterator[ModbusClient]:
     )
     _tell_at_once(client)
     try:
-        if not await client.connect():
+        if not await ends_when_cancelled(client.connect()):
             await _raise_denial(options, tls)
             raise ConnectionLostError(f"no Modbus device answers at {options.host}:{options.port}")
         yield ModbusClient(client, options, tls)

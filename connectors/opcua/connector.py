@@ -21,7 +21,7 @@ from connectors.base import (
     Session,
     TargetReport,
 )
-from connectors.cancellation import obey_cancellation
+from connectors.cancellation import ends_when_cancelled, obey_cancellation
 from connectors.opcua.batches import Batches
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
 from connectors.opcua.security import identify, refusal
@@ -189,7 +189,7 @@ async def connected(options: OpcUaOptions) -> AsyncIterator[Client]:
     with as_connection_lost(f"OPC UA server at {options.url}: "), ExitStack() as unless_connected:
         unless_connected.callback(client.disconnect_socket)
         await identify(client, options)
-        await client.connect()
+        await ends_when_cancelled(client.connect())
         unless_connected.pop_all()
     try:
         yield client

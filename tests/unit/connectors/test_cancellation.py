@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from connectors.cancellation import obey_cancellation
+from connectors.cancellation import ends_when_cancelled, obey_cancellation
 from connectors.modbus.client import ModbusClient
 from connectors.modbus.options import ModbusOptions
 from simulators.clock import Clock
@@ -21,7 +21,7 @@ async def deaf(*_args, **_more):
     return SimpleNamespace(isError=lambda: False, registers=[7], bits=[True])
 
 
-async def ends_when_cancelled(work):
+async def require_cancelled(work):
     task = asyncio.create_task(work)
     await asyncio.sleep(0.005)  # it waits within the library now
     task.cancel()
@@ -41,7 +41,7 @@ async def test_a_poll_of_modbus_that_never_has_news():
         while True:
             await client.read("input", 0, 1)
 
-    await ends_when_cancelled(poll())
+    await require_cancelled(poll())
 
 
 async def test_a_player_of_an_endless_plant():
@@ -54,4 +54,20 @@ async def test_a_player_of_an_endless_plant():
                 yield Row(k, {})
                 k += 1.0
 
-    await ends_when_cancelled(play([Plant()], SimpleNamespace(lead=0, put=deaf), Clock(1e6)))
+    await require_cancelled(play([Plant()], SimpleNamespace(lead=0, put=deaf), Clock(1e6)))
+
+
+async def test_work_that_waits_again_after_it_swallowed_a_cancellation():
+    async def stubborn():
+        await deaf()
+        await asyncio.Event().wait()
+
+    await require_cancelled(ends_when_cancelled(stubborn()))
+
+
+async def test_work_that_fails_once_it_is_cancelled_leaves_the_cancellation():
+    async def failing():
+        await deaf()
+        raise OSError("the peer is gone")
+
+    await require_cancelled(ends_when_cancelled(failing()))
