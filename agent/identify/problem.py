@@ -24,6 +24,8 @@ BLOCKS_PER_PERIOD = 40
 """Samples of a period that are kept; fewer would blur the slips."""
 PASS_TIME = 0.5
 """Time constant of the high-pass filter, periods: it passes 95 % of the oscillation."""
+LEAST_PASS_TIME = 2.0
+"""Its least, blocks: a filter that is faster than the samples leaves their differences only."""
 BURN = 0.5
 """Start of the record that does not count, periods, at most a twelfth of it: what was before is not known."""
 LEAST_SAMPLES = 50
@@ -111,7 +113,7 @@ def pose(
     pv = block_means(bridge(signal_pv), block)
     if counts.sum() < LEAST_SAMPLES or np.ptp(pv[counts]) <= 0:
         return "OP has so many gaps that PV answers to them all the time"
-    keep = math.exp(-block / (pass_time * period))
+    keep = math.exp(-block / max(pass_time * period, LEAST_PASS_TIME * block))
     weight = counts.astype(np.float64)
     pv, basis = behind_high_pass(pv, weight, keep)
     max_delay = max(8.0, min(0.8 * period, n / 8))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,7 +26,6 @@ from agent.identify.objective import (
     LOG_TAU2,
     S,
 )
-from agent.identify.problem import PASS_TIME
 from agent.physics.valves.damped_stem import DampedStem
 from agent.units import FrictionBands
 
@@ -40,10 +38,7 @@ if TYPE_CHECKING:
     from agent.workbench.fit import Fit
 
 MOST = 8
-"""Valves of a view that are handed on."""
-VIEWS = (PASS_TIME, 0.1)
-"""Time constants of the high-pass filter, periods: that of the quantifier, and one behind which a load that
-wanders is nearly white, as it is for the predictions."""
+"""Valves that are handed on."""
 APART = 0.02
 """Least distance of two of them in S, part of OP's span, or ten times that in J/S."""
 
@@ -61,13 +56,9 @@ class ValveStart:
 
 
 def valve_starts(window: LoopWindow) -> tuple[ValveStart, ...]:
-    """Return sticking valves that differ, of each view the best first; none where none moves."""
-    return tuple(chain.from_iterable(_starts_in(window, each) for each in VIEWS))
-
-
-def _starts_in(window: LoopWindow, pass_time: float) -> tuple[ValveStart, ...]:
-    problem = pose(window, pass_time=pass_time)
-    found = None if isinstance(problem, str) else find(window, problem, pass_time)
+    """Return sticking valves that differ, the best first; none where none moves."""
+    problem = pose(window)
+    found = None if isinstance(problem, str) else find(window, problem)
     if isinstance(problem, str) or found is None:
         return ()
     kept: list[FloatArray] = []

@@ -14,9 +14,9 @@ from agent.analysis.record.recording import FloatArray, LoopWindow
 from agent.identify.bank import bank
 from agent.identify.objective import S, free_run_error
 from agent.identify.problem import Problem, first_periods
+from agent.identify.search.cycle import STRUCTURES
 from agent.identify.search.grid import COARSE, DELAYS, FARTHEST, LAGS, LEVEL_STEP, STEMS, scan
 from agent.identify.search.process_bank import delays_of, processes_of
-from agent.identify.search.search import STRUCTURES
 from agent.plots.axes import MEASURED, MODEL, VALVE, tidy
 from simulators.parameters import ValveParameters
 from simulators.plant import simulate

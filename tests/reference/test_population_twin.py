@@ -29,9 +29,9 @@ from agent.identify.objective import (
 from agent.identify.process_columns import pass_high, passes_for
 from agent.identify.search.anywhere import valves_from_anywhere
 from agent.identify.search.children import generation, scattered
+from agent.identify.search.cycle import STRUCTURES, possible_of
 from agent.identify.search.population import S_BINS, apart, reach
 from agent.identify.search.price import DEAR, DEAR_BRISTLES, price
-from agent.identify.search.search import STRUCTURES, possible_of
 from tests.reference import gauss_newton_by_hand as slow
 from tests.reference.test_free_run_twin import FEW, SEEDS, candidate_of, problem_of
 

@@ -18,7 +18,7 @@ from agent.identify.search.population import Candidates, join, least, refit
 if TYPE_CHECKING:
     from agent.identify.arrays import FloatArray, IntArray
     from agent.identify.problem import Problem
-    from agent.identify.search.search import Searched
+    from agent.identify.search.cycle import Searched
 
 S_CELL, J_CELL = 1 / 200, 1 / 50
 """Cells, OP spans: a third of the margins of the intervals, so that their ends are not the cells'."""

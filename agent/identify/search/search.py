@@ -1,10 +1,9 @@
-"""The search: islands, and around what they found, in turn, until noise is left.
+"""One search in two views of a record, in turn: behind a slow and behind a quick high-pass filter.
 
-One schedule: an even cycle is an island (valves climb: those of a grid at first, later others from anywhere),
-an odd one climbs again from valves scattered around what was found. The first island is small, because it
-finds most valves. One criterion: what a candidate costs (``price``). One stop: the residual of
-the best model is white noise, some cycles in a row gained nothing, the budget is spent, or the best valve
-explains hardly more than none.
+Behind the slow filter white noise is white, and behind the quick one a load that wanders: a high-pass
+filter of the first order is the innovations form of an integrated moving average. A valve that is a needle in
+one view is often found at once in the other. Each view has islands of its own, so that two that find the same
+valve are two independent trials; where they differ, each climbs around what the other found, too.
 See docs/methods/free_run.md.
 """
 
@@ -17,151 +16,123 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.identify.fitted import start
-from agent.identify.objective import FOPDT, INTEGRATOR, SIZE, SOPDT
-from agent.identify.problem import first_periods
-from agent.identify.residuals import autocorrelation
-from agent.identify.search.anywhere import valves_from_anywhere
-from agent.identify.search.children import scattered
-from agent.identify.search.climb import climb
-from agent.identify.search.grid import valves_of_grid
-from agent.identify.search.population import Candidates, apart, join, least, periods_of, reach
+from agent.identify.objective import J_RATIO, S
+from agent.identify.search.cycle import FINALISTS, STRUCTURES, Searched, next_cycle, nothing
+from agent.identify.search.population import Candidates, counted_blocks, join, least, refit
+from agent.identify.simplex import polished
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.identify.arrays import IntArray
     from agent.identify.problem import Problem
 
-STRUCTURES = (FOPDT, SOPDT, INTEGRATOR)
-MANY_PERIODS = 12
-"""Periods from which a record has a first part that distinguishes valves."""
-FIRST_SHARE, FIRST_LEAST = 16, 6.0
-"""First horizon: periods over ``FIRST_SHARE``, at least ``FIRST_LEAST``;"""
-FEW_SHARE, FEW_LEAST = 0.5, 3.5
-"""with few periods, half of them."""
-FIRST_PARENTS, PARENTS = 100, 300
-"""Parents of the first island and the climb around it, and of all others. Two of three simulated loops need
-no more than the first island."""
-ISLAND, MORE = 2500, 600
-"""Valves from anywhere on an island, and beside those scattered around what was found."""
-SCALE = 0.02
-"""How far scattered ones are, OP spans; they are as many as the parents."""
-CYCLES_OF_FIRST = 2
-"""Cycles with ``FIRST_PARENTS``: the first island and around it."""
-GOES_ON = 2
-"""Valves from anywhere that climb, over the parents of the first horizon."""
-APART = 0.02
-"""Distance of those, over the range of a coordinate."""
-OF_A_BIN = 16
-"""Of one niche, at most."""
-FINALISTS = 24
-"""Kept from cycle to cycle."""
-WHITE = 0.15
-"""Correlation of a residual with the one of the block before up to which it is white: of 122 simulated loops
-(seeds 40000 to 40121) every valve whose S was off by more than 2 % of the span left 0.23 or more."""
-GAIN = 0.98
-"""Cost over that before, above which a cycle gained nothing."""
-CYCLES = 30
-"""At most; the budget ends a search before."""
-IN_VAIN = 5
-"""Cycles in a row without a gain that end a search: around what was found, two islands and around them."""
+TURNS = (0, 1, 1, 0, 0, 1, 0, 1)
+"""Views that have an island, and climb around what it found, in turn: the small islands of both, then the
+large one of the quick view first, which finds more (simulated loops, seeds 47000 to 47059)."""
+OWN = 3
+"""First turns in which a view sees nothing of what the other found."""
+SAME_S, SAME_J = 0.01, 0.03
+"""Differences of S and J, OP spans, up to which both views found the same valve: what noise moves them by."""
+LIKELIER = 10.0
+"""Difference of -2 log likelihood from which the quick view decides: very strong evidence (Kass and Raftery,
+JASA 90 (1995) 773)."""
+EVALUATIONS = 4
+"""Gauss-Newton steps with which a model of one view is taken over in the other."""
 BUDGET = 80e6
-"""Samples through which valves may be simulated before the last cycle: about two seconds of one core."""
+"""Samples through which valves may be simulated before the last turn: about two seconds of one core."""
 
 
 @dataclass(frozen=True, slots=True)
-class Searched:
-    """What a search found."""
+class SearchedViews:
+    """What a search in views found."""
 
-    finalists: Candidates
-    """On the whole record, best first."""
-    early: tuple[Candidates, ...]
-    """Populations on the way, on parts of the record."""
+    view: int
+    """The view whose model is likelier."""
+    searched: Searched
+    """In that view."""
     ended: str
-    """``white``: the residual is white noise; ``in_vain``: further cycles gained nothing;
-    ``explains_little``: hardly better than no valve; ``budget``: it is spent, and more might be found."""
+    """``white``: the residual is white noise; ``agreed``: both views found the same valve;
+    ``explains_little``: hardly better than no valve; ``budget`` and ``turns``: both are spent, and more might
+    be found."""
     work: float
-    """Samples through which valves were simulated."""
+    """Samples through which valves were simulated, in all views."""
 
 
 def search(
-    problem: Problem,
-    structures: Sequence[int] = STRUCTURES,
-    worth: float = math.inf,
-    seed: int = 0,
-) -> Searched:
+    views: Sequence[Problem], structures: Sequence[int] = STRUCTURES, worth: float = math.inf, seed: int = 0
+) -> SearchedViews:
     """Return the best valves with their processes.
 
     Args:
-        problem: The record.
+        views: The same record behind the slow and behind the quick filter.
         structures: Processes that are possible, at least one.
-        worth: Cost below which a valve explains enough to go on after a large island, PV units squared.
+        worth: Cost in the first view below which a valve explains enough to go on, PV units squared.
         seed: Of the random numbers; the same record gives the same answer.
     """
-    rng = np.random.default_rng(seed)
-    possible = possible_of(structures)
-    horizon = first_horizon(problem)
-    part = first_periods(problem, horizon)
-    finalists = Candidates(np.empty((0, SIZE)), np.empty(0, dtype=np.int64), np.empty(0))
-    early: tuple[Candidates, ...] = ()
-    vain, work, ended = 0, 0.0, "budget"
-    for cycle in range(CYCLES):
-        parents = FIRST_PARENTS if cycle < CYCLES_OF_FIRST else PARENTS
-        around = finalists if cycle % 2 else None
-        begun, looked = _begun(cycle, problem, part, around, parents, structures, rng)
-        climbed = climb(begun, problem, horizon, parents, possible, rng, around)
-        work += climbed.work + looked * len(part.op)
-        early += climbed.early
-        before = least(finalists)
-        finalists = join(climbed.population, finalists).sorted(FINALISTS)
-        vain = vain + 1 if least(finalists) > GAIN * before else 0
-        if cycle >= CYCLES_OF_FIRST and least(finalists) > worth:
-            ended = "explains_little"
-        elif cycle % 2 and periods_of(problem) >= MANY_PERIODS and leaves_white(finalists, problem):
-            ended = "white"
-        elif vain >= IN_VAIN:
-            ended = "in_vain"
-        elif work <= BUDGET:
+    found = [nothing(), nothing()]
+    limits = (worth, math.inf)
+
+    def go_on(view: int, *, around: bool, guests: bool = False) -> None:
+        seen = found[view].finalists
+        if guests:
+            seen = join(seen, _refitted(found[1 - view].finalists, views[view])).sorted(FINALISTS)
+        found[view] = next_cycle(
+            found[view], views[view], structures, limits[view], around=seen if around else None, seed=seed
+        )
+
+    ended = "turns"
+    for turn, view in enumerate(TURNS):
+        if found[view].ended or (view and least(found[0].finalists) > worth):
             continue
-        break
-    return Searched(finalists, early, ended, work)
+        go_on(view, around=False)
+        if not found[view].ended:
+            go_on(view, around=True, guests=turn >= OWN)
+        why = found[view].ended
+        if why == "explains_little" or (why == "white" and view == likelier(found, views)):
+            ended = why
+            break
+        if turn < OWN and _agree(found, views):
+            ended = "agreed"
+            break
+        if sum(each.work for each in found) > BUDGET:
+            ended = "budget"
+            break
+    if likelier(found, views):  # in the slow view the same valve may show more of its jump
+        go_on(0, around=True, guests=True)
+    view = likelier(found, views)
+    return SearchedViews(view, found[view], ended, sum(each.work for each in found))
 
 
-def _begun(
-    cycle: int,
-    problem: Problem,
-    part: Problem,
-    around: Candidates | None,
-    parents: int,
-    structures: Sequence[int],
-    rng: np.random.Generator,
-) -> tuple[Candidates, int]:
-    """Return the valves that a cycle begins with, and how many were looked at for it."""
-    if cycle == 0:
-        begun = valves_of_grid(problem, structures)
-        return begun, len(begun.costs)
-    count, most = (ISLAND, GOES_ON * parents) if around is None else (MORE, parents)
-    begun = valves_from_anywhere(count, problem, part, structures, rng)
-    begun = begun.take(apart(begun, most, APART, OF_A_BIN, reach(problem), problem.op_span))
-    if around is not None:
-        begun = join(begun, scattered(around, parents, SCALE, problem, rng))
-    return begun, count
+def _refitted(population: Candidates, problem: Problem) -> Candidates:
+    copies = population.take(np.arange(len(population.costs)))
+    refit(copies, problem, EVALUATIONS)
+    return copies
 
 
-def leaves_white(finalists: Candidates, problem: Problem) -> bool:
-    """Whether the residual of the best finalist, the first, has no memory of the block before."""
-    structure = int(finalists.structures[0])
-    return abs(autocorrelation(start(finalists.candidates[0], structure, problem), problem, 1)) <= WHITE
+def likelier(found: Sequence[Searched], views: Sequence[Problem]) -> int:
+    """Return the view whose best model is likelier; the first where the second is not by far."""
+    if not found[1].cycles:
+        return 0
+    slow, quick = (min(surprise(each, view) for view in views) for each in found)
+    return int(slow - quick > LIKELIER)
 
 
-def possible_of(structures: Sequence[int]) -> IntArray:
-    """Return 1 for each structure that is possible, else 0, (3,)."""
-    return np.array([int(each in structures) for each in range(len(STRUCTURES))], dtype=np.int64)
+def surprise(searched: Searched, view: Problem) -> float:
+    """Return -2 log likelihood of the best model in a view, without what all models of a record share.
+
+    Its process is fitted again. The filter passes ``keep`` times the innovations of what it whitens.
+    """
+    best = searched.finalists
+    count = counted_blocks(view)
+    error = polished(start(best.candidates[0].copy(), int(best.structures[0]), view), view).error
+    return count * math.log(max(error, 1e-300) / count / view.keep**2)
 
 
-def first_horizon(problem: Problem) -> float:
-    """Return how many periods the search looks at first."""
-    periods = periods_of(problem)
-    if periods >= MANY_PERIODS:
-        return min(periods, max(FIRST_LEAST, periods / FIRST_SHARE))
-    return max(min(FEW_LEAST, periods), FEW_SHARE * periods)
+def _agree(found: Sequence[Searched], views: Sequence[Problem]) -> bool:
+    """Whether both views found the same valve."""
+    if not all(each.cycles for each in found):
+        return False
+    one, other = (each.finalists.candidates[0] for each in found)
+    span = views[0].op_span
+    j = abs(one[S] * one[J_RATIO] - other[S] * other[J_RATIO])
+    return bool(abs(one[S] - other[S]) <= SAME_S * span and j <= SAME_J * span)

@@ -123,7 +123,7 @@ def test_a_record_that_is_the_model_gives_its_parameters_back():
     noise = 0.005 * np.random.default_rng(1).standard_normal(n)
     found = FREE_RUN.quantify(LoopWindow("x", 0.0, 2.0, op, pv + noise, hints=LoopHints(acting="direct")))
     assert found.decision == "stiction"
-    assert found.stiction.f_s.value == pytest.approx(3.0, abs=0.1)
+    assert found.stiction.f_s.value == pytest.approx(3.0, abs=0.2)  # OP moves by up to 0.7 a sample
     assert found.stiction.f_d.value == pytest.approx(1.0, abs=0.1)
     assert found.process.gain == pytest.approx(-0.5, rel=0.05)
     assert found.process.tau == pytest.approx(12.0, rel=0.1)

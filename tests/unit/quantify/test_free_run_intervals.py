@@ -40,14 +40,18 @@ def fitted(error, s, j, structure=FOPDT, delay=3.0):
     return Fitted(error, structure, candidate)
 
 
+def found_of(best, others):
+    return Found(best, others, best.error)
+
+
 def test_models_count_as_alike_up_to_the_limit():
     best, near, far = fitted(1.0, 2.0, 1.0), fitted(0.99 * ALIKE, 3.0, 1.0), fitted(1.01 * ALIKE, 9.0, 1.0)
-    assert alike(Found(best, (best, near, far))) == [best, best, near]
+    assert alike(found_of(best, (best, near, far))) == [best, best, near]
 
 
 def test_an_interval_is_the_union_over_the_basins():
     best, other = fitted(1.0, 2.0, 1.0), fitted(1.25, 4.0, 0.5)
-    found = stiction_estimate(Found(best, (best, other, fitted(9.0, 8.0, 1.0))), PROBLEM)
+    found = stiction_estimate(found_of(best, (best, other, fitted(9.0, 8.0, 1.0))), PROBLEM)
     assert ALIKE_IN_J < 1.25 < ALIKE
     assert (found.s.value, found.s.low, found.s.high) == pytest.approx(
         (2.0, 2.0 - MARGIN_S * SPAN, 4.0 + MARGIN_S * SPAN)
@@ -61,7 +65,7 @@ def test_an_interval_is_the_union_over_the_basins():
 
 def test_one_basin_identifies_and_no_band_is_below_zero():
     best = fitted(1.0, 2.0, 2.0)
-    found = stiction_estimate(Found(best, (best,)), PROBLEM)
+    found = stiction_estimate(found_of(best, (best,)), PROBLEM)
     assert found.identifiable_s
     assert found.identifiable_j
     assert (found.f_s.value, found.f_d.value, found.f_d.low) == (2.0, 0.0, 0.0)
@@ -69,14 +73,14 @@ def test_one_basin_identifies_and_no_band_is_below_zero():
 
 def test_far_apart_values_of_j_are_reported_as_unidentifiable():
     best, other = fitted(1.0, 3.0, 0.2), fitted(1.2, 3.1, 2.5)
-    found = stiction_estimate(Found(best, (best, other)), PROBLEM)
+    found = stiction_estimate(found_of(best, (best, other)), PROBLEM)
     assert found.identifiable_s
     assert not found.identifiable_j
 
 
 def test_the_profile_ascends_and_nothing_is_below_the_least():
     models = tuple(fitted(error, s, 0.5) for error, s in [(1.0, 3.0), (4.0, 1.0), (2.0, 6.0), (9.0, 6.1)])
-    found = profile(Found(models[0], models), PROBLEM, 2.0)
+    found = profile(found_of(models[0], models), PROBLEM, 2.0)
     np.testing.assert_allclose(found.s, [1.0, 3.0, 6.0])
     np.testing.assert_allclose(found.error, [4.0, 1.0, 2.0])
     np.testing.assert_allclose(found.delay, 6.0)
@@ -85,7 +89,7 @@ def test_the_profile_ascends_and_nothing_is_below_the_least():
 
 def test_the_process_ranges_over_its_own_structure_only():
     best, other = fitted(1.0, 2.0, 1.0, delay=3.0), fitted(1.1, 2.1, 1.0, delay=4.0)
-    found = Found(best, (best, other, fitted(1.1, 2.1, 1.0, SOPDT, delay=9.0)))
+    found = found_of(best, (best, other, fitted(1.1, 2.1, 1.0, SOPDT, delay=9.0)))
     assert same_structure(found) == [best, best, other]
     ranges = process_intervals(found, [0.5, 0.5, 0.7], 2.0)
     assert (ranges.gain, ranges.delay, ranges.tau2) == ((0.5, 0.7), (6.0, 8.0), None)
@@ -94,5 +98,5 @@ def test_the_process_ranges_over_its_own_structure_only():
 
 def test_an_integrator_has_no_time_constants():
     best = fitted(1.0, 2.0, 1.0, INTEGRATOR)
-    ranges = process_intervals(Found(best, (best,)), [0.1, 0.1], 2.0)
+    ranges = process_intervals(found_of(best, (best,)), [0.1, 0.1], 2.0)
     assert (ranges.tau, ranges.tau2) == (None, None)

@@ -118,7 +118,7 @@ def answer(
         model_pv=model_pv,
         model_mv=model_mv,
         profile=profile(found, problem, window.ts) if found else None,
-        quick_evidence=quick_evidence(window, problem, best) if found else 1.0,
+        quick_evidence=quick_evidence(window, best) if found else 1.0,
         turns=turns(valve_position(best.candidate, problem)) if found else 0,
         sticking=other,
     )

@@ -6,18 +6,19 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from agent.analysis.quantify.free_run.problem import in_spans, structures
+from agent.analysis.quantify.free_run.problem import QUICK, SLOW, in_spans, pose, structures
 from agent.identify.fitted import Fitted, by_error, start
 from agent.identify.objective import LEVEL, S
-from agent.identify.problem import PASS_TIME
+from agent.identify.search.cycle import possible_of
 from agent.identify.search.elites import elites_of
 from agent.identify.search.linear import best_linear
-from agent.identify.search.search import possible_of, search
+from agent.identify.search.search import search
 from agent.identify.simplex import polished
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
     from agent.identify.problem import Problem
+    from agent.identify.search.population import Candidates
 
 SLIDES_BELOW = 1.25
 """Evidence below which a valve is said not to stick; there a search ends after its first large island."""
@@ -28,38 +29,49 @@ class Found:
     """Models of a sticking valve."""
 
     best: Fitted
-    """The least cost: error, and price of what it has more than the simplest."""
+    """The least cost: error in the slow view, and price of what it has more than the simplest."""
     others: tuple[Fitted, ...]
-    """The best of each cell of S and of J, the best among them; the least error first."""
-
-    @property
-    def least_error(self) -> float:
-        """The least sum of squares, PV units squared."""
-        return min(self.best.error, self.others[0].error)
+    """The best of each cell of S and of J, the best among them; the least error first. Their errors are in
+    the view in which they were found."""
+    least_error: float
+    """The least sum of squares in the slow view, PV units squared."""
 
 
-def find(window: LoopWindow, problem: Problem, pass_time: float = PASS_TIME) -> Found | None:
+def find(window: LoopWindow, problem: Problem) -> Found | None:
     """Return the models of a sticking valve that explain a record best; None where no valve moves.
 
     Args:
         window: The record.
-        problem: What it poses, in its units; the search sees it in spans.
-        pass_time: Time constant of the high-pass filter of ``problem``, periods.
+        problem: What it poses in its units, in the slow view; the search sees it in spans.
     """
-    searched = in_spans(window, pass_time)
-    if isinstance(searched, str):
+    slow, quick = in_spans(window, SLOW), in_spans(window, QUICK)
+    if isinstance(slow, str) or isinstance(quick, str):
         return None
     possible = structures(window.hints)
-    without = best_linear(searched, possible)
+    without = best_linear(slow, possible)
     worth = math.inf if without is None else without.error / SLIDES_BELOW
-    models = elites_of(search(searched, possible, worth), searched, possible_of(possible))
+    searched = search((slow, quick), possible, worth)
+    models = elites_of(searched.searched, (slow, quick)[searched.view], possible_of(possible))
+    own = pose(window, pass_time=QUICK) if searched.view else problem
+    if isinstance(own, str):
+        return None
+    fits = _in_units(models, own)
+    if not math.isfinite(fits[0].error):
+        return None
+    best = polished(fits[0], own)
+    others = tuple(by_error([best, *fits[1:]]))
+    if searched.view:
+        best = polished(start(best.candidate, best.structure, problem), problem)
+        return Found(best, others, best.error)
+    return Found(best, others, others[0].error)
+
+
+def _in_units(models: Candidates, problem: Problem) -> list[Fitted]:
+    """Return models whose OP is in spans from its least value as models of a problem in its units."""
     low = float(problem.op.min())
     fits = []
     for candidate, structure in zip(models.candidates, models.structures, strict=True):
         candidate[S] *= problem.op_span
         candidate[LEVEL] = low + candidate[LEVEL] * problem.op_span
         fits.append(start(candidate, int(structure), problem))
-    if not math.isfinite(fits[0].error):
-        return None
-    best = polished(fits[0], problem)
-    return Found(best, tuple(by_error([best, *fits[1:]])))
+    return fits

@@ -46,7 +46,7 @@ PROFILE_POINTS = 40
 
 def alike(found: Found, times: float = ALIKE) -> list[Fitted]:
     """Return the models whose sum of squares is up to ``times`` the least, the best model first."""
-    limit = times * found.least_error
+    limit = times * found.others[0].error
     return [found.best, *(f for f in found.others if f.error <= limit)]
 
 
@@ -139,7 +139,7 @@ def profile(found: Found, problem: Problem, ts: float) -> Profile:
     """Return the best model in each of some ranges of S."""
     step = problem.op_span / PROFILE_POINTS
     best: dict[int, Fitted] = {}
-    for fitted in [found.best, *found.others]:
+    for fitted in found.others:
         place = math.floor(fitted.candidate[S] / step)
         if place not in best or fitted.error < best[place].error:
             best[place] = fitted

@@ -17,12 +17,15 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopHints, LoopWindow
     from agent.identify.problem import Problem
 
+SLOW, QUICK = PASS_TIME, 0.1
+"""Time constants of the high-pass filters through which a record is seen, periods. Behind the second one a
+load that wanders is nearly white, and what a slip does to PV remains."""
 DIGITS = 9
 """Decimals of a span that are kept: far less than any transmitter resolves, far more than rounding has."""
 
 
 def pose(
-    window: LoopWindow, blocks_per_period: float = BLOCKS_PER_PERIOD, pass_time: float = PASS_TIME
+    window: LoopWindow, blocks_per_period: float = BLOCKS_PER_PERIOD, pass_time: float = SLOW
 ) -> Problem | str:
     """Return the problem that a window poses, or in plain words why it poses none.
 
@@ -34,7 +37,7 @@ def pose(
     return problem if isinstance(problem, str) else problem._replace(gain_sign=process_gain_sign(window))
 
 
-def in_spans(window: LoopWindow, pass_time: float = PASS_TIME) -> Problem | str:
+def in_spans(window: LoopWindow, pass_time: float = SLOW) -> Problem | str:
     """Return the problem in spans from the least values, rounded, or in plain words why there is none.
 
     A search takes another way where last digits differ. So the same record in other units must be the same
