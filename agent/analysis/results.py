@@ -182,6 +182,8 @@ class Quantification:
     """Changes of direction of the valve that was found; None where a quantifier does not count them."""
     log_likelihood_ratio: float | None = None
     """Log of how much more likely the record is with a sticking valve, nats; None: not computed."""
+    search_spent: bool = False
+    """Whether the search ended with its budget spent, so that a better valve might be found."""
     sticking: SimulatedModel | None = None
     """The model that sticks where the chosen one does not, for a verdict that others decide."""
 

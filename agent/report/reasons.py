@@ -67,6 +67,9 @@ def _own(diagnosis: Diagnosis) -> tuple[str, ...]:
     )
 
 
+SPENT = "the search ended before one valve was clearly the best: S and J may be wrong beyond their intervals"
+
+
 def data_words(record: RecordSummary) -> list[str]:
     """Return what of the record was not used, one statement each."""
     words = _mode_words(record)
@@ -116,6 +119,8 @@ def _fit_words(record: RecordSummary, found: Quantification, diagnosis: Diagnosi
     span = f"{100 * s / record.op_span:.3g} % of the span of OP"
     valve = f"the model with stiction S = {s:.4g} ({span}) and J = {j:.4g}"
     words = [f"{linear}, {valve} to {_percent(found.free_run_percent)}"]
+    if found.search_spent and diagnosis.verdict != "no_stiction":
+        words.append(SPENT)
     if diagnosis.stiction_class is not None:
         words.append(f"the valve shows {CLASS_WORDS[diagnosis.stiction_class]}")
     elif diagnosis.verdict == "no_stiction":

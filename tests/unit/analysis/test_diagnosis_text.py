@@ -55,6 +55,14 @@ def numbers(written):
     return [line for line in written if not line.startswith(("  - ", "  > "))]
 
 
+def test_a_search_that_spent_its_budget_says_so_beside_its_numbers():
+    spent = replace(DIAGNOSIS, quantification=replace(FOUND, search_spent=True))
+    assert not [each for each in reasons(DIAGNOSIS) if "may be wrong" in each]
+    assert [each for each in reasons(spent) if "S and J may be wrong" in each]
+    assert diagnosis_json(spent, "fic101")["fit"]["search_spent"] is True
+    assert not [each for each in reasons(replace(spent, verdict="no_stiction")) if "may be wrong" in each]
+
+
 def test_numbers_with_their_intervals():
     assert numbers(lines()) == [
         "FIC101: stiction (confidence 0.97)",

@@ -47,12 +47,11 @@ def test_a_search_gives_the_same_answer_twice():
 def test_a_small_budget_ends_a_search_after_its_first_turn(monkeypatch):
     monkeypatch.setattr(searching, "BUDGET", 1.0)
     monkeypatch.setattr(cycle, "WHITE", 0.0)
-    assert search(views()).ended == "budget"
+    assert search(views()).ended == "spent"
 
 
 def test_views_that_find_the_same_valve_end_a_search_that_leaves_no_white_noise(monkeypatch):
     monkeypatch.setattr(cycle, "WHITE", 0.0)
-    monkeypatch.setattr(searching, "SAME_J", 0.2)  # this record says little of the jump
     found = search(views())
     assert found.ended == "agreed"
     assert found.searched.finalists.candidates[0][S] == pytest.approx(

@@ -41,7 +41,7 @@ def fitted(error, s, j, structure=FOPDT, delay=3.0):
 
 
 def found_of(best, others):
-    return Found(best, others, best.error)
+    return Found(best, others, best.error, "white")
 
 
 def test_models_count_as_alike_up_to_the_limit():

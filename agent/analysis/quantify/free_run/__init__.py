@@ -120,6 +120,7 @@ def answer(
         profile=profile(found, problem, window.ts) if found else None,
         quick_evidence=quick_evidence(window, best) if found else 1.0,
         turns=turns(valve_position(best.candidate, problem)) if found else 0,
+        search_spent=found is not None and found.ended == "spent",
         sticking=other,
     )
 

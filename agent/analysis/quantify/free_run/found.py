@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
     from agent.identify.problem import Problem
     from agent.identify.search.population import Candidates
+    from agent.identify.search.search import SearchEnd
 
 SLIDES_BELOW = 1.25
 """Evidence below which a valve is said not to stick; there a search ends after its first large island."""
@@ -35,6 +36,8 @@ class Found:
     the view in which they were found."""
     least_error: float
     """The least sum of squares in the slow view, PV units squared."""
+    ended: SearchEnd
+    """Why the search ended."""
 
 
 def find(window: LoopWindow, problem: Problem) -> Found | None:
@@ -62,8 +65,8 @@ def find(window: LoopWindow, problem: Problem) -> Found | None:
     others = tuple(by_error([best, *fits[1:]]))
     if searched.view:
         best = polished(start(best.candidate, best.structure, problem), problem)
-        return Found(best, others, best.error)
-    return Found(best, others, others[0].error)
+        return Found(best, others, best.error, searched.ended)
+    return Found(best, others, others[0].error, searched.ended)
 
 
 def _in_units(models: Candidates, problem: Problem) -> list[Fitted]:
