@@ -48,6 +48,7 @@ async def _until_stopped(config: Path, settings: Settings) -> None:
     from agent.runtime.agent import Agent
     from agent.runtime.capabilities import on_signals
     from agent.runtime.loop.workers import PoolExecutor
+    from agent.runtime.operate import heap
     from agent.runtime.operate.accepting import log_refused_accepts_seldom
     from agent.runtime.operate.notify import ServiceManager
     from agent.runtime.operate.reload import Reloader
@@ -66,6 +67,7 @@ async def _until_stopped(config: Path, settings: Settings) -> None:
             _serve_http(agent, settings.agent.http, config)
 
         def ready() -> None:
+            heap.settle()
             LOG.info("%s", agent.summary, extra={"event": "started"})
             manager.ready(agent.summary)
 

@@ -117,7 +117,7 @@ class MqttSession:
             if topic in self._topics.orders:
                 _LOG.warning("topic %s: the broker refuses it, nobody can order there", topic)
         with as_connection_lost():
-            async for message in self._client.messages:
+            async for message in self._client.received():
                 topic, payload, arrival = message.topic.value, bytes(message.payload), time.time()
                 retained = bool(message.retain)
                 if topic in self._topics.orders:
