@@ -67,7 +67,7 @@ def _beside(values: FloatArray) -> FloatArray:
     n = len(values)
     shifts = [k for k in range(2 * BESIDE + 1) if k != BESIDE]
     around = np.sort(np.stack([padded[k : k + n] for k in shifts]), axis=0)  # NaN last
-    middle = (around[BESIDE - 1] + around[BESIDE]) / 2
+    middle: FloatArray = (around[BESIDE - 1] + around[BESIDE]) / 2
     some = np.flatnonzero(np.isnan(around[-1]) & np.isfinite(around[0]))  # nanmedian is ten times slower
     middle[some] = np.nanmedian(around[:, some], axis=0)
     return middle
