@@ -138,10 +138,11 @@ class Metrics(Collector):
         """Return all of it in Prometheus' text format; what is of loops is written a few loops at a time."""
         self._status = status = await self._looked()
         gauges = (
-            _Lines(f"slipjump_loop_{name}", "gauge", text, value_of) for name, text, value_of in LOOP_GAUGES
+            _LoopMetric(f"slipjump_loop_{name}", "gauge", text, value_of)
+            for name, text, value_of in LOOP_GAUGES
         )
         counters = (
-            _Lines(f"slipjump_loop_{name}_total", "counter", text, value_of)
+            _LoopMetric(f"slipjump_loop_{name}_total", "counter", text, value_of)
             for name, text, value_of in LOOP_COUNTERS
         )
         rows = [*gauges, *counters]
@@ -149,7 +150,7 @@ class Metrics(Collector):
             label = _escaped(each.loop)
             for row in rows:
                 row.add(label, each)
-        verdicts = _Lines("slipjump_diagnoses_total", "counter", "Windows judged, by verdict")
+        verdicts = _LoopMetric("slipjump_diagnoses_total", "counter", "Windows judged, by verdict")
         async for (loop, verdict), count in breathing(list(self._verdicts.items())):
             verdicts.lines.append(
                 f'slipjump_diagnoses_total{{loop="{_escaped(loop)}",verdict="{verdict}"}} {count}.0'
@@ -190,7 +191,7 @@ class Metrics(Collector):
         yield from _connections(now.connections)
 
 
-class _Lines:
+class _LoopMetric:
     """One metric of all loops, line by line as they are looked at."""
 
     def __init__(self, name: str, kind: str, text: str, value_of: ValueOf = lambda _: None) -> None:
