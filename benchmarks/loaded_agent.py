@@ -19,6 +19,7 @@ import async_solipsism
 import numpy as np
 
 from agent.analysis.routine import Routine
+from agent.analysis.seen import Seen
 from agent.runtime.loop.pipeline import Judged, LoopPipeline
 from agent.runtime.loop.turns import Turns
 from agent.settings import LoopSettings
@@ -55,12 +56,12 @@ class KnownWindows:
     """Diagnoses that were made, with the CPU time that each took."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[str, float], tuple[Routine, float]] = {}
+        self._known: dict[tuple[str, str, float], tuple[Routine | Seen, float]] = {}
 
-    def diagnosed(self, work: partial[Routine]) -> tuple[Routine, float]:
+    def diagnosed(self, work: partial[Routine | Seen]) -> tuple[Routine | Seen, float]:
         """Return the diagnosis of a window and its CPU time, s."""
         window = work.args[0]
-        key = window.loop, window.start
+        key = work.func.__name__, window.loop, window.start
         if key not in self._known:
             started = time.process_time()
             found = work()
@@ -87,10 +88,10 @@ class MeteredWorkers:
         async with self.turns.turn(0.0):
             return function(*args)
 
-    async def run_in_turn(self, expected: float, work: Callable[[], Any], worth: float) -> Any:  # noqa: ANN401
+    async def run_in_turn(self, expected: float, work: Callable[[], Any], worth: float = 1.0) -> Any:  # noqa: ANN401
         async with self.turns.turn(expected, worth):
             found, took = self.known.diagnosed(work())
-            (self.fits if found.fitted else self.quick).append(took)
+            (self.fits if isinstance(found, Routine) and found.fitted else self.quick).append(took)
             await asyncio.sleep(took)
             return found
 

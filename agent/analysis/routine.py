@@ -32,6 +32,27 @@ class Routine:
     """Whether it is a full diagnosis, with a fit; else the window was quiet."""
 
 
+def first_look(window: LoopWindow) -> Routine | Seen:
+    """Return the diagnosis of a window in which nothing is due, or what was seen where a fit is.
+
+    Args:
+        window: The window.
+    """
+    seen = look(window)
+    return seen if worth_a_fit(seen) else Routine(with_sticks(quiet(window, seen)), fitted=False)
+
+
+def fitted(window: LoopWindow, seen: Seen, diagnose: Diagnose) -> Routine:
+    """Return the full diagnosis of a window from a first look at it.
+
+    Args:
+        window: The window.
+        seen: What the look showed.
+        diagnose: Makes the full diagnosis.
+    """
+    return Routine(diagnose(window, seen), fitted=True)
+
+
 def routine_diagnosis(window: LoopWindow, diagnose: Diagnose) -> Routine:
     """Look at a window once, and diagnose it from there where that is due.
 
@@ -39,10 +60,8 @@ def routine_diagnosis(window: LoopWindow, diagnose: Diagnose) -> Routine:
         window: The window.
         diagnose: Makes the full diagnosis.
     """
-    seen = look(window)
-    if not worth_a_fit(seen):
-        return Routine(with_sticks(quiet(window, seen)), fitted=False)
-    return Routine(diagnose(window, seen), fitted=True)
+    found = first_look(window)
+    return found if isinstance(found, Routine) else fitted(window, found, diagnose)
 
 
 def full_diagnosis(window: LoopWindow, diagnose: Diagnose) -> Routine:

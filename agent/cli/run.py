@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import functools
 import logging
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -27,6 +28,12 @@ def run(
         LogFormat, typer.Option(help="Lines for people, or a JSON object each.")
     ] = LogFormat.TEXT,
     log_level: Annotated[LogLevel, typer.Option(help="Lowest severity to log.")] = LogLevel.INFO,
+    partition: Annotated[
+        str | None, typer.Option(metavar="K/N", help="Watch only part K of N of the loops.")
+    ] = None,
+    standby: Annotated[
+        bool, typer.Option("--standby", help="Wait while another agent has the state file; then take over.")
+    ] = False,
 ) -> None:
     """Watch the loops of a configuration and publish their alarms, until SIGTERM or Ctrl-C.
 
@@ -36,18 +43,25 @@ def run(
     from agent.runtime.operate.heap import keep_one_heap
     from agent.runtime.store.lock import only_agent_of
     from agent.settings import load_settings
+    from agent.settings.partition import Partition
 
-    settings = load_settings(config)
+    part = None if partition is None else Partition.parse(partition)
+
+    def load(path: Path) -> Settings:
+        return load_settings(path) if part is None else part.of_settings(load_settings(path))
+
+    settings = load(config)
     set_up(log_format, log_level)
     keep_one_heap()
-    with only_agent_of(settings.agent.state):
-        run_event_loop(_until_stopped(config, settings))
+    with only_agent_of(settings.agent.state, wait=standby):
+        run_event_loop(_until_stopped(config, load(config) if standby else settings, load))
 
 
-async def _until_stopped(config: Path, settings: Settings) -> None:
+async def _until_stopped(config: Path, settings: Settings, load: Callable[[Path], Settings]) -> None:
     from agent.runtime.agent import Agent
     from agent.runtime.capabilities import on_signals
     from agent.runtime.loop.workers import PoolExecutor
+    from agent.runtime.operate import heap
     from agent.runtime.operate.accepting import log_refused_accepts_seldom
     from agent.runtime.operate.notify import ServiceManager
     from agent.runtime.operate.reload import Reloader
@@ -60,12 +74,15 @@ async def _until_stopped(config: Path, settings: Settings) -> None:
     on_signals({**stop_at, "SIGHUP": changed.set})
     async with PoolExecutor(settings.agent.workers) as executor:
         agent = Agent(settings, executor, _log)
-        agent.accompany(Health("configuration"), Reloader(config, agent, manager, changed).run)
+        agent.accompany(
+            Health("configuration"), Reloader(config, agent, manager, changed, load, heap.settle).run
+        )
         agent.accompany(Health("watchdog"), functools.partial(watch, agent.hung, manager))
         if settings.agent.http is not None:
             _serve_http(agent, settings.agent.http, config)
 
         def ready() -> None:
+            heap.settle()
             LOG.info("%s", agent.summary, extra={"event": "started"})
             manager.ready(agent.summary)
 

@@ -21,6 +21,7 @@ from agent.runtime.link.outbox import Outbox
 from agent.runtime.link.withdrawal import leaving, withdraw
 from agent.runtime.loop.pipeline import Judged, LoopPipeline, Observer
 from agent.runtime.loop.workers import Executor
+from agent.runtime.operate.breath import breathing
 from agent.runtime.operate.operators import Operators
 from agent.runtime.operate.orders import Orders
 from agent.runtime.operate.plan import AT_START, difference
@@ -228,9 +229,21 @@ class Agent:
 
     def overview(self) -> AgentStatus:
         """Return the status of the whole agent; call it while the agent runs."""
+        return self._overview(self.status())
+
+    async def looked(self) -> AgentStatus:
+        """Return the same, a few loops at a time: samples are read meanwhile."""
+        loops = [
+            loop_status(pipeline, self._settings, self.health[name])
+            async for name, pipeline in breathing(list(self._pipelines.items()))
+            if self._pipelines.get(name) is pipeline  # the configuration may change meanwhile
+        ]
+        return self._overview(tuple(loops))
+
+    def _overview(self, loops: tuple[LoopStatus, ...]) -> AgentStatus:
         connections = self._wiring.connections
         return AgentStatus(
-            loops=self.status(),
+            loops=loops,
             connections=tuple(
                 connection_status(connections[name], self.outboxes[name], each.kind, self._clock())
                 for name, each in self._settings.connections.items()

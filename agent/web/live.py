@@ -11,9 +11,10 @@ import asyncio
 import json
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from typing import Generic, NoReturn, TypeVar
 
+from agent.runtime.operate.breath import breathing
 from agent.runtime.supervisor import MARGIN, Health
 
 QUEUE = 16
@@ -86,7 +87,7 @@ class Page(Generic[S]):
 class Live(Generic[S]):
     """Looks at the plant while pages are open. ``run`` is for a supervisor."""
 
-    def __init__(self, look: Callable[[], S], period: float = PERIOD) -> None:
+    def __init__(self, look: Callable[[], Awaitable[S]], period: float = PERIOD) -> None:
         """Make it.
 
         Args:
@@ -103,13 +104,13 @@ class Live(Generic[S]):
         self._looked = 0.0
         """When ``_newest`` was made, monotonic, s."""
 
-    def open(self, view: Callable[[S], Parts]) -> Page[S] | None:
+    async def open(self, view: Callable[[S], Parts]) -> Page[S] | None:
         """Return a new page that has its full state already; None where there are too many."""
         if len(self.pages) >= MOST_PAGES:
             return None
         page = Page(view)
-        page.offer(self._recent())
         self.pages.add(page)
+        page.offer(await self._recent())
         self._opened.set()
         return page
 
@@ -128,21 +129,21 @@ class Live(Generic[S]):
                     continue
                 self.health.expect("look", MARGIN)
                 began = time.perf_counter()
-                self.tick()
+                await self.tick()
                 await asyncio.sleep(max(self._period, (time.perf_counter() - began) / SHARE))
         finally:
             for page in self.pages:
                 page.end()
 
-    def tick(self) -> None:
+    async def tick(self) -> None:
         """Look once, for all pages."""
-        look = self._newest = self._look()
+        look = self._newest = await self._look()
         self._looked = time.monotonic()
-        for page in self.pages:
+        async for page in breathing(list(self.pages)):
             page.offer(look)
 
-    def _recent(self) -> S:
+    async def _recent(self) -> S:
         """Return a look that is younger than the shortest period: pages that open together share it."""
         if self._newest is None or time.monotonic() - self._looked >= self._period:
-            self._newest, self._looked = self._look(), time.monotonic()
+            self._newest, self._looked = await self._look(), time.monotonic()
         return self._newest

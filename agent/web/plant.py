@@ -15,6 +15,7 @@ from agent.report.diagnosis_json import diagnosis_json
 from agent.report.ranking import GROUPS, group_of
 from agent.runtime.agent import Agent
 from agent.runtime.loop.pipeline import Judged
+from agent.runtime.operate.breath import breathing
 from agent.runtime.operate.status import AgentStatus
 from agent.runtime.store.database import StoreError
 from agent.runtime.store.history_file import Entry, HistoryFile, history_path
@@ -94,12 +95,14 @@ class Plant:
             kept = {name: fields[name] for name in ALARM_KEYS}
             self._entries.append(Entry(announcement.time, announcement.alarm.loop, "alarm", kept))
 
-    def look(self) -> Look:
-        """Look at all loops and rank them."""
-        status, pipelines = self.agent.overview(), self.agent.pipelines
+    async def look(self) -> Look:
+        """Look at all loops and rank them, a few at a time."""
+        status, pipelines = await self.agent.looked(), self.agent.pipelines
         found = []
-        for each in status.loops:
-            pipeline = pipelines[each.loop]
+        async for each in breathing(status.loops):
+            pipeline = pipelines.get(each.loop)
+            if pipeline is None:
+                continue  # the configuration changed meanwhile
             judgement = self.judgements.get(each.loop)
             group = group_of(each.diagnosis) if judgement is None else judgement.group
             area = area_of(each.loop, pipeline.settings.variables)
@@ -107,7 +110,12 @@ class Plant:
             key = (*urgency(each, pipeline.alarm, group), each.loop)
             found.append((key, (each, pipeline.alarm, group, area, since), judgement))
         found.sort(key=lambda ranked: ranked[0])
-        items = tuple(Item(*known, spot, judgement) for spot, (_, known, judgement) in enumerate(found))
+        items = tuple(
+            [
+                Item(*known, spot, judgement)
+                async for spot, (_, known, judgement) in breathing(enumerate(found))
+            ]
+        )
         return Look(self.clock(), items, status, {item.status.loop: item for item in items})
 
     def judge(self, loop: str, said: PersonalJudgement) -> None:

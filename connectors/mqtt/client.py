@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Self
 
-from aiomqtt import Client, MqttCodeError, MqttError, ProtocolVersion, Will
+from aiomqtt import Client, Message, MqttCodeError, MqttError, ProtocolVersion, Will
+from paho.mqtt.enums import MQTTErrorCode
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 
@@ -24,6 +25,8 @@ logging.getLogger("mqtt").setLevel(logging.CRITICAL)  # what it logs, the sessio
 
 _VERSIONS = {"3.1.1": ProtocolVersion.V311, "5": ProtocolVersion.V5}
 AT_LEAST_ONCE = 1
+AT_ONCE = 100
+"""Messages that are read, or taken from those that wait, before others have their turn: some milliseconds."""
 _NOT_LET_IN = (0x86, 0x87, 0x8A, 0x8C)
 """Bad user or password, not authorized, banned, bad method (MQTT 5, 3.2.2.2); those of 3.1.1 become these."""
 
@@ -76,8 +79,12 @@ class StrictClient(Client):
     in, or at that moment.
     """
 
+    _queue: Inbox
+
     def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401 - all that aiomqtt takes
         super().__init__(*args, **kwargs)
+        self._read_packet = self._client.loop_read
+        self._client.loop_read = self._read_packets
         self._speaks_5 = kwargs.get("protocol") is ProtocolVersion.V5
         self._one_at_a_time = asyncio.Lock()
         self._refusal: str | None = None
@@ -90,6 +97,16 @@ class StrictClient(Client):
         if self._disconnected is not lost:  # aiomqtt has thrown away that it was lost meanwhile
             raise MqttError("the broker hung up at once")
         return self
+
+    async def received(self) -> AsyncIterator[Message]:
+        """Yield messages for ever; raises MqttError when the broker is gone.
+
+        aiomqtt makes a task for each; those that have come already are taken without.
+        """
+        async for message in self.messages:
+            yield message
+            for _ in range(min(self._queue.qsize(), AT_ONCE)):
+                yield self._queue.get_nowait()
 
     async def send(self, message: Outgoing) -> None:
         """Publish and return when the broker has it; raises ConnectionLostError, RefusedError."""
@@ -106,6 +123,16 @@ class StrictClient(Client):
                 )
             if self._refusal is not None:
                 raise RefusedError(f"topic {message.topic}: {self._refusal}")
+
+    def _read_packets(self, max_packets: int = 1) -> MQTTErrorCode:
+        """Read while messages come; paho reads one for each time that the socket was looked at."""
+        found = MQTTErrorCode.MQTT_ERR_SUCCESS
+        for _ in range(AT_ONCE):
+            before = self._queue.arrived
+            found = self._read_packet(max_packets)
+            if self._queue.arrived == before:
+                break
+        return found
 
     def _on_socket_register_write(self, client: Any, userdata: Any, sock: Any) -> None:  # noqa: ANN401, ARG002
         """Write when the socket can take it; aiomqtt's does not look whether it is still open by then."""

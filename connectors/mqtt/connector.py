@@ -33,15 +33,19 @@ _LOG = logging.getLogger(__name__)
 _FAREWELL = 1.0
 """Longest time to say that this goes offline, s; where the broker does not hear it, its will is published."""
 
+WAITING = 5
+"""Messages of each topic that may wait, where that is more than ``queue``: some seconds of a large plant."""
+
 
 class MqttConnector:
     """An MQTT broker, what is read from it and published to it; ConfigError for topics that make no sense."""
 
     def __init__(self, name: str, options: MqttOptions, loops: MqttLoops) -> None:
         self.name = name
-        self._options = options
         self._topics = topics_of(name, options, loops)
         self._readers = readers_of(loops)
+        queue = max(options.queue, WAITING * len(self._readers))
+        self._options = options.model_copy(update={"queue": queue})
         self.orders = OrderReader(self._topics.orders)
         self._losses = Losses()
         # The broker lets go of a former connection with the same name, and says its will before ours is up.
@@ -117,7 +121,7 @@ class MqttSession:
             if topic in self._topics.orders:
                 _LOG.warning("topic %s: the broker refuses it, nobody can order there", topic)
         with as_connection_lost():
-            async for message in self._client.messages:
+            async for message in self._client.received():
                 topic, payload, arrival = message.topic.value, bytes(message.payload), time.time()
                 retained = bool(message.retain)
                 if topic in self._topics.orders:

@@ -51,7 +51,8 @@ class Broker(Options):
     timeout: Seconds = 4.0
     """Longest wait for an answer, s."""
     queue: Annotated[int, Field(ge=1)] = 10_000
-    """Messages that may wait to be read; more are dropped, with a warning."""
+    """Messages that may wait to be read, or 5 for each topic if that is more; others are dropped, with a
+    warning."""
 
     @model_validator(mode="after")
     def _password_needs_user(self) -> Self:

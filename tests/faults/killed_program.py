@@ -2,6 +2,8 @@
 
     python -m tests.faults.killed_program STORE PEER work|drain
 
+It waits while another one has the store, as an agent on standby does.
+
 PEER is a file, or the port of an MQTT broker on this machine.
 
 Window k ends at k seconds; odd ones show stiction, so each window is one event. ``drain``: tells what waits.
@@ -21,6 +23,7 @@ from agent.runtime.link.outbox import Outbox
 from agent.runtime.loop.pipeline import LoopPipeline
 from agent.runtime.loop.workers import InlineExecutor
 from agent.runtime.store.journal import Journal
+from agent.runtime.store.lock import only_agent_of
 from agent.runtime.supervisor import keep_alive
 from connectors.base import ConnectionLostError
 from connectors.mqtt.connector import MqttConnector
@@ -86,7 +89,8 @@ async def main(store, peer, task):
         end = float(newest_window(pipeline.alarm) + 1)
         window = SimpleNamespace(time=[end], start=end - 1.0, ts=1.0)
         found = diagnosis("stiction" if window.time[-1] % 2 else "no_stiction")
-        await pipeline._decide(Routine(found, fitted=True), window, 0.0)
+        pipeline._judging = window, 0.0
+        await pipeline._decide(Routine(found, fitted=True))
     while len(outbox) and not telling.done():
         await asyncio.wait({telling}, timeout=0.01)
     telling.cancel()
@@ -96,4 +100,5 @@ async def main(store, peer, task):
 
 
 if __name__ == "__main__":
-    asyncio.run(main(Path(sys.argv[1]), sys.argv[2], sys.argv[3]))
+    with only_agent_of(Path(sys.argv[1]), wait=True):
+        asyncio.run(main(Path(sys.argv[1]), sys.argv[2], sys.argv[3]))

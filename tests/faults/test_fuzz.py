@@ -107,7 +107,7 @@ class Client:
     """A broker that has these messages, and then is gone."""
 
     def __init__(self, payloads):
-        self.messages = self._messages(payloads)
+        self.received = lambda: self._messages(payloads)
 
     async def subscribe(self, topics):
         return [1] * len(topics)

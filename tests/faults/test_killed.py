@@ -1,4 +1,7 @@
-"""SIGKILL at random moments: no alarm is lost, none is doubled for a consumer that honours the id."""
+"""SIGKILL at random moments: no alarm is lost, none is doubled for a consumer that honours the id.
+
+Another agent stands by and takes over each time.
+"""
 
 import json
 import random
@@ -22,25 +25,27 @@ def test_alarms_survive_sigkill(tmp_path, kills):
     store, peer, chance = tmp_path / "plant.sqlite", tmp_path / "peer", random.Random(kills)
 
     def started(task):
-        program = subprocess.Popen(
+        return subprocess.Popen(
             [sys.executable, "-m", "tests.faults.killed_program", str(store), str(peer), task],
             cwd=ROOT,
             stdout=subprocess.PIPE,
             text=True,
         )
-        assert program.stdout.readline() == "ready\n"
-        return program
 
+    standby = started("work")
     for kill in range(kills):
-        with started("work") as program:
+        with standby as program:
+            assert program.stdout.readline() == "ready\n"
+            standby = started("work" if kill < kills - 1 else "drain")
             deadline = time.monotonic() + 60
             while kill == 0 and (not peer.exists() or peer.read_text().count("\n") < 20):
                 assert time.monotonic() < deadline
                 time.sleep(0.01)
             time.sleep(chance.uniform(0, 0.4))  # it works meanwhile, and dies wherever it is
             program.kill()
-    with started("drain") as program:
-        windows = int(program.communicate(timeout=30)[0])
+    with standby as program:
+        assert program.stdout.readline() == "ready\n"
+        windows = int(program.stdout.readline())
     told = [json.loads(line) for line in peer.read_text().splitlines()]
     events = [fields for kind, fields in told if kind == "event"]
     once = list({fields["message_id"]: fields for fields in events}.values())

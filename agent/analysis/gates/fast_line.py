@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.oscillation.signals import ROUND_OFF
+
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
 
@@ -37,6 +39,7 @@ def fast_line(values: FloatArray) -> float | None:
     at = np.arange(len(values), dtype=np.float64)
     rest = np.zeros(len(values))  # a sample that is missing has no weight
     rest[known] = values[known] - np.polyval(np.polyfit(at[known], values[known], 1), at[known])
+    rest[np.abs(rest) < ROUND_OFF * np.max(np.abs(values[known]))] = 0.0
     power = np.abs(np.fft.rfft(rest * np.hanning(len(rest)))) ** 2
     frequency = np.fft.rfftfreq(len(rest))
     top = int(np.argmax(power))

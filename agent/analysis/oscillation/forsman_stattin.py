@@ -11,7 +11,7 @@ import math
 from collections import deque
 from dataclasses import dataclass
 
-from agent.analysis.oscillation.hagglund import MIN_PERIODS, NOISE_SIGMAS, HalfCycle, HalfCycles
+from agent.analysis.oscillation.hagglund import MIN_PERIODS, NOISE_SIGMAS, HalfCycle, HalfCycles, half_cycles
 from agent.analysis.oscillation.signals import detrended, noise_level, regularity
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
@@ -59,13 +59,18 @@ class ForsmanStattinMonitor:
         if not math.isfinite(error):
             self._last_two.clear()
         ended = self._half_cycles.push(error)
-        if ended is None:
-            return None
+        if ended is not None:
+            self.take(ended)
+        return ended
+
+    def take(self, ended: HalfCycle, *, gap: bool = False) -> None:
+        """Take the next half cycle; ``gap``: there is one before it."""
+        if gap:
+            self._last_two.clear()
         resembles = len(self._last_two) == 2 and alike(self._last_two[0], ended)
         self._last_two.append(ended)
         self._crossings += 1
         self._index += (resembles - self._index) / min(self._crossings, self._memory)
-        return ended
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +83,11 @@ class ForsmanStattin:
     def detect(self, window: LoopWindow) -> Oscillation:
         """Judge a window of at least five periods: with fewer h cannot exceed 0.8."""
         error = detrended(window.error)
-        monitor = ForsmanStattinMonitor(window.ts, NOISE_SIGMAS * noise_level(error))
-        ends = [ended.duration for ended in map(monitor.push, error.tolist()) if ended is not None]
+        monitor, ends, former = ForsmanStattinMonitor(window.ts), [], 0
+        for _, gaps, ended in half_cycles(error, window.ts, NOISE_SIGMAS * noise_level(error)):
+            monitor.take(ended, gap=gaps != former)
+            ends.append(ended.duration)
+            former = gaps
         periods = [rise + fall for rise, fall in zip(ends[::2], ends[1::2], strict=False)]
         if len(periods) < MIN_PERIODS:
             return Oscillation(detected=False, period=None, regularity=None)

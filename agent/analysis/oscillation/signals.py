@@ -12,8 +12,9 @@ if TYPE_CHECKING:
 
     from agent.analysis.record.recording import FloatArray
 
-ROUND_OFF = 1e-9
-"""Movement below this part of the largest value is round-off, not the signal."""
+ROUND_OFF = 2.0**-23
+"""Movement below this part of the largest value is round-off, not the signal: controllers, field buses and
+the windows of the agent have floats of 32 bits, and a ramp that is rounded to them seems to oscillate."""
 SAMPLING_SD = 1 / math.sqrt(12)
 """Standard deviation of an instant known to one sample, samples."""
 

@@ -66,10 +66,10 @@ def _beside(values: FloatArray) -> FloatArray:
     padded = np.concatenate([np.full(BESIDE, np.nan), values, np.full(BESIDE, np.nan)])
     n = len(values)
     shifts = [k for k in range(2 * BESIDE + 1) if k != BESIDE]
-    around = np.stack([padded[k : k + n] for k in shifts])
-    known = np.isfinite(around).any(axis=0)
-    middle = np.full(n, np.nan)
-    middle[known] = np.nanmedian(around[:, known], axis=0)
+    around = np.sort(np.stack([padded[k : k + n] for k in shifts]), axis=0)  # NaN last
+    middle: FloatArray = (around[BESIDE - 1] + around[BESIDE]) / 2
+    some = np.flatnonzero(np.isnan(around[-1]) & np.isfinite(around[0]))  # nanmedian is ten times slower
+    middle[some] = np.nanmedian(around[:, some], axis=0)
     return middle
 
 

@@ -40,7 +40,7 @@ def serve_page(
     from agent.web.screens.answers import csv_of
     from agent.web.workbench.sessions import Sessions
 
-    metrics, health = Metrics(agent.overview), Health(f"http server on {settings.host} port {settings.port}")
+    metrics, health = Metrics(agent.looked), Health(f"http server on {settings.host} port {settings.port}")
     agent.observe(metrics)
     said = False
 
@@ -64,7 +64,7 @@ def serve_page(
 
         more.append(configure.screen(Configuration(config, agent)))
     page = plant_page(Plant(agent), title, more)
-    agent.accompany(health, functools.partial(serve, settings, agent.overview, metrics, listens, page))
+    agent.accompany(health, functools.partial(serve, settings, agent, metrics, listens, page))
 
 
 def free_port(preferred: int) -> int:

@@ -31,6 +31,8 @@ OPEN_WITHIN = 30.0
 """s; connectors have shorter limits of their own, this one is for those that exceed them."""
 PUBLISH_WITHIN = 30.0
 """s; likewise."""
+SIGNS_APART = 0.01
+"""Time within which samples count as one sign of life, s: thousands come a second."""
 CLOSE_WITHIN = 2.0
 """s; a peer that does not answer must not delay the end of the program."""
 
@@ -116,6 +118,7 @@ class Connection:
     async def _read(self, session: Session, deliver: Callable[[Sample], None] | None) -> None:
         """Deliver samples and orders. Orders are no sign of life: people may send none for months."""
         self._expect_data()
+        clock, again = asyncio.get_running_loop(), 0.0
         try:
             async with unless_silent(None if deliver is None else self._data_age) as sign_of_life:
                 async for each in session.samples():
@@ -123,10 +126,12 @@ class Connection:
                         if self._obey is not None:
                             await self._obey(each)
                     elif deliver is not None:
-                        sign_of_life()
-                        self._expect_data()
-                        self.health.works()
-                        self._works = True
+                        if clock.time() >= again:
+                            again = clock.time() + SIGNS_APART
+                            sign_of_life()
+                            self._expect_data()
+                            self.health.works()
+                            self._works = True
                         deliver(each)
                     obey_cancellation()
         except TimeoutError as error:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import functools
 import logging
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NoReturn, Protocol
 
 from agent.alarms import Alarm, Announcement, Command, Delay
@@ -18,7 +18,15 @@ from agent.analysis.memory.value_of_fit import worth_of_fit
 from agent.analysis.memory.valve_memory import ValveMemory, known_process_of, remember
 from agent.analysis.memory.weighing_windows import BASE_RATE
 from agent.analysis.record.recording import LoopWindow
-from agent.analysis.routine import Diagnose, Routine, full_diagnosis, routine_diagnosis
+from agent.analysis.routine import (
+    Diagnose,
+    Routine,
+    first_look,
+    fitted,
+    full_diagnosis,
+    routine_diagnosis,
+)
+from agent.analysis.seen import Seen
 from agent.analysis.stiction.online import OnlineShapes
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.loop.pace import Pace
@@ -33,6 +41,8 @@ from agent.settings import AlarmSettings, LoopSettings
 from connectors.base import Publication, Sample
 
 LOG = logging.getLogger(__name__)
+USUAL = 0.9
+"""Time that a fit should take where none was made yet, s: their median on two cores."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,51 +211,66 @@ class LoopPipeline:
                     self._judging = None
 
     async def _judge(self) -> None:
-        """Diagnose the newest window as soon as there is a worker for it."""
+        """Look at the newest window as soon as there is a worker, and fit it when its turn comes."""
+        seen = None
         try:
-            found = await self._executor.run_in_turn(self._cost, self._newest, self._worth())
+            if self.settings.quantify != "always":
+                found = await self._executor.run_in_turn(0.0, lambda: partial(first_look, self._newest()))
+                if isinstance(found, Routine):
+                    return await self._decide(found)
+                seen = found
+            work, expected = partial(self._fit, seen), self._cost or USUAL
+            await self._decide(await self._executor.run_in_turn(expected, work, self._worth()))
         except TimeoutError:
             self._cost = LONGEST_PATIENCE
             raise
-        if self._judging is not None:
-            await self._decide(found, *self._judging)
 
     def _worth(self) -> float:
         """Return what the answer on the window that waits is worth: little where nothing would change."""
-        now = 0.0 if self._waiting is None else float(self._waiting.time[-1])
+        newest = self._waiting or (None if self._judging is None else self._judging[0])
+        now = 0.0 if newest is None else newest.start + len(newest) * newest.ts
         since = 0.0 if self._fitted_until is None else max(0.0, now - self._fitted_until)
         return worth_of_fit(self.memory, self.settings.alarm.priority, since, now, self._base_rate)
 
-    async def _decide(self, found: Routine, window: LoopWindow, due_since: float) -> None:
-        """Follow the diagnosis of a window that was due since then, monotonic, s."""
-        alone, fitted = found.diagnosis, found.fitted
-        self._cost = alone.seconds if fitted else 0.0
-        end = float(window.time[-1])
-        if fitted:
-            self._fitted_until = end
+    async def _decide(self, found: Routine) -> None:
+        """Follow the diagnosis of the window that a worker had."""
+        if self._judging is None:
+            return
+        window, due_since = self._judging
+        alone, end = found.diagnosis, float(window.time[-1])
+        if found.fitted:
+            self._cost, self._fitted_until = alone.seconds, end
         self.memory = remember(self.memory, alone, window.start, end + window.ts)
         diagnosis = with_memory(alone, self.memory, self._base_rate)
         self._journal.note(Change(memories={self.settings.name: self.memory}))
-        self.diagnosis, self.fitted = diagnosis, window if fitted else None
+        self.diagnosis, self.fitted = diagnosis, window if found.fitted else None
         self.judged_at = asyncio.get_running_loop().time()
         if diagnosis.oscillation is not None:
             self.window.period = diagnosis.oscillation.period if diagnosis.oscillation.detected else None
         self._follow(*self.alarm.on_diagnosis(diagnosis, end))
         await self._journal.flush()
         for observer in self._observers:
-            observer.judged(Judged(diagnosis, end, self.judged_at - due_since, fitted))
+            observer.judged(Judged(diagnosis, end, self.judged_at - due_since, found.fitted))
 
-    def _newest(self) -> Callable[[], Routine]:
+    def _fit(self, seen: Seen | None) -> Callable[[], Routine]:
+        """Return the fit of the window that was seen, or of a newer one that came due before its turn."""
+        if seen is None:
+            return partial(full_diagnosis, self._newest(), self._diagnose)
+        if self._waiting is None and self._judging is not None:
+            return partial(fitted, self._judging[0], seen, self._diagnose)
+        self.superseded += 1
+        return partial(routine_diagnosis, self._newest(), self._diagnose)
+
+    def _newest(self) -> LoopWindow:
         """Take the window that waits; what came due while a worker was waited for has replaced older ones."""
         window, self._waiting = self._waiting, None
         if window is None:
             raise RuntimeError("no window waits")
         self._due.clear()
+        window = window.with_hints(replace(window.hints, known=known_process_of(self.memory)))
         self._judging = window, self._due_since
         self._pace.begin(asyncio.get_running_loop().time())
-        judge = full_diagnosis if self.settings.quantify == "always" else routine_diagnosis
-        known = known_process_of(self.memory)
-        return functools.partial(judge, window.with_hints(replace(window.hints, known=known)), self._diagnose)
+        return window
 
     def _follow(self, alarm: Alarm, announcements: Sequence[Announcement]) -> None:
         """Take the alarm that follows, noted together with its announcements: no crash comes between."""

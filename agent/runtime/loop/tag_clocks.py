@@ -8,7 +8,7 @@ recording that is played fast does not keep pace, and says nothing.
 from __future__ import annotations
 
 import math
-from collections import deque
+from array import array
 
 COMPARED = ("pv", "op")
 NEWEST = 30
@@ -21,35 +21,54 @@ SAMPLES, SECONDS = 2.0, 2.0
 """Difference that counts: sampling times, and not less than so many seconds, as a bus takes its time."""
 
 
+class _Newest:
+    """Times of the newest samples of a role, in plain arrays: thousands of loops have them."""
+
+    __slots__ = ("_ahead", "_count", "_times")
+
+    def __init__(self) -> None:
+        self._times = array("d", [0.0]) * NEWEST
+        self._ahead = array("d", [0.0]) * NEWEST
+        """Time less arrival of the same."""
+        self._count = 0
+
+    def see(self, time: float, arrival: float) -> None:
+        place = self._count % NEWEST
+        self._times[place], self._ahead[place] = time, time - arrival
+        self._count += 1
+
+    def offset(self) -> float:
+        """Return how far the clock is ahead of this machine's monotonic one, s; NaN where not known."""
+        there = min(self._count, NEWEST)
+        if there < FEWEST:
+            return math.nan
+        oldest, newest = (self._count - there) % NEWEST, (self._count - 1) % NEWEST
+        ticked = self._times[newest] - self._times[oldest]
+        passed = ticked - (self._ahead[newest] - self._ahead[oldest])
+        if abs(ticked - passed) > AT_PACE * passed:
+            return math.nan
+        return max(self._ahead[:there])
+
+
 class TagClocks:
     """Delays of the newest samples of PV and OP."""
+
+    __slots__ = ("_least", "_seen")
 
     def __init__(self, ts: float) -> None:
         """Begin without any; ``ts`` is the sampling time, s."""
         self._least = max(SAMPLES * ts, SECONDS)
-        self._seen: dict[str, deque[tuple[float, float]]] = {role: deque(maxlen=NEWEST) for role in COMPARED}
-        self._ahead: dict[str, deque[float]] = {role: deque(maxlen=NEWEST) for role in COMPARED}
-        """Time less arrival of the same; every look at a plant takes the largest of each loop."""
+        self._seen = {role: _Newest() for role in COMPARED}
 
     def see(self, role: str, time: float, arrival: float) -> None:
         """Take the time of a new value (s UTC) that arrived at ``arrival`` (monotonic, s)."""
-        if role in self._seen:
-            self._seen[role].append((time, arrival))
-            self._ahead[role].append(time - arrival)
+        seen = self._seen.get(role)
+        if seen is not None:
+            seen.see(time, arrival)
 
     @property
     def apart(self) -> float:
         """How far PV's clock is ahead of OP's, s; 0 where they agree, or where that is not known."""
-        ahead, behind = (self._offset(role) for role in COMPARED)
+        ahead, behind = (self._seen[role].offset() for role in COMPARED)
         difference = ahead - behind
         return difference if abs(difference) > self._least else 0.0  # NaN is not
-
-    def _offset(self, role: str) -> float:
-        """Return how far a role's clock is ahead of this machine's monotonic one, s; NaN where not known."""
-        seen = self._seen[role]
-        if len(seen) < FEWEST:
-            return math.nan
-        ticked, passed = seen[-1][0] - seen[0][0], seen[-1][1] - seen[0][1]
-        if abs(ticked - passed) > AT_PACE * passed:
-            return math.nan
-        return max(self._ahead[role])

@@ -35,8 +35,9 @@ class UsableValues:
             return
         value = sample.value
         if sample.quality is not Quality.BAD and not isinstance(value, str) and math.isfinite(value):
-            self._why.pop(role, None)
-            self._since.pop(role, None)
+            if self._why:
+                self._why.pop(role, None)
+                self._since.pop(role, None)
             return
         self._why[role] = sample.why or f"quality {sample.quality.name.lower()}, code {sample.code:#x}"
         self._since.setdefault(role, arrival)

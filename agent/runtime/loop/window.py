@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.record.recording import LoopWindow
-from agent.runtime.loop.slots import FOREVER, NEVER, SlotRing, Taken
+from agent.runtime.loop.slots import FINE, FOREVER, NEVER, SlotRing, Taken
 from agent.runtime.loop.tag_clocks import TagClocks
 from connectors.base import Quality, Sample
 
@@ -112,8 +112,7 @@ class RollingWindow:
         time = sample.time
         if sample.quality is Quality.BAD and time < ring.time and ring.known:
             time = ring.time + self._settings.ts  # by another clock: nothing is known from now on
-        slot = round((time - self._origin) / self._settings.ts)
-        taken = ring.put(time, slot, self._value(sample))
+        taken = ring.put(time, (time - self._origin) / self._settings.ts, self._value(sample))
         if taken is not Taken.NEW:
             return self._dropped(sample, taken, arrival)
         self._backward_run = 0
@@ -123,6 +122,8 @@ class RollingWindow:
         self.counters.samples += 1
         self.counters.bad += sample.quality is Quality.BAD
         self.counters.uncertain += sample.quality is Quality.UNCERTAIN
+        if self._due_at is not None and ring.newest < self._due_at:
+            return None  # at most the slot of this role is settled
         return self._due()
 
     def interrupt(self) -> None:
@@ -237,14 +238,14 @@ class RollingWindow:
     def _silent(self, first: int, n: int) -> NDArray[np.bool_]:
         """True at the grid points that lie in a silence of the whole loop, shape (n,)."""
         settings = self._settings
-        start = (self._origin or 0.0) + first * settings.ts
-        end = start + (n - 0.5) * settings.ts
-        pv, op = ([t for t in self._rings[role].times() if start <= t < end] for role in ("pv", "op"))
-        longest = TOLD_TOGETHER * settings.ts if pv == op else settings.longest_silence
-        reports = np.unique(np.concatenate([ring.times() for ring in self._rings.values()]))
-        slots = np.rint((reports - start) / settings.ts).astype(np.int64)
+        reports = {role: ring.reports() for role, ring in self._rings.items()}
+        begin, end = first * FINE, round((first + n - 0.5) * FINE)
+        pv, op = (each[(each >= begin) & (each < end)] for each in (reports["pv"], reports["op"]))
+        longest = TOLD_TOGETHER if np.array_equal(pv, op) else settings.longest_silence / settings.ts
+        told = np.unique(np.concatenate(list(reports.values())))
+        slots = np.rint(told / FINE).astype(np.int64) - first
         silent = np.zeros(n, dtype=np.bool_)
-        for k in np.flatnonzero(np.diff(reports) > longest):
+        for k in np.flatnonzero(np.diff(told) > longest * FINE):
             silent[max(slots[k] + 1, 0) : max(slots[k + 1], 0)] = True
         return silent
 

@@ -1,12 +1,22 @@
-"""The state of the daemon as the JSON object of /health; pure."""
+"""The state of the daemon as the JSON object of /health."""
 
 from __future__ import annotations
 
+import json
+
+from agent.runtime.operate.breath import breathing
 from agent.runtime.operate.status import AgentStatus, ConnectionStatus, LoopStatus
 
 
-def health_json(status: AgentStatus) -> dict[str, object]:
+async def health_text(status: AgentStatus) -> str:
     """Return the object: all keys are always there, null is not known (docs/howto/monitoring.md)."""
+    agent = json.dumps(agent_json(status))
+    loops = [f"{json.dumps(each.loop)}:{json.dumps(_loop(each))}" async for each in breathing(status.loops)]
+    return f'{agent[:-1]}, "loops": {{{",".join(loops)}}}}}'
+
+
+def agent_json(status: AgentStatus) -> dict[str, object]:
+    """Return what is not of single loops."""
     return {
         "status": "hung" if status.hung else "ok" if status.ok else "degraded",
         "hung": list(status.hung),
@@ -17,7 +27,6 @@ def health_json(status: AgentStatus) -> dict[str, object]:
         "orders": {"taken": status.orders_taken, "refused": status.orders_refused},
         "worker_queue": status.queued,
         "connections": {each.connection: _connection(each) for each in status.connections},
-        "loops": {each.loop: _loop(each) for each in status.loops},
     }
 
 

@@ -7,16 +7,17 @@ import contextlib
 import hmac
 import socket
 from collections.abc import Awaitable, Callable, Iterator
+from typing import Protocol
 
 import uvicorn
 from prometheus_client import CONTENT_TYPE_LATEST
 from starlette.applications import Starlette
 from starlette.requests import Request
-from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
-from agent.runtime.operate.health_json import health_json
+from agent.runtime.operate.health_json import health_text
 from agent.runtime.operate.metrics import Metrics
 from agent.runtime.operate.patient_http import MOST_CONNECTIONS, Crowd, PatientProtocol
 from agent.runtime.operate.status import AgentStatus
@@ -33,6 +34,18 @@ PageOf = Callable[[Starlette, HttpSettings, str | None], ASGIApp]
 """Builds the whole application around the monitoring routes; it is given the settings and the token."""
 
 
+class Watched(Protocol):
+    """The daemon, as monitoring looks at it."""
+
+    def hung(self) -> tuple[str, ...]:
+        """Return the tasks that hang."""
+        ...
+
+    async def looked(self) -> AgentStatus:
+        """Return the state of all loops and connections."""
+        ...
+
+
 class _Server(uvicorn.Server):
     """uvicorn without its own signal handlers: signals are for the daemon."""
 
@@ -41,28 +54,29 @@ class _Server(uvicorn.Server):
         yield
 
 
-def application(overview: Callable[[], AgentStatus], metrics: Metrics, token: str | None) -> Starlette:
+def application(watched: Watched, metrics: Metrics, token: str | None) -> Starlette:
     """Return the ASGI application.
 
     /live says whether the program itself works, for who may start it anew; /health also whether the plant is
     there. Both answer 200 or 503.
 
     Args:
-        overview: Looks at the daemon.
+        watched: The daemon.
         metrics: Of the daemon.
         token: What a client must show but for /live; None: nothing.
     """
 
     async def live(_: Request) -> Response:
-        hung = overview().hung
+        hung = watched.hung()
         return PlainTextResponse("hung\n" if hung else "ok\n", 503 if hung else 200)
 
     async def health(_: Request) -> Response:
-        status = overview()
-        return JSONResponse(health_json(status), 200 if status.ok else 503)
+        status = await watched.looked()
+        code = 200 if status.ok else 503
+        return Response(await health_text(status), code, media_type="application/json")
 
     async def numbers(_: Request) -> Response:
-        return Response(metrics.text(), media_type=CONTENT_TYPE_LATEST)
+        return Response(await metrics.text(), media_type=CONTENT_TYPE_LATEST)
 
     def guarded(handler: Handler) -> Handler:
         async def checked(request: Request) -> Response:
@@ -87,7 +101,7 @@ def application(overview: Callable[[], AgentStatus], metrics: Metrics, token: st
 
 async def serve(
     settings: HttpSettings,
-    overview: Callable[[], AgentStatus],
+    watched: Watched,
     metrics: Metrics,
     listens: Callable[[], None],
     page_of: PageOf | None = None,
@@ -101,9 +115,9 @@ async def serve(
     if token == "":
         raise AccessDeniedError("agent.http.token: is empty")
     app: ASGIApp = (
-        application(overview, metrics, token)
+        application(watched, metrics, token)
         if page_of is None
-        else page_of(application(overview, metrics, None), settings, token)
+        else page_of(application(watched, metrics, None), settings, token)
     )
     await serve_app(app, settings.host, settings.port, listens)
 

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections import Counter as Count
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
 from importlib.metadata import version
-from typing import Literal, TypeVar
+from typing import Literal
 
 from prometheus_client import CollectorRegistry, Counter, Histogram, ProcessCollector, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, InfoMetricFamily
 from prometheus_client.metrics_core import Metric
 from prometheus_client.registry import Collector
+from prometheus_client.utils import floatToGoString
 
 from agent.alarms import Announcement, State
 from agent.analysis.indices import INDICES, PerformanceIndex
 from agent.runtime.loop.pipeline import Judged
+from agent.runtime.operate.breath import breathing
 from agent.runtime.operate.status import AgentStatus, ConnectionStatus, LoopStatus
 
-S = TypeVar("S")
+ValueOf = Callable[[LoopStatus], float | None]
 BUCKETS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 """s"""
 
@@ -44,7 +47,7 @@ def _help(index: PerformanceIndex) -> str:
     return f"{sentence}, {index.unit}" if index.unit else sentence
 
 
-LOOP_GAUGES: tuple[tuple[str, str, Callable[[LoopStatus], float | None]], ...] = (
+LOOP_GAUGES: tuple[tuple[str, str, ValueOf], ...] = (
     ("data_age_seconds", "Time since the newest sample arrived", lambda s: s.data_age),
     ("stale", "1 if no sample arrived for too long", lambda s: s.data == "stale"),
     ("gaps", "Grid points without PV or OP in the newest window", lambda s: s.gaps),
@@ -65,7 +68,7 @@ LOOP_GAUGES: tuple[tuple[str, str, Callable[[LoopStatus], float | None]], ...] =
     ),
     *((f"index_{each.name}", _help(each), functools.partial(_index, each.name)) for each in INDICES),
 )
-LOOP_COUNTERS: tuple[tuple[str, str, Callable[[LoopStatus], float]], ...] = (
+LOOP_COUNTERS: tuple[tuple[str, str, ValueOf], ...] = (
     ("samples", "Samples taken", lambda s: s.samples),
     ("bad_samples", "Samples of bad quality", lambda s: s.bad),
     ("odd_times", "Samples whose source time was rejected", lambda s: s.odd_times),
@@ -102,42 +105,62 @@ AGENT_COUNTERS: tuple[tuple[str, str, Callable[[AgentStatus], float]], ...] = (
 class Metrics(Collector):
     """Reads the state of the daemon at each scrape, and counts verdicts as an observer of its loops."""
 
-    def __init__(self, overview: Callable[[], AgentStatus]) -> None:
+    def __init__(self, looked: Callable[[], Awaitable[AgentStatus]]) -> None:
         """Make them.
 
         Args:
-            overview: Looks at the daemon; called at each scrape.
+            looked: Looks at the daemon; called at each scrape.
         """
-        self._overview = overview
-        self.registry = CollectorRegistry()
-        self._verdicts = Counter(
-            "slipjump_diagnoses", "Windows judged, by verdict", ["loop", "verdict"], registry=self.registry
-        )
+        self._looked = looked
+        self._status: AgentStatus | None = None
+        """Of the scrape that is answered."""
+        self._verdicts: Count[tuple[str, str]] = Count()
+        self._registry = CollectorRegistry()
         self._changes = Counter(
-            "slipjump_alarm_changes", "Changes of alarms, by new state", ["state"], registry=self.registry
+            "slipjump_alarm_changes", "Changes of alarms, by new state", ["state"], registry=self._registry
         )
         self._windows = Histogram(
             "slipjump_window_seconds",
             "Time from the end of a window to its verdict, waiting for a worker included",
             buckets=BUCKETS,
-            registry=self.registry,
+            registry=self._registry,
         )
         self._fits = Histogram(
             "slipjump_fit_seconds",
             "Time of a full diagnosis in its worker",
             buckets=BUCKETS,
-            registry=self.registry,
+            registry=self._registry,
         )
-        self.registry.register(self)
-        ProcessCollector(registry=self.registry)
+        self._registry.register(self)
+        ProcessCollector(registry=self._registry)
 
-    def text(self) -> bytes:
-        """Return all of it in Prometheus' text format."""
-        return generate_latest(self.registry)
+    async def text(self) -> bytes:
+        """Return all of it in Prometheus' text format; what is of loops is written a few loops at a time."""
+        self._status = status = await self._looked()
+        gauges = (
+            _LoopMetric(f"slipjump_loop_{name}", "gauge", text, value_of)
+            for name, text, value_of in LOOP_GAUGES
+        )
+        counters = (
+            _LoopMetric(f"slipjump_loop_{name}_total", "counter", text, value_of)
+            for name, text, value_of in LOOP_COUNTERS
+        )
+        rows = [*gauges, *counters]
+        async for each in breathing(status.loops):
+            label = _escaped(each.loop)
+            for row in rows:
+                row.add(label, each)
+        verdicts = _LoopMetric("slipjump_diagnoses_total", "counter", "Windows judged, by verdict")
+        async for (loop, verdict), count in breathing(list(self._verdicts.items())):
+            verdicts.lines.append(
+                f'slipjump_diagnoses_total{{loop="{_escaped(loop)}",verdict="{verdict}"}} {count}.0'
+            )
+        of_loops = ["\n".join((*each.lines, "")).encode() async for each in breathing([*rows, verdicts])]
+        return b"".join([generate_latest(self._registry), *of_loops])
 
     def judged(self, judged: Judged) -> None:
         """Count a verdict."""
-        self._verdicts.labels(judged.diagnosis.loop, judged.diagnosis.verdict).inc()
+        self._verdicts[judged.diagnosis.loop, judged.diagnosis.verdict] += 1
         self._windows.observe(judged.took)
         if judged.fitted:
             self._fits.observe(judged.diagnosis.seconds)
@@ -151,34 +174,56 @@ class Metrics(Collector):
         return ()
 
     def collect(self) -> Iterable[Metric]:
-        """Look at the daemon."""
-        now = self._overview()
+        """Return what is not of single loops."""
+        now = self._status
+        if now is None:
+            return
         yield InfoMetricFamily("slipjump_build", "This program", {"version": version("slipjump")})
         yield GaugeMetricFamily("slipjump_hung", "Tasks that hang", len(now.hung))
         yield GaugeMetricFamily("slipjump_worker_queue", "Calculations that wait for a worker", now.queued)
         for name, text, of_agent in AGENT_COUNTERS:
             yield CounterMetricFamily(f"slipjump_{name}", text, of_agent(now))
         alarms = GaugeMetricFamily("slipjump_alarms", "Alarms, by state", labels=["state"])
+        there = Count(each.alarm for each in now.loops)
         for state in State:
-            alarms.add_metric([state.value], sum(each.alarm is state for each in now.loops))
+            alarms.add_metric([state.value], there[state])
         yield alarms
-        yield from _families("loop", [(each.loop, each) for each in now.loops], LOOP_GAUGES, LOOP_COUNTERS)
-        connections = [(each.connection, each) for each in now.connections]
-        yield from _families("connection", connections, CONNECTION_GAUGES, CONNECTION_COUNTERS)
+        yield from _connections(now.connections)
 
 
-def _families(
-    label: str,
-    members: Sequence[tuple[str, S]],
-    gauges: Sequence[tuple[str, str, Callable[[S], float | None]]],
-    counters: Sequence[tuple[str, str, Callable[[S], float]]],
-) -> Iterator[Metric]:
-    """One metric for each row, with a value for each member that has one."""
-    for family_of, rows in ((GaugeMetricFamily, gauges), (CounterMetricFamily, counters)):
+class _LoopMetric:
+    """One metric of all loops, line by line as they are looked at."""
+
+    def __init__(self, name: str, kind: str, text: str, value_of: ValueOf = lambda _: None) -> None:
+        self.lines = [f"# HELP {name} {text}", f"# TYPE {name} {kind}"]
+        self._begin = f'{name}{{loop="'
+        self._value_of = value_of
+
+    def add(self, loop: str, status: LoopStatus) -> None:
+        """Add the line of a loop, where it has a value."""
+        value = self._value_of(status)
+        if value is not None:
+            self.lines.append(f'{self._begin}{loop}"}} {_go(value)}')
+
+
+_go: Callable[[float], str] = floatToGoString
+
+
+def _escaped(label: str) -> str:
+    """Return a label as Prometheus has it between quotes."""
+    return label.replace("\\", "\\\\").replace('"', '\\"')
+
+
+def _connections(there: Sequence[ConnectionStatus]) -> Iterator[Metric]:
+    """One metric for each row, with a value for each connection that has one."""
+    for family_of, rows in (
+        (GaugeMetricFamily, CONNECTION_GAUGES),
+        (CounterMetricFamily, CONNECTION_COUNTERS),
+    ):
         for name, text, value_of in rows:
-            family = family_of(f"slipjump_{label}_{name}", text, labels=[label])
-            for member, status in members:
-                value = value_of(status)
+            family = family_of(f"slipjump_connection_{name}", text, labels=["connection"])
+            for each in there:
+                value = value_of(each)
                 if value is not None:
-                    family.add_metric([member], float(value))
+                    family.add_metric([each.connection], float(value))
             yield family

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NoReturn
 
 from agent.runtime.agent import Agent
 from agent.runtime.operate.notify import ServiceManager
-from agent.settings import load_settings
+from agent.settings import Settings, load_settings
 from connectors.base import ConfigError
 from connectors.cancellation import obey_cancellation
 
@@ -24,7 +24,15 @@ Marks = dict[Path, tuple[int, int, int] | None]
 class Reloader:
     """Keeps an agent in line with its configuration file. ``run`` is for a supervisor."""
 
-    def __init__(self, path: Path, agent: Agent, manager: ServiceManager, requested: asyncio.Event) -> None:
+    def __init__(
+        self,
+        path: Path,
+        agent: Agent,
+        manager: ServiceManager,
+        requested: asyncio.Event,
+        load: Callable[[Path], Settings] = load_settings,
+        applied: Callable[[], None] = lambda: None,
+    ) -> None:
         """Make it.
 
         Args:
@@ -32,10 +40,13 @@ class Reloader:
             agent: Agent that already runs with it.
             manager: Gets a notification when the file is read again.
             requested: Set it to have the file read again.
+            load: Reads the file, or this agent's part of it.
+            applied: Called after each change.
         """
         self.refused = 0
         """Times that the file had faults and was not applied."""
         self._path = path
+        self._load, self._applied = load, applied
         self._agent = agent
         self._manager = manager
         self._requested = requested
@@ -68,8 +79,9 @@ class Reloader:
         self._manager.reloading()
         read = _marks(self._files())
         try:
-            settings = await asyncio.to_thread(load_settings, self._path)
+            settings = await asyncio.to_thread(self._load, self._path)
             await self._agent.reload(settings)
+            self._applied()
         except ConfigError as error:
             self.refused += 1
             for fault in error.faults:

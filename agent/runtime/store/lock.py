@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,23 +13,25 @@ from agent.runtime.capabilities import try_lock
 from connectors.base import ConfigError
 
 LOG = logging.getLogger(__name__)
+LOOK = 0.1
+"""Time between two looks of a program that waits for the end of another one, s."""
 
 
 @contextmanager
-def only_agent_of(state: Path | None) -> Iterator[None]:
-    """Hold the lock of a state file; raises ConfigError where another agent does.
+def only_agent_of(state: Path | None, *, wait: bool = False) -> Iterator[None]:
+    """Hold the lock of a state file; where another agent does, raise ConfigError or wait until it ends.
 
     An agent that keeps nothing (None) needs no lock.
     """
     if state is None:
         yield
         return
-    with only_user_of(state, "agent"):
+    with only_user_of(state, "agent", wait=wait):
         yield
 
 
 @contextmanager
-def only_user_of(file: Path, who: str) -> Iterator[None]:
+def only_user_of(file: Path, who: str, *, wait: bool = False) -> Iterator[None]:
     """Hold the lock of a file, ``NAME.lock`` beside it; raises ConfigError where another process does.
 
     The kernel lets go of it when the process ends, however it ends; the file stays and means nothing by
@@ -37,6 +40,7 @@ def only_user_of(file: Path, who: str) -> Iterator[None]:
     Args:
         file: What is used by one process at a time.
         who: What such a process is called.
+        wait: Until the other process ends.
     """
     own = file.resolve()  # through a symlink it is the same file, and the same lock
     path = own.with_name(f"{own.name}.lock")
@@ -48,8 +52,10 @@ def only_user_of(file: Path, who: str) -> Iterator[None]:
         return
     try:
         try:
-            if not try_lock(handle):
-                raise ConfigError([f"{file}: is used by another {who}{_holder(handle)}"])
+            while not try_lock(handle):
+                if not wait:
+                    raise ConfigError([f"{file}: is used by another {who}{_holder(handle)}"])
+                time.sleep(LOOK)
             os.ftruncate(handle, 0)
             os.lseek(handle, 0, os.SEEK_SET)
             os.write(handle, f"{os.getpid()}\n".encode())

@@ -40,12 +40,12 @@ def screen(plant: Plant) -> PageScreen:
     @router.get("")
     async def alarms() -> list[dict[str, Any]]:
         """Every alarm that is not normal."""
-        return alarms_of(plant.look())
+        return alarms_of(await plant.look())
 
     @router.get("/stream", response_class=Response)
     async def stream() -> Response:
         """Server-sent events: the list, then the list again when it changes."""
-        page = plant.live.open(lambda look: {"alarms": alarms_of(look)})
+        page = await plant.live.open(lambda look: {"alarms": alarms_of(look)})
         return too_many_pages() if page is None else EventStream(page, lambda: plant.live.close(page))
 
     @router.get("/decisions")

@@ -29,19 +29,19 @@ def screen(plant: Plant) -> PageScreen:
     @router.get("")
     async def loops() -> list[str]:
         """Names of all loops, what needs somebody first."""
-        return [item.status.loop for item in plant.look().items]
+        return [item.status.loop for item in (await plant.look()).items]
 
     @router.get("/{name}")
     async def loop(name: str) -> dict[str, Any]:
         """Settings, newest diagnosis and alarm of a loop."""
         loop_of(plant, name)
-        return about(plant, plant.look(), name)
+        return about(plant, await plant.look(), name)
 
     @router.get("/{name}/stream", response_class=Response)
     async def stream(name: str) -> Response:
         """Server-sent events: row, newest sample and time of the newest verdict of a loop."""
         loop_of(plant, name)
-        page = plant.live.open(lambda look: _view(plant, look, name))
+        page = await plant.live.open(lambda look: _view(plant, look, name))
         return too_many_pages() if page is None else EventStream(page, lambda: plant.live.close(page))
 
     @router.get("/{name}/window")
@@ -134,14 +134,14 @@ def screen(plant: Plant) -> PageScreen:
         problem = await decide(plant, name, decision)
         if problem is not None:
             raise HTTPException(409, f"{decision.action} of {name}: {problem}")
-        return row_of(plant.look().by_name[name])
+        return row_of((await plant.look()).by_name[name])
 
     @router.post("/{name}/judgement")
     async def judgement(name: str, said: PersonalJudgement) -> dict[str, Any]:
         """Say that a valve sticks or is sound in place of the verdict, or withdraw that; the alarm stays."""
         loop_of(plant, name)
         plant.judge(name, said)
-        return row_of(plant.look().by_name[name])
+        return row_of((await plant.look()).by_name[name])
 
     @router.post("/{name}/repair", status_code=204)
     async def repaired(name: str, said: RepairNote) -> Response:

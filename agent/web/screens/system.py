@@ -7,7 +7,7 @@ from typing import Any
 from fastapi import APIRouter
 from starlette.responses import Response
 
-from agent.runtime.operate.health_json import health_json
+from agent.runtime.operate.health_json import agent_json
 from agent.web.event_stream import EventStream
 from agent.web.plant import Look, Plant
 from agent.web.screens.answers import too_many_pages
@@ -35,8 +35,8 @@ class Rates:
             if each.data_age is not None:
                 ages[each.connection] = min(each.data_age, ages.get(each.connection, each.data_age))
         former, self._former = self._former, (look.time, samples)
-        counters = health_json(look.status)
-        del counters["loops"], counters["connections"]
+        counters = agent_json(look.status)
+        del counters["connections"]
         return {
             "agent": counters | {"summary": self._plant.agent.summary},
             "silent": silent_loops(look),
@@ -87,12 +87,12 @@ def screen(plant: Plant) -> PageScreen:
     @router.get("")
     async def system() -> dict[str, object]:
         """Connections, counters, and loops without data."""
-        return Rates(plant)(plant.look())
+        return Rates(plant)(await plant.look())
 
     @router.get("/stream", response_class=Response)
     async def stream() -> Response:
         """Server-sent events: the same, then what changes."""
-        page = plant.live.open(Rates(plant))
+        page = await plant.live.open(Rates(plant))
         return too_many_pages() if page is None else EventStream(page, lambda: plant.live.close(page))
 
     return PageScreen("system", "System", "/system", router)

@@ -100,20 +100,20 @@ def screen(plant: Plant) -> PageScreen:
     @router.get("")
     async def work_list(wanted: Annotated[Wanted, Query()]) -> dict[str, Any]:
         """One page of the list: ranked, filtered and counted."""
-        look = plant.look()
+        look = await plant.look()
         parts = listed(look, wanted)
         return parts | {"rows": [row_of(look.by_name[name]) for name in parts.pop("order")]}
 
     @router.get("/stream", response_class=Response)
     async def stream(wanted: Annotated[Wanted, Query()]) -> Response:
         """Server-sent events: the page of the list, then what changes in it."""
-        page = plant.live.open(Rows(plant, wanted))
+        page = await plant.live.open(Rows(plant, wanted))
         return too_many_pages() if page is None else EventStream(page, lambda: plant.live.close(page))
 
     @router.get("/map")
     async def areas() -> list[dict[str, Any]]:
         """Loops by area, each [name, group, stale, S]; S in OP units, null where there is none."""
-        return map_of(plant.look())
+        return map_of(await plant.look())
 
     return PageScreen("work_list", "Work list", "/", router)
 

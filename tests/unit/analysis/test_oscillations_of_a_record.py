@@ -4,16 +4,23 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from agent.analysis.oscillation import ForsmanStattinMonitor, detect_oscillation, oscillations
+from agent.analysis.oscillation import (
+    ForsmanStattinMonitor,
+    HagglundMonitor,
+    detect_oscillation,
+    oscillations,
+)
 from agent.analysis.oscillation.acf_filtered import (
     POINTS,
     _correlation_of_filtered_noise,
     band_passed,
 )
 from agent.analysis.oscillation.forsman_stattin import ForsmanStattin, alike
-from agent.analysis.oscillation.hagglund import HalfCycle
+from agent.analysis.oscillation.hagglund import HalfCycle, HalfCycles, _oscillates, half_cycles
 from agent.analysis.oscillation.miao_seborg import decay_ratio
 from agent.analysis.oscillation.spectral import highest_peak
 from agent.analysis.oscillation.spectrum import bridged, spectrum
@@ -181,3 +188,31 @@ class TestForsmanStattin:
             monitor.push(error)
             assert len(monitor._last_two) <= 2
         assert len(vars(monitor)) == fields
+
+
+class TestWholeRecordsAtOnce:
+    """The batch forms skip the samples between crossings; the online forms see each."""
+
+    @given(
+        st.lists(st.sampled_from([-1.5, -1.0, -0.2, 0.0, 0.2, 1.0, 1.5, math.nan]), max_size=300),
+        st.sampled_from([0.0, 0.5]),
+        st.sampled_from([1.0, 2.5]),
+    )
+    @settings(deadline=None)
+    def test_they_are_those_of_the_online_forms(self, errors, band, ts):
+        cutter, resembling = HalfCycles(ts, band), ForsmanStattinMonitor(ts, band)
+        monitor, loaded = HagglundMonitor(ts, band, band), False
+        online = []
+        for k, error in enumerate(errors):
+            ended = cutter.push(error)
+            resembling.push(error)
+            loaded = monitor.push(error)
+            online += [] if ended is None else [(k, ended)]
+        batch = half_cycles(np.array(errors), ts, band)
+        assert [(end, ended) for end, _, ended in batch] == online
+        assert _oscillates(batch, len(errors), ts, band) == loaded
+        whole, former = ForsmanStattinMonitor(ts), 0
+        for _, gaps, ended in batch:
+            whole.take(ended, gap=gaps != former)
+            former = gaps
+        assert whole.index == resembling.index

@@ -16,7 +16,7 @@ class GrudgingClient:
     """A broker that allows the first topic only, and has one message on it."""
 
     def __init__(self):
-        self.messages = self._messages()
+        self.received = self._messages
 
     async def subscribe(self, topics):
         return [1] + [0x80] * (len(topics) - 1)

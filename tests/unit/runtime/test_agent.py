@@ -90,17 +90,17 @@ def test_a_diagnosis_that_fails_does_not_end_its_loop(caplog):
 class SlowExecutor:
     """Takes its time, as a pool does."""
 
-    async def run_in_turn(self, _expected, work, _worth):
+    async def run_in_turn(self, expected, work, _worth=1.0):
         calculation = work()
-        await asyncio.sleep(240.0)
+        await asyncio.sleep(240.0 if expected else 0.0)
         return calculation()
 
 
 class BusyExecutor:
-    """Has its only worker free now and then."""
+    """Has its only worker free for a fit now and then."""
 
-    async def run_in_turn(self, _expected, work, _worth):
-        await asyncio.sleep(250.0)
+    async def run_in_turn(self, expected, work, _worth=1.0):
+        await asyncio.sleep(250.0 if expected else 0.0)
         return work()()
 
 

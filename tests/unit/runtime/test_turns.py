@@ -22,7 +22,7 @@ class Workers:
     def queued(self):
         return self.turns.waiting
 
-    async def run_in_turn(self, expected, work, worth):
+    async def run_in_turn(self, expected, work, worth=1.0):
         clock = asyncio.get_running_loop()
         due = clock.time()
         async with self.turns.turn(expected, worth):

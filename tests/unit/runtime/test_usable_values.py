@@ -1,6 +1,7 @@
 """A loop without a usable PV or OP is not healthy; a restarted peer gets the newest states again."""
 
 import asyncio
+import json
 import logging
 import os
 import stat
@@ -8,7 +9,7 @@ import stat
 import pytest
 
 from agent.runtime.loop.usable import LOGGED_AGAIN, UsableValues
-from agent.runtime.operate.health_json import health_json
+from agent.runtime.operate.health_json import health_text
 from agent.runtime.store.history_file import HistoryFile
 from agent.runtime.store.lock import only_agent_of
 from agent.runtime.store.store import Store
@@ -36,16 +37,16 @@ def test_a_loop_without_one_usable_pv_is_stale_unhealthy_and_logged_once(caplog)
     async def scenario():
         task = asyncio.create_task(agent.run())
         await asyncio.sleep(250.0)
-        status = agent.overview()
+        status = await agent.looked()
+        text = await health_text(status)
         task.cancel()
         await asyncio.wait({task})
-        return status
+        return status, json.loads(text)
 
     with caplog.at_level(logging.WARNING):
-        status = virtual(scenario())
+        status, found = virtual(scenario())
     (loop,) = status.loops
     assert (loop.data, status.ok) == ("stale", False)
-    found = health_json(status)
     assert found["status"] == "degraded"
     assert found["loops"]["FIC101"]["error"].endswith("BadNodeIdUnknown")
     assert found["loops"]["FIC101"]["error"].startswith("PV had no usable value for ")

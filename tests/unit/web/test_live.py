@@ -43,9 +43,13 @@ async def test_a_page_that_never_reads_keeps_little_and_gets_all_again():
 
 async def test_pages_are_looked_at_while_they_are_open_and_end_with_the_server():
     looks = []
-    live = Live(lambda: len(looks), period=0.001)
+
+    async def look():
+        return len(looks)
+
+    live = Live(look, period=0.001)
     work = asyncio.create_task(live.run())
-    page = live.open(lambda look: looks.append(look) or {"look": look})
+    page = await live.open(lambda look: looks.append(look) or {"look": look})
     assert json.loads(await page.next())["full"]
     assert json.loads(await page.next())["parts"]["look"] > 0
     work.cancel()
@@ -55,17 +59,21 @@ async def test_pages_are_looked_at_while_they_are_open_and_end_with_the_server()
     assert page.ended
 
 
-def test_pages_are_bounded_in_number():
-    live = Live(lambda: 0)
-    opened = [live.open(lambda _: {}) for _ in range(MOST_PAGES + 1)]
+async def nothing():
+    return 0
+
+
+async def test_pages_are_bounded_in_number():
+    live = Live(nothing)
+    opened = [await live.open(lambda _: {}) for _ in range(MOST_PAGES + 1)]
     assert opened[-1] is None
     live.close(opened[0])
-    assert live.open(lambda _: {}) is not None
+    assert await live.open(lambda _: {}) is not None
 
 
 async def test_a_client_that_is_gone_leaves_nothing_behind():
-    live = Live(lambda: 0)
-    page = live.open(lambda look: {"look": look})
+    live = Live(nothing)
+    page = await live.open(lambda look: {"look": look})
     sent, gone = [], asyncio.Event()
 
     async def receive():

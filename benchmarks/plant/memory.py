@@ -1,0 +1,27 @@
+"""Memory of a process and of all that it started; pages that several share count once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+def proportional(pid: int) -> tuple[float, float]:
+    """Return MB of a process, and with all its descendants."""
+    return _of(pid), sum(_of(each) for each in _family(pid))
+
+
+def _of(pid: int) -> float:
+    try:
+        lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+    except OSError:
+        return 0.0
+    return next((int(line.split()[1]) / 1000 for line in lines if line.startswith("Pss:")), 0.0)
+
+
+def _family(pid: int) -> list[int]:
+    children = [
+        int(child)
+        for task in Path(f"/proc/{pid}/task").glob("*/children")
+        for child in task.read_text().split()
+    ]
+    return [pid, *(each for child in children for each in _family(child))]

@@ -1,0 +1,160 @@
+"""What reads the plant: a real agent with its page and workers, and a bare client beside it."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+import aiomqtt
+import numpy as np
+
+from agent.analysis.diagnosis import Diagnosis
+from agent.cli.common.page import serve_page
+from agent.runtime.agent import Agent
+from agent.runtime.capabilities import run_event_loop
+from agent.runtime.loop.workers import PoolExecutor
+from agent.runtime.operate import heap
+from agent.settings import HttpSettings, load_settings
+
+WATCHED = 50
+"""Of so many loops one has the delay of each sample from wire to window measured."""
+TICK = 0.02
+"""How often it is seen whether the loop that reads stands still, s."""
+
+
+@dataclass(frozen=True)
+class Read:
+    """What a reader says of the time between two marks."""
+
+    cpu: float
+    """Of its process, s."""
+    wall: float
+    values: int
+    """PV and OP that reached it."""
+    delays: tuple[float, ...] = ()
+    """From the sending of a sample to its place in a window, s."""
+    stops: tuple[float, ...] = ()
+    """How long the loop that reads stood still, s, the longest ten."""
+    lost: int = 0
+
+
+class Stops:
+    """How long the event loop stood still by its own work; not while others had the core."""
+
+    def __init__(self) -> None:
+        self.longest: list[float] = []
+
+    async def watch(self) -> None:
+        """Look every ``TICK`` s."""
+        before = time.perf_counter(), time.thread_time()
+        while True:
+            await asyncio.sleep(TICK)
+            now = time.perf_counter(), time.thread_time()
+            late = min(now[0] - before[0] - TICK, now[1] - before[1])
+            self.longest = sorted([*self.longest, late])[-10:]
+            before = now
+
+
+def bare(port: int, says: Connection) -> None:
+    """Read with aiomqtt alone: each message is received and its numbers are parsed."""
+
+    async def read() -> None:
+        values = 0
+
+        def count() -> int:
+            return values
+
+        async with aiomqtt.Client("127.0.0.1", port) as client:
+            await client.subscribe("plant/#", qos=1)
+            answering = asyncio.create_task(_answer(says, count, None, [], lambda: 0))
+            async for message in client.messages:
+                tree = json.loads(message.payload)  # type: ignore[arg-type]
+                values += math.isfinite(float(tree["pv"])) + math.isfinite(float(tree["op"]))
+                if answering.done():
+                    return
+
+    asyncio.run(read())
+
+
+def agent(config: Path, quiet: Diagnosis, says: Connection) -> None:
+    """Run the agent of a configuration as ``slipjump run`` does, each loop with this diagnosis."""
+    settings = load_settings(config)
+    heap.keep_one_heap()
+
+    async def main() -> None:
+        stops, delays = Stops(), []
+        async with PoolExecutor(settings.agent.workers) as executor:
+            made = Agent(settings, executor)
+            serve_page(made, settings.agent.http or HttpSettings(), lambda _: None)
+            for k, (name, pipeline) in enumerate(made.pipelines.items()):
+                pipeline.diagnosis, pipeline.judged_at = replace(quiet, loop=name), 0.0
+                if k % WATCHED == 0:
+                    _watch(pipeline.window, delays)
+
+            def count() -> int:
+                return sum(each.window.counters.samples for each in made.pipelines.values())
+
+            def lost() -> int:
+                return sum(each.lost for each in made.connections)
+
+            work = asyncio.create_task(made.run(heap.settle))
+            watching = asyncio.create_task(stops.watch())
+            await _answer(says, count, stops, delays, lost)
+            watching.cancel()
+            work.cancel()
+            await asyncio.wait({work, watching})
+
+    run_event_loop(main())
+
+
+def _watch(window: Any, delays: list[float]) -> None:  # noqa: ANN401 - its method is replaced
+    push = window.push
+
+    def timed(sample: Any, arrival: float) -> Any:  # noqa: ANN401
+        found = push(sample, arrival)
+        delays.append(time.time() - sample.time)
+        return found
+
+    window.push = timed
+
+
+async def _answer(
+    says: Connection,
+    count: Callable[[], int],
+    stops: Stops | None,
+    delays: list[float],
+    lost: Callable[[], int],
+) -> None:
+    """Answer each mark of the parent with what happened since the one before; end on an empty one."""
+    before = cpu, wall, values, missed = time.process_time(), time.perf_counter(), count(), lost()
+    marked = asyncio.Event()
+    asyncio.get_running_loop().add_reader(says.fileno(), marked.set)
+    while True:
+        await marked.wait()
+        marked.clear()
+        if not says.poll():
+            continue
+        if says.recv() is None:
+            return
+        cpu, wall, values, missed = before
+        before = time.process_time(), time.perf_counter(), count(), lost()
+        says.send(
+            Read(
+                before[0] - cpu,
+                before[1] - wall,
+                before[2] - values,
+                tuple(np.quantile(delays, [0.5, 0.99, 1.0])) if delays else (),
+                tuple(stops.longest) if stops is not None else (),
+                before[3] - missed,
+            )
+        )
+        delays.clear()
+        if stops is not None:
+            stops.longest.clear()
