@@ -1,7 +1,7 @@
 """The newest values of one role, one for each point of the grid, in a ring that never grows.
 
 A value is a float of 32 bits, as controllers and field buses have it, and when it was reported is a byte:
-five bytes a sample. Ten thousand loops with an hour of three roles at 1 Hz so need 560 MB (decision 75).
+five bytes a sample. Ten thousand loops with an hour of three roles at 1 Hz so need 560 MB (decision 70).
 """
 
 from __future__ import annotations
