@@ -1,5 +1,7 @@
 """What a repair would gain, against the physical simulator with a valve that was repaired."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -85,6 +87,14 @@ def test_simc_of_a_first_order_process():
     level = simc(ProcessEstimate("integrator", -0.01, None, 5.0), 1.0)
     assert level.kc == pytest.approx(-10.0)
     assert level.kc / level.ki == pytest.approx(40.0)
+
+
+def test_a_loop_that_does_not_repeat_its_record_gains_nothing_that_is_known(records):
+    sticking = records[0]
+    right = fitted(sticking)
+    free = replace(right, stiction=replace(STICTION, s=IntervalEstimate(0.01)))  # no limit cycle arises
+    assert benefit(window_of(sticking), right) is not None
+    assert benefit(window_of(sticking), free) is None
 
 
 def test_without_a_controller_that_is_known_nothing_is_said(records):
