@@ -73,7 +73,7 @@ def test_the_gain_of_a_repair_is_that_of_the_repaired_plant(records):
 def test_words_and_json(records):
     found = benefit(window_of(records[0]), fitted(records[0]))
     lines = list(benefit_lines(found))
-    assert lines[0].startswith("a repair would give: variance of PV x 0.")
+    assert lines[0].startswith("a repair would give, in multiples of now: variance of PV 0.")
     written = benefit_json(found, 1.0)
     assert written["repaired"]["pv_variance"]["ratio"] == found.repaired.pv_variance.ratio
     assert written["simc"]["ti_s"] == pytest.approx(12.0)
