@@ -126,6 +126,12 @@ def shipped(folder: Path = FOLDER) -> dict[str, Path]:
     return {file.relative_to(folder).with_suffix("").as_posix(): file for file in files}
 
 
+def scenario_path(name: str, folder: Path = FOLDER) -> Path:
+    """Return the file of a scenario that ships in a folder, by its name; else the name as a path."""
+    own = Path(name)
+    return own if own.exists() else shipped(folder).get(name.removesuffix(".yaml"), own)
+
+
 def truth_of(folder: Path = FOLDER) -> dict[str, dict[str, Any]]:
     """Return name -> loop, verdict that is right, and what is hidden, of all scenarios of a folder."""
     found = {}

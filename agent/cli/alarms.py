@@ -152,6 +152,8 @@ def _fields(alarm: Alarm) -> dict[str, object]:
 
 
 def _line(alarm: Alarm, waits: list[str]) -> str:
+    from agent.report.numbers import value_words
+
     words = [f"{alarm.loop}: {alarm.state.value}"]
     if alarm.until is not None:
         until = datetime.fromtimestamp(alarm.until, UTC)
@@ -160,7 +162,7 @@ def _line(alarm: Alarm, waits: list[str]) -> str:
         words.append(f"by {alarm.by}")
     words.append(f"priority {alarm.priority}, NE 107 {alarm.health.name.lower()}")
     if alarm.stiction is not None:
-        words.append(f"S {alarm.stiction.s.value:.3g}")
+        words.append(f"S {value_words(alarm.stiction.s)}")
     if waits:
         words.append(f"waits for the agent: {', '.join(waits)}")
     return ", ".join(words)

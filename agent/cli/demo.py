@@ -97,6 +97,10 @@ def demo(
     missing = [f"{loop.name}: {loop.missing}" for loop in loops if loop.missing is not None]
     for line in missing:
         complain(line)
+    if missing:
+        complain(f"ended after {elapsed:.0f} s with verdicts missing: give it longer (--seconds)")
+    elif not as_json and not console.is_terminal:
+        console.print(f"all verdicts are in, after {elapsed:.0f} s", highlight=False)
     if as_json:
         rows = [
             {
@@ -180,6 +184,8 @@ async def _watch(
             for loop, status in zip(loops, _status(loops, stage), strict=True):
                 loop.active, loop.seen = status.alarm.active, stage.told.get(loop.name, False)
             live.update(_table(loops, stage), refresh=console.is_terminal)
+    if not console.is_terminal:
+        console.print()  # the table that a pipe gets at the end has no end of line
     for loop in loops:
         loop.missing = loop.lacks(windows)
     return time.monotonic() - started

@@ -107,11 +107,12 @@ def _summaries(export: Export, options: ReadOptions) -> tuple[list[LoopSummary],
 
 
 def _print(export: Export, summaries: list[LoopSummary], problems: list[str]) -> None:
-    from agent.report.export_summary import summary_rows
+    from agent.report.export_summary import absent_words, summary_rows
 
     times = {"samples": "counted by --ts", "calendar": "dates"}.get(export.time_form, export.time_form)
     zone = {"": "", "as written": ", zone as written"}.get(export.zone, f" in {export.zone}")
     how = f"{export.kind}, layout {export.format}, times {times}{zone}, decimal mark {export.decimal}"
     table = aligned(summary_rows(summaries))
-    lines = [f"{export.path.name}: {how}", *table, *(f"! {each}" for each in problems)]
+    notes = (*(f"! {each}" for each in problems), *(f"- {each}" for each in absent_words(summaries)))
+    lines = [f"{export.path.name}: {how}", *table, *notes]
     print("\n".join(lines))  # noqa: T201 - the command's output

@@ -77,14 +77,13 @@ def _loaded(names: Sequence[str]) -> list[Scenario]:
     """Return the scenarios; refuses unknown names and two loops of one name, all at once."""
     from agent.cli.common.config_folder import config_folder
     from connectors.base import ConfigError
-    from simulators.hidden_faults import shipped
+    from simulators.hidden_faults import scenario_path
     from simulators.scenario import load_scenario
 
-    known = shipped(config_folder() / "scenarios")
     found, faults = [], []
     for name in names:
-        path = known.get(name.removesuffix(".yaml"), Path(name))
-        if name not in known and not path.exists():
+        path = scenario_path(name, config_folder() / "scenarios")
+        if not path.exists():
             faults.append(f"{name}: no such file, and no scenario of `slipjump serve --list`")
             continue
         try:

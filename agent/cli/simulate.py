@@ -12,7 +12,12 @@ from agent.cli.common.errors import BAD_INPUT, complain
 
 
 def simulate(
-    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.yaml", help="The loop and its faults.")],
+    scenario: Annotated[
+        str,
+        typer.Argument(
+            metavar="SCENARIO", help="The loop and its faults: a file, or a name of `slipjump serve --list`."
+        ),
+    ],
     *,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="RECORDING.csv", help="The recording to write.")
@@ -22,11 +27,13 @@ def simulate(
     from rich.console import Console
     from rich.progress import track
 
+    from agent.cli.common.config_folder import config_folder
+    from simulators.hidden_faults import scenario_path
     from simulators.plant import rows
     from simulators.record_file import write_rows, write_truth
     from simulators.scenario import load_scenario
 
-    loop = load_scenario(scenario)
+    loop = load_scenario(scenario_path(scenario, config_folder() / "scenarios"))
     stderr = Console(stderr=True)
     progress = track(
         rows(loop), f"simulating {loop.loop}", loop.samples, console=stderr, disable=not sys.stderr.isatty()

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from agent.plots.axes import MEASURED, MODEL, VALVE, tidy
 from agent.report.fleet.quality_words import duration_words, quality_words
-from agent.report.fleet.table import probability_words, stick_band, what_next, why
+from agent.report.fleet.table import probability_words, stick_band, what_next
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -55,7 +55,7 @@ def _draw(number: int, row: ValveRow, text: Axes, pv: Axes, op: Axes) -> None:
     colour = MODEL if row.group in ("sticks", "suspected") else MEASURED
     head = f"{number}  {row.name}: {row.words.lower()}, probability {probability_words(lead)}{band}"
     text.text(0, 0.98, head, va="top", fontsize=9, weight="bold", color=colour, wrap=True)
-    lines = [f"why: {why(row)}", f"next: {what_next(row)}", f"record: {quality_words(lead.quality)}"]
+    lines = [f"why: {lead.reason}", f"next: {what_next(row)}", f"record: {quality_words(lead.quality)}"]
     words = "\n".join(textwrap.fill(each, LETTERS) for each in lines)
     text.text(0, 0.72, words, va="top", fontsize=7)
     small = lead.thumbnail

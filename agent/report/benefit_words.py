@@ -17,11 +17,11 @@ def benefit_lines(found: Benefit) -> Iterator[str]:
             yield f"{name}: the loop would become unstable"
             continue
         parts = (
-            f"variance of PV x {_words(changed.pv_variance)}",
-            f"travel of OP x {_words(changed.travel)}",
-            f"reversals x {_words(changed.reversals)}",
+            f"variance of PV {_words(changed.pv_variance)}",
+            f"travel of OP {_words(changed.travel)}",
+            f"reversals {_words(changed.reversals)}",
         )
-        yield f"{name} would give: {', '.join(parts)}"
+        yield f"{name} would give, in multiples of now: {', '.join(parts)}"
 
 
 def benefit_json(found: Benefit | None, ts: float | None) -> dict[str, object]:

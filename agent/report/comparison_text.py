@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from agent.report.numbers import p_words
 from agent.workbench.decision import SUGGESTED
 from agent.workbench.residual.axis_effects import FAMILIES_ON
 from agent.workbench.residual.state_dependence import LEVEL
@@ -45,7 +46,7 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     yield "where this model fails: share of the residual, p"
     for panel in found.where_it_fails[:PANELS]:
         made_by = f"  made by: {causes_words(panel.axis)}" if panel.p < LEVEL else ""
-        yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  p = {panel.p:.2g}{made_by}"
+        yield f"  {panel.axis:28}{100 * panel.share:>9.1f} %  {p_words(panel.p)}{made_by}"
     yield from _not_shown(found)
     for line in found.lines[:PANELS]:
         yield f"  a wave of {1 / line.frequency:.4g} s comes from outside: it keeps its own time"
@@ -74,7 +75,7 @@ def chance_words(tried: Candidate) -> str:
         return f"rejected: {tried.objection}"
     if tried.low > 0 and tried.p >= SUGGESTED:
         return "may be chance"
-    return f"p = {tried.p:.2g}"
+    return p_words(tried.p)
 
 
 def _not_shown(found: Comparison) -> Iterator[str]:
@@ -136,7 +137,7 @@ def _where(verdict: Verdict, found: Comparison) -> str:
     worst = found.where_it_fails[0] if found.where_it_fails else None
     if worst is not None and worst.p < LEVEL:
         axis = worst.axis.replace("_", " ")
-        return f"the model fails with {axis} (p = {worst.p:.2g}, {100 * worst.share:.0f} % of the residual)"
+        return f"the model fails with {axis} ({p_words(worst.p)}, {100 * worst.share:.0f} % of the residual)"
     if found.lines:
         return f"a wave of {1 / found.lines[0].frequency:.4g} s from outside is left in the residual"
     if verdict.at_bound:

@@ -21,21 +21,29 @@ if TYPE_CHECKING:
     )
 
 
+SIDES = {
+    "stiction": "methods for stiction",
+    "no_stiction": "methods against stiction",
+    "undecided": "methods that are undecided",
+}
+"""Verdicts of methods -> the words before their names and indices."""
 ANSWER = 0.5
 """Width of an interval, over the value, up to which it is an answer: neither repair nor bump test depends on
 a quarter more or less."""
 
 
 def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
-    """Yield verdict, cause, numbers with their 90 % intervals where there are any, and the reasons."""
+    """Yield the verdict, what to do next, why, the numbers with their 90 % intervals, and the methods."""
     verdict = diagnosis.verdict.replace("_", " ")
     confidence = f" (confidence {diagnosis.confidence:.2f})" if diagnosis.confidence else ""
-    yield f"{diagnosis.loop}: {verdict}{confidence}"
+    cause = diagnosis.cause.replace("_", " ")
+    because = "" if diagnosis.cause in ("stiction", "undecided") else f", {cause}"
+    yield f"{diagnosis.loop}: {verdict}{confidence}{because}"
+    yield from (f"  > {step}" for step in advice(diagnosis))
+    yield from (f"  - {reason}" for reason in reasons(diagnosis))
     if diagnosis.sticks is not None and diagnosis.sticks.windows:
         alone = "; the confidence is of this record alone, at 0.5" if diagnosis.confidence else ""
         yield f"  {sticks_words(diagnosis.sticks)}{alone}"
-    if diagnosis.cause not in ("stiction", "undecided"):
-        yield f"  cause: {diagnosis.cause.replace('_', ' ')}"
     found = diagnosis.quantification
     if found is not None and diagnosis.verdict in ("stiction", "undecided"):
         numbers = [] if found.stiction is None else _stiction(found.stiction)
@@ -43,8 +51,6 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
         yield from (f"  {line}" for line in numbers)
     if diagnosis.benefit is not None:
         yield from (f"  {line}" for line in benefit_lines(diagnosis.benefit))
-    yield from (f"  - {reason}" for reason in reasons(diagnosis))
-    yield from (f"  > {step}" for step in advice(diagnosis))
     yield from (f"  {line}" for line in method_lines(diagnosis.methods))
 
 
@@ -56,13 +62,13 @@ def sticks_words(sticks: Sticks) -> str:
 
 def method_lines(methods: Mapping[str, MethodResult]) -> Iterator[str]:
     """Yield a line for each verdict, with the methods that gave it and their index; count the others."""
-    for verdict in ("stiction", "no_stiction", "undecided"):
+    for verdict, words in SIDES.items():
         said = [_indexed(name, each.index) for name, each in methods.items() if each.verdict == verdict]
         if said:
-            yield f"{verdict.replace('_', ' ')} say: {', '.join(said)}"
+            yield f"{words}: {', '.join(said)}"
     silent = sum(each.verdict == "not_applicable" for each in methods.values())
     if silent:
-        yield f"not applicable: {silent} (--json states why)"
+        yield f"methods that do not apply: {silent} (--json states why)"
 
 
 def _indexed(name: str, index: float | None) -> str:

@@ -10,11 +10,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.record.compression import DESTROYS, compression_factor
+from agent.counted import counted
+from agent.report.fleet.quality_words import duration_words
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import LoopWindow
+
+
+WISHED = {
+    "SP": "no set point: whether it moved is not seen",
+    "mode": "no mode: stretches in manual are not cut out",
+}
+"""Columns that may be absent -> what is lost without them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +80,7 @@ def loop_summary(window: LoopWindow, columns: dict[str, str], bad: int, *, dated
 
 
 def _iso(seconds: float) -> str:
-    moment = datetime.fromtimestamp(seconds, UTC)
+    moment = datetime.fromtimestamp(round(seconds, 3), UTC)
     form = "milliseconds" if moment.microsecond else "seconds"
     return moment.isoformat(timespec=form).replace("+00:00", "Z")
 
@@ -107,6 +116,12 @@ def problems_of(summaries: Sequence[LoopSummary]) -> list[str]:
     return spoilt + manual + unknown
 
 
+def absent_words(summaries: Sequence[LoopSummary]) -> list[str]:
+    """Return a line for each column that no loop has and a verdict is better with."""
+    there = {role for each in summaries for role in each.columns}
+    return [words for role, words in WISHED.items() if role not in there] if summaries else []
+
+
 def summary_json(
     file: str, layout: str, zone: str, summaries: Sequence[LoopSummary], problems: Sequence[str]
 ) -> dict[str, object]:
@@ -136,13 +151,15 @@ def summary_json(
 
 def summary_rows(summaries: Sequence[LoopSummary]) -> list[list[str]]:
     """Return a table of the loops, its header first."""
-    header = ["loop", "PV", "OP", "others", "Ts s", "samples", "start", "gaps", "bad", "compression"]
+    header = ["loop", "Ts s", "samples", "lasts", "start", "gaps", "bad", "historian", "PV", "OP", "others"]
     return [header, *(_row(each) for each in summaries)]
 
 
 def _row(each: LoopSummary) -> list[str]:
     others = " ".join(f"{role}={name}" for role, name in each.columns.items() if role not in {"PV", "OP"})
-    gaps = f"{each.gaps} ({each.missing} samples)" if each.gaps else "0"
-    factor = "not known" if each.compression is None else f"{each.compression:.1f}"
-    counts = [f"{each.ts:g}", str(each.samples), each.start or "not dated", gaps, str(each.bad), factor]
-    return [each.loop, each.columns["PV"], each.columns["OP"], others or "-", *counts]
+    gaps = f"{each.gaps} ({counted(each.missing, 'sample')})" if each.gaps else "0"
+    factor = each.compression
+    raw = "not known" if factor is None else "raw" if factor < DESTROYS else f"compressed {factor:.0f} to 1"
+    lasts = duration_words(each.ts * each.samples)
+    counts = [f"{each.ts:g}", str(each.samples), lasts, each.start or "not dated", gaps, str(each.bad), raw]
+    return [each.loop, *counts, each.columns["PV"], each.columns["OP"], others or "-"]

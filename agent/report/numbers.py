@@ -7,10 +7,18 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from agent.analysis.results import IntervalEstimate
 
+SMALLEST_P = 1e-3
+"""Below which p has no digits."""
+
 
 def percent_words(value: float) -> str:
     """Return a share or a fit."""
     return f"{value:.3g} %"
+
+
+def p_words(p: float) -> str:
+    """Return a probability by chance; smaller ones than a thousandth are no better evidence to a reader."""
+    return "p < 0.001" if p < SMALLEST_P else f"p = {p:.2g}"
 
 
 def interval_words(estimate: IntervalEstimate) -> str:

@@ -94,7 +94,8 @@ def _unknown_mode_words(record: RecordSummary | None) -> list[str]:
     if record is None or not record.unknown_modes:
         return []
     unknown = ", ".join(record.unknown_modes[:MODES])
-    return [f"not known as automatic or manual, so taken for manual: mode {unknown}; modes states what it is"]
+    taken = f"not known as automatic or manual, so taken for manual: mode {unknown}"
+    return [f"{taken}; state its meaning by modes (--modes WORD=automatic)"]
 
 
 def _oscillation_words(record: RecordSummary, oscillation: Oscillation) -> list[str]:

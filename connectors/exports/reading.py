@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from connectors.exports.cells.tagging import tagger_of
+from connectors.exports.fault import RecordingError
 from connectors.exports.layout import long_layout, short_names, time_columns, wide_layout
 from connectors.exports.loops_of_columns import loops_of_columns
 from connectors.exports.loops_of_rows import loops_of_rows
@@ -18,7 +19,7 @@ from connectors.exports.tables.delimited import rows_of
 from connectors.exports.tables.header import sheet_of
 from connectors.exports.tables.joined_times import with_joined_times
 from connectors.exports.tables.parquet import is_parquet, sheet_of_parquet
-from connectors.exports.tables.unpacked import is_workbook, unpacked
+from connectors.exports.tables.unpacked import GZIP, ZIP, is_workbook, unpacked
 from connectors.exports.tables.workbook import rows_of_workbook
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from connectors.exports.tables.sheet import Sheet
 
 STANDARD_OPTIONS = ReadOptions()
+HEAD = 1 << 15
+"""Bytes of a text file in which its names are looked for before all of it is read."""
 
 
 def read_export(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> Export:
@@ -48,16 +51,31 @@ def read_export(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> Export:
 def names_of_loops(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> tuple[str, ...]:
     """Return the names of the loops of a file.
 
-    A plain table has one, whatever its values are; they are not read.
+    A plain table has one, whatever its values are; they are not read, and of long text only its head.
 
     Raises:
         RecordingError: As ``read_export``, for any other table.
     """
-    sheet = with_joined_times(sheet_of_file(path))
+    sheet = with_joined_times(_head(path) or sheet_of_file(path))
     plain = plain_layout(sheet, time_columns(sheet), options)
     if plain is None:
         return tuple(each.name for each in read_export(path, options).loops)
     return tuple(short_names(list(plain.loops)).values())
+
+
+def _head(path: Path) -> Sheet | None:
+    """Return the first rows of long text; None where a file is short, packed, or has no table there."""
+    if not path.is_file():
+        return None
+    with path.open("rb") as file:
+        start = file.read(HEAD + 1)
+    if len(start) <= HEAD or b"\0" in start or start.startswith((GZIP, ZIP)):
+        return None
+    content = start[: start.rfind(b"\n") + 1]
+    try:
+        return sheet_of(path, list(rows_of(path, decoded(path, content))), "line", "csv")
+    except RecordingError:
+        return None
 
 
 def _export(path: Path, options: ReadOptions) -> Export:

@@ -234,7 +234,8 @@ def stiction_detector(detector: StictionDetector) -> Figure:
 def workbench() -> dict[str, Figure]:
     """Draw the pages of the workbench: a valve that sticks, and a loop that lacks nothing."""
     pictures = {}
-    for name, kind, seed in (("stiction", "stiction", 3), ("nothing", "none_noise", 4)):
+    drawn: tuple[tuple[str, Kind, int], ...] = (("stiction", "stiction", 3), ("nothing", "none_noise", 4))
+    for name, kind, seed in drawn:
         record = simulate(random_plant(seed, kind))
         bench = Workbench(LoopWindow(name, 0.0, 1.0, record.op, record.pv, record.sp, record.mv))
         pictures[f"where_{name}"] = residual_panels_figure(name, bench.where_it_fails())

@@ -32,9 +32,9 @@ from tests.exports.layouts import (
     two_lines,
     wide,
     with_quality,
-    xlsx,
     zipped,
 )
+from tests.exports.office import datalink, german_words, two_lines_of_times, units_in_cells, xlsx
 from tests.exports.truth import LOOPS, START, TIME, TS, N
 from tests.exports.unclear import UNCLEAR
 
@@ -215,6 +215,10 @@ CASES = (
         gaps=True,
     ),
     Case("interleaved.csv", HELD_FILE, ONE),
+    Case("tag_above_time_and_value.csv", two_lines_of_times(ISO), ONE),
+    Case("datalink.xlsx", datalink(), ONE, gaps=True),
+    Case("german_words.csv", german_words(), ONE, sp=True),
+    Case("units_in_cells.csv", units_in_cells(ISO), ONE),
     Case(
         "thousands.csv",
         table(

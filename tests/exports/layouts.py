@@ -138,22 +138,6 @@ def interleaved(rate=3):
     return ("\n".join(rows) + "\n").encode(), held
 
 
-def xlsx(dates):
-    from openpyxl import Workbook
-
-    book = Workbook()
-    sheet = book.active
-    sheet.append(["Report of area 100"])
-    sheet.append(["Timestamp", "FIC101.PV", "FIC101.OP"])
-    for k in range(N):
-        moment = datetime.fromtimestamp(TIME[k], UTC).replace(tzinfo=None)
-        sheet.append([moment if dates else iso(moment), float(LOOPS[0].pv[k]), float(LOOPS[0].op[k])])
-    book.create_sheet("Notes").append(["nothing here"])
-    target = io.BytesIO()
-    book.save(target)
-    return target.getvalue()
-
-
 def parquet(kind):
     import pyarrow as pa
     import pyarrow.parquet as pq

@@ -7,6 +7,7 @@ import yaml
 
 from agent.cli import main
 from connectors.recording import read_recording
+from simulators.hidden_faults import scenario_path
 from simulators.plant import simulate
 from simulators.scenario import load_scenario
 
@@ -39,6 +40,15 @@ def test_recording_can_be_read_back_and_the_truth_lies_beside_it(tmp_path, capsy
         "s": pytest.approx(6.6),
         "j": pytest.approx(5.4),
     }
+
+
+def test_a_scenario_that_ships_is_known_by_its_name(tmp_path, capsys):
+    code, said = run(capsys, "simulate", "workbench/nonesuch", "-o", tmp_path / "x.csv")
+    assert (code, said.out) == (2, "")
+    assert "workbench/nonesuch" in said.err
+    assert scenario_path("fic101_stick_slip") == SCENARIO
+    assert scenario_path("fic101_stick_slip.yaml") == SCENARIO
+    assert scenario_path(str(SCENARIO)) == SCENARIO
 
 
 def test_all_faults_of_a_scenario_are_reported(tmp_path, capsys):

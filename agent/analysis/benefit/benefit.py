@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.benefit.closed_loop import FittedLoop, LoopRun, Tuning, run
+from agent.analysis.benefit.closed_loop import HOUR, FittedLoop, LoopRun, Tuning, run
 from agent.analysis.loop.pi_controller import pi_controller
 from agent.analysis.record.least_step import usual_range
 from agent.units import FrictionBands
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 LAWFUL = 0.8
 """Share of the increments of OP that the PI law must give: another controller cannot be run again."""
+REPEATS = 2.0
+"""Factor within which the loop, run as it is, must repeat the measured variance and travel of OP. Where its
+limit cycle does not arise, or is another one, its changes are not those of the plant."""
 NONE = FrictionBands(0.0, 0.0)
 
 
@@ -64,7 +67,9 @@ class Benefit:
 
 
 def benefit(window: LoopWindow, found: Quantification) -> Benefit | None:
-    """Return what both measures would do; None where valve, process or controller are not known.
+    """Return what both measures would do.
+
+    None where valve, process or controller are not known, or the loop as it is does not repeat the record.
 
     Args:
         window: The record.
@@ -81,7 +86,7 @@ def benefit(window: LoopWindow, found: Quantification) -> Benefit | None:
     valves = [_scaled(stiction.bands, s) for s in _ends(stiction.s)]
     cases = [(loop, valve) for loop in loops for valve in valves]
     first = run(*cases[0], now)
-    if first is None:
+    if first is None or not _repeats(first, window):
         return None
     return Benefit(
         first,
@@ -89,6 +94,16 @@ def benefit(window: LoopWindow, found: Quantification) -> Benefit | None:
         _changed([(run(loop, valve, now), run(loop, valve, other)) for loop, valve in cases]),
         other,
     )
+
+
+def _repeats(as_is: LoopRun, window: LoopWindow) -> bool:
+    """Whether a run of the loop as it is repeats the variance of the error and the travel of OP."""
+    error = window.pv if window.sp is None else window.sp - window.pv
+    op = window.op[np.isfinite(window.op)]
+    hours = len(op) * window.ts / HOUR
+    measured = float(np.nanvar(error)), float(np.abs(np.diff(op)).sum()) / hours
+    own = as_is.pv_variance, as_is.travel
+    return all(a <= REPEATS * b and b <= REPEATS * a for a, b in zip(own, measured, strict=True))
 
 
 def simc(process: ProcessEstimate, ts: float) -> Tuning:

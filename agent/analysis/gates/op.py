@@ -43,7 +43,7 @@ def _still(op: FloatArray, op_range: tuple[float, float] | None) -> GateFault | 
     share = float(np.ptp(op)) / (op_range[1] - op_range[0])
     if share >= MIN_SPAN_OF_RANGE:
         return None
-    return GateFault("op_still", f"OP moves by only {share:.2%} of its range")
+    return GateFault("op_still", f"OP moves by only {100 * share:.2f} % of its range")
 
 
 def _saturated(op: FloatArray, op_range: tuple[float, float] | None) -> GateFault | None:
@@ -52,6 +52,6 @@ def _saturated(op: FloatArray, op_range: tuple[float, float] | None) -> GateFaul
     for limit, at_limit in ((low, op <= low + margin), (high, op >= high - margin)):
         share = float(np.mean(at_limit))
         if share > MAX_SATURATED_SHARE:
-            reason = f"OP is at its limit of {limit:g} for {share:.0%} of the record"
+            reason = f"OP is at its limit of {limit:g} for {100 * share:.0f} % of the record"
             return GateFault("op_saturated", reason)
     return None

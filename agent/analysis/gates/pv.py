@@ -28,7 +28,7 @@ def pv_faults(window: LoopWindow) -> list[GateFault]:
     rest = longest_rest(pv)
     if len(pv[rest]) > MAX_FROZEN_SHARE * len(pv) and not constant(op[rest]):
         share = len(pv[rest]) / len(pv)
-        reason = f"PV is exactly {pv[rest][0]:g} for {share:.0%} of the record while OP moves"
+        reason = f"PV is exactly {pv[rest][0]:g} for {100 * share:.0f} % of the record while OP moves"
         return [GateFault("pv_frozen", f"{reason}; check the transmitter")]
     return []
 

@@ -48,7 +48,7 @@ def record_faults(window: LoopWindow) -> list[GateFault]:
     there = float(np.mean(window.valid if window.automatic is None else window.valid[window.automatic]))
     if there >= MIN_VALID_SHARE:
         return []
-    return [GateFault("gaps", f"only {there:.0%} of the samples are valid, the rest are gaps")]
+    return [GateFault("gaps", f"only {100 * there:.0f} % of the samples are valid, the rest are gaps")]
 
 
 def _manual(window: LoopWindow) -> GateFault | None:
@@ -57,7 +57,8 @@ def _manual(window: LoopWindow) -> GateFault | None:
     automatic = float(np.mean(window.automatic))
     if automatic >= MIN_AUTOMATIC_SHARE:
         return None
-    share = "never in automatic" if automatic == 0 else f"in automatic for only {automatic:.0%} of the record"
+    only = f"in automatic for only {100 * automatic:.0f} % of the record"
+    share = "never in automatic" if automatic == 0 else only
     return GateFault("manual", f"the loop was {share}; OP is judged only where the controller moves it")
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import sys
 from collections.abc import Sequence
 
 
@@ -12,3 +14,8 @@ def aligned(rows: Sequence[Sequence[str]], gap: str = "  ") -> list[str]:
         gap.join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[-1]]).rstrip()
         for row in rows
     ]
+
+
+def terminal_width() -> int | None:
+    """Return the characters of a line where stdout is a terminal; None in a pipe, where no line is cut."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None

@@ -6,7 +6,9 @@ import sys
 import threading
 from multiprocessing.synchronize import Event
 
-COMPILING = "slipjump: compiling the numerical kernels, once (about a minute) ..."
+COMPILING = (
+    "slipjump: compiling numerical kernels that are needed here for the first time (about a minute) ..."
+)
 
 
 def announce_compilation(announced: Event | threading.Event) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 EXAMPLES: Mapping[str, tuple[str, ...]] = {
-    "demo": ("slipjump demo  (seven simulated loops on three buses, and their alarms)",),
+    "demo": ("slipjump demo  (six simulated loops on three buses, and their alarms)",),
     "diagnose": (
         "slipjump diagnose FIC101.csv --plot pictures  (does it stick, how much; with pictures)",
         "slipjump diagnose plant/ --report plant.html  (all valves, the most urgent first; or .pdf, .csv)",
@@ -41,7 +41,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     ),
     "registers": ("slipjump registers plant.yaml --csv  (for the configuration of the control system)",),
     "history": ("slipjump history --config plant.yaml --loop FIC101  (what was found of one loop)",),
-    "simulate": ("slipjump simulate scenario.yaml -o FIC101.csv  (a recording whose truth is known)",),
+    "simulate": ("slipjump simulate fic101_stick_slip -o FIC101.csv  (a recording whose truth is known)",),
     "certificates": ("slipjump certificates --out tls --host agent.plant.example  (for TLS and OPC UA)",),
     "alarms": (
         "slipjump alarms list --config plant.yaml  (the alarm of each loop)",

@@ -139,6 +139,8 @@ class Conversation:
         """Write the page of this session."""
         if not path:
             raise UnclearError("to which file? For example: report FIC101.html")
+        if not path.lower().endswith((".html", ".htm")):
+            raise UnclearError(f"{path}: the report is a page: expected a name that ends with .html")
         self._show(self._files.report(self.bench, self._current().found, path))
 
     def save(self, path: str) -> None:

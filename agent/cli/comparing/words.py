@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from agent.report.comparison_text import causes_words, chance_words, verdict_words
 from agent.report.headline import headline
+from agent.report.numbers import p_words
 from agent.report.terminal_pictures import residual_lines, staircase_lines
 from agent.workbench.residual.state_dependence import LEVEL
 
@@ -46,13 +47,17 @@ def lines_of(view: View) -> Iterator[str]:
     yield from staircase_lines(found)
     if found.steps[-1].effects:
         yield f"found: {headline(found)}"
-    yield from _failure_lines(found)
+    if found.verdict.kind == "not_testable":
+        yield f"verdict: {verdict_words(found.verdict, found)}"
+    else:
+        yield from _failure_lines(found)
     if view.numbered:
         yield "what would lower the held-out squared error, with 90 % interval"
     for number, each in enumerate(view.numbered, 1):
         gain = f"{each.error_reduction_percent:>6.1f} %  ({each.low:.1f} to {each.high:.1f})"
         yield f"  {number}  {each.effect:22}{gain}  {chance_words(each)}"
-    yield f"verdict: {verdict_words(found.verdict, found)}"
+    if found.verdict.kind != "not_testable":
+        yield f"verdict: {verdict_words(found.verdict, found)}"
     if found.verdict.kind == "none_of_the_known":
         yield f"write an effect of your own ({OWN_EFFECT}), then compare again: this session is kept"
 
@@ -72,7 +77,7 @@ def _failure_lines(found: Comparison) -> Iterator[str]:
     worst = failing[0]
     axis = worst.axis.replace("_", " ")
     yield (
-        f"the model fails with {axis}: {100 * worst.share:.0f} % of the residual, p = {worst.p:.2g}. "
+        f"the model fails with {axis}: {100 * worst.share:.0f} % of the residual, {p_words(worst.p)}. "
         f"Such a pattern is made by: {causes_words(worst.axis)}"
     )
     yield from residual_lines(worst)

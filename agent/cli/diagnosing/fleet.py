@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from agent.cli.common.columns import terminal_width
 from agent.cli.common.errors import complain
 from agent.cli.common.one_valve import valve_of
 
@@ -55,7 +56,7 @@ class Fleet:
 
         if len(self._findings) > 1:
             yield ""
-            yield from fleet_lines(self.rows())
+            yield from fleet_lines(self.rows(), terminal_width())
 
     def rows(self) -> list[ValveRow]:
         """Return the valves, the most urgent first."""

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 
 from agent.cli.common import recordings as option
 from agent.cli.common.answer import Answer, Task
@@ -76,9 +77,31 @@ def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
     from agent.runtime.loop.process_pool import CONTEXT, results_of
 
     announced = CONTEXT.Event()
-    found = results_of(work_out, tasks, workers, announce_compilation, announced)
-    for task, answer in zip(tasks, found, strict=True):
-        yield Answer(task, None, (f"{task.path}: {DIED}",)) if answer is None else answer
+    order = longest_first([_bytes(task.path) for task in tasks])
+    found = results_of(work_out, [tasks[k] for k in order], workers, announce_compilation, announced)
+    done: dict[int, Answer] = {}
+    place = 0
+    for k, answer in zip(order, found, strict=True):
+        task = tasks[k]
+        done[k] = Answer(task, None, (f"{task.path}: {DIED}",)) if answer is None else answer
+        while place in done:
+            yield done.pop(place)
+            place += 1
+
+
+def longest_first(sizes: Sequence[int]) -> list[int]:
+    """Return the places in the order of work: what is much larger first, so that no core waits for it alone.
+
+    Files of about one size keep their order, for answers are printed in that order as they come.
+    """
+    return sorted(range(len(sizes)), key=lambda k: -sizes[k].bit_length())
+
+
+def _bytes(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
 
 
 @contextmanager

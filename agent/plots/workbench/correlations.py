@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from agent.plots.axes import MEASURED, tidy
 from agent.plots.workbench.palette import BAND, FAILS
+from agent.report.numbers import p_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,4 +46,4 @@ def _draw(axes: Axes, found: Correlogram | None, what: str, meaning: str) -> Non
     for inside, colour in ((~beyond, MEASURED), (beyond, FAILS)):
         axes.vlines(lags[inside], 0, found.correlation[inside], color=colour, linewidth=1.6)
     axes.axhline(0, color=MEASURED, linewidth=0.6)
-    axes.set_title(f"{what}: p = {found.p:.2g} ({meaning})", fontsize=9, loc="left")
+    axes.set_title(f"{what}: {p_words(found.p)} ({meaning})", fontsize=9, loc="left")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from agent.report.comparison_text import CANDIDATES, causes_words, chance_words, step_name, verdict_words
 from agent.report.headline import capital, headline
+from agent.report.numbers import p_words
 from agent.workbench.residual.state_dependence import LEVEL
 
 if TYPE_CHECKING:
@@ -139,7 +140,7 @@ def _step(step: Step, evidence: StepEvidence) -> Iterable[str]:
         axis, share = escape(worst.axis.replace("_", " ")), f"{100 * worst.share:.0f}"
         causes = escape(causes_words(worst.axis))
         yield (
-            f"<p>The model before failed with {axis}: {share} % of the residual, p = {worst.p:.2g}. "
+            f"<p>The model before failed with {axis}: {share} % of the residual, {p_words(worst.p)}. "
             f"Such a pattern is made by: {causes}.</p>"
         )
     rows = [

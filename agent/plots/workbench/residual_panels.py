@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from agent.plots.axes import MEASURED, tidy
 from agent.plots.workbench.palette import BAND, FAILS
 from agent.report.comparison_text import causes_words
+from agent.report.numbers import p_words
 from agent.workbench.residual.axes import UNITS
 from agent.workbench.residual.state_dependence import LEVEL
 
@@ -58,7 +59,7 @@ def _draw(axes: Axes, panel: Failure) -> None:
     axes.stairs(
         panel.bin_means, panel.bin_edges, baseline=None, color=FAILS if fails else MEASURED, linewidth=1.4
     )
-    chance = f"p = {panel.p:.2g}" if fails else f"p = {panel.p:.2g}, no failure"
+    chance = p_words(panel.p) if fails else f"{p_words(panel.p)}, no failure"
     made_by = f"\nmade by: {causes_words(panel.axis)}" if fails else ""
     axes.set_title(f"{100 * panel.share:.0f} % of the variance, {chance}{made_by}", fontsize=9, loc="left")
     axes.set_xlabel(f"{panel.axis.replace('_', ' ')} ({UNITS[panel.axis]})")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from agent.report.advice import advice
@@ -113,7 +113,16 @@ def valve_rows(
     for number in dict.fromkeys(valve):
         own = [each for each, of in zip(findings, valve, strict=True) if of == number]
         rows.append(ValveRow(names[valve.index(number)], tuple(own), *_answer(own)))
-    return sorted(rows, key=_urgency)
+    return sorted(_told_apart(rows), key=_urgency)
+
+
+def _told_apart(rows: Sequence[ValveRow]) -> list[ValveRow]:
+    """Return the rows with the file behind a name that several valves have."""
+    counts = Counter(each.name for each in rows)
+    return [
+        each if counts[each.name] == 1 else replace(each, name=f"{each.name} ({each.lead.recording})")
+        for each in rows
+    ]
 
 
 def _answer(own: Sequence[RecordFinding]) -> tuple[RecordFinding, Group]:

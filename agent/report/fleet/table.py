@@ -21,16 +21,36 @@ HEADER = ("", "valve", "records", "verdict", "P", "S (90 %)", "why", "next")
 
 LONGEST = 48
 """Characters of the last two columns of the table."""
+SHORTEST = 24
+"""Where a terminal leaves less to each of these two, they get a line of their own below the row."""
+GAP = "  "
 
 
-def fleet_lines(rows: Sequence[ValveRow]) -> Iterator[str]:
-    """Yield the table, the most urgent valve first."""
+def fleet_lines(rows: Sequence[ValveRow], width: int | None = None) -> Iterator[str]:
+    """Yield the table, the most urgent valve first; ``width``: characters of a line, None: no limit."""
     yield f"{size_words(rows)}, the most urgent first"
     cells = [HEADER, *(_cells(number, each) for number, each in enumerate(rows, 1))]
-    widths = [max(len(row[k]) for row in cells) for k in range(len(HEADER) - 1)]
+    fixed = [max(len(row[k]) for row in cells) for k in range(len(HEADER) - 2)]
+    used = sum(fixed) + len(GAP) * (len(fixed) + 1)
+    room = LONGEST if width is None else min(LONGEST, (width - used) // 2)
+    if width is not None and room < SHORTEST:
+        yield from _narrow(cells, fixed, width)
+        return
+    words = max(len(_short(row[-2], room)) for row in cells)
     for row in cells:
-        columns = [f"{cell:{width}}" for cell, width in zip(row[:-1], widths, strict=True)]
-        yield "  ".join((*columns, row[-1])).rstrip()
+        columns = [f"{cell:{size}}" for cell, size in zip(row[:-2], fixed, strict=True)]
+        yield GAP.join((*columns, f"{_short(row[-2], room):{words}}", _short(row[-1], room))).rstrip()
+
+
+def _narrow(cells: Sequence[Sequence[str]], fixed: Sequence[int], width: int) -> Iterator[str]:
+    """Yield the table with why and next below each row."""
+    indent = " " * (fixed[0] + len(GAP))
+    for k, row in enumerate(cells):
+        columns = [f"{cell:{size}}" for cell, size in zip(row[:-2], fixed, strict=True)]
+        yield GAP.join(columns).rstrip()[:width]
+        for name, words in zip(HEADER[-2:], row[-2:], strict=True):
+            if k and words:
+                yield _short(f"{indent}{name}: {words}", width)
 
 
 def size_words(rows: Sequence[ValveRow]) -> str:
@@ -67,12 +87,12 @@ def _cells(number: int, row: ValveRow) -> tuple[str, ...]:
     lead = row.lead
     count = str(len(row.findings))
     answer = (row.words, probability_words(lead), stick_band(lead))
-    return (str(number), row.name, count, *answer, _short(why(row)), _short(what_next(row)))
+    return (str(number), row.name, count, *answer, why(row), what_next(row))
 
 
-def _short(text: str) -> str:
+def _short(text: str, longest: int) -> str:
     """Return the begin of a text: the table is an overview, reasons and steps are above and in the report."""
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3].rstrip()}..."
+    return text if len(text) <= longest else f"{text[: longest - 3].rstrip()}..."
 
 
 def fleet_csv(rows: Sequence[ValveRow]) -> str:

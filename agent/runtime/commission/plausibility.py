@@ -42,8 +42,15 @@ class Reading:
         return Reading(sample, heard, self.first, changed)
 
 
-def problems(reading: Reading, role: str, loop: LoopSettings) -> tuple[str, ...]:
-    """Return the faults to correct before the loop can be watched."""
+def problems(reading: Reading, role: str, loop: LoopSettings, *, any_clock: bool = False) -> tuple[str, ...]:
+    """Return the faults to correct before the loop can be watched.
+
+    Args:
+        reading: What came.
+        role: Of the tag.
+        loop: As configured.
+        any_clock: Whether the configuration takes times as they are (``clock_error: null``).
+    """
     sample = reading.sample
     if sample.quality is Quality.BAD:
         return (sample.why or f"bad quality, code {sample.code:#x}",)
@@ -58,7 +65,7 @@ def problems(reading: Reading, role: str, loop: LoopSettings) -> tuple[str, ...]
             )
     if reading.changed and sample.time == reading.first.time:
         found.append("its value changes but its source time does not: its clock is stale")
-    if reading.age < -CLOCK:
+    if reading.age < -CLOCK and not any_clock:
         found.append(f"its clock is {duration(-reading.age)} ahead of this machine's")
     return tuple(found)
 

@@ -59,6 +59,7 @@ class _Probe:
         self._connector = connector
         self._within = within
         self._watch = watch
+        self._any_clock = settings.agent.clock_error is None
         self._tags: Mapping[LoopRole, tuple[LoopSettings, str]] = {
             LoopRole(loop.name, role): (loop, role)
             for loop in settings.loops
@@ -142,6 +143,6 @@ class _Probe:
             loop.name,
             role,
             reading,
-            problems(reading, role, loop),
+            problems(reading, role, loop, any_clock=self._any_clock),
             remarks(reading, role, loop, self._watch if self._complete else 0.0),
         )

@@ -15,6 +15,8 @@ from connectors.historian import is_gap
 
 SPACES = str.maketrans("", "", " \u00a0\u202f\u2009'\u2019_")
 NUMBER = re.compile(r"[+-]?(?:\d[\d.,'\u2019\u00a0\u202f\u2009 ]*|[.,]\d+)(?:[eE][+-]?\d+)?\s?%?")
+WITH_UNIT = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?\s*([^\W\d_]\S*)")
+"""``127.01 t/h``, as dashboards export it."""
 POINT_ONLY = re.compile(r"[+-]?\d*\.\d*(?:[eE][+-]?\d+)?%?")
 COMMA_ONCE = re.compile(r"[+-]?(\d*),(\d+)(?:[eE][+-]?\d+)?%?")
 GROUPED_BY_COMMA = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+(?:\.\d*)?%?")
@@ -66,7 +68,16 @@ class NumberStyle:
                 pass
         found = [self.number(cell) for cell in cells]
         bad = [row for row, value in enumerate(found) if value is None]
+        unit = _unit_behind([cells[row] for row in bad]) if 2 * len(bad) > len(cells) else None
+        if unit is not None:
+            return self.numbers([cell.strip().removesuffix(unit) for cell in cells])
         return np.array([math.nan if value is None else value for value in found], np.float64), bad
+
+
+def _unit_behind(cells: Sequence[str]) -> str | None:
+    """Return the unit that stands behind the number in each cell; None where there is none, or several."""
+    found = {each[1] if (each := WITH_UNIT.fullmatch(cell.strip())) else "" for cell in cells}
+    return found.pop() or None if len(found) == 1 else None
 
 
 def is_number(cell: str) -> bool:

@@ -7,15 +7,17 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 ROLES = {
-    "pv": "pv meas measurement processvalue processvariable pvin actualvalue istwert messwert measuredvalue",
-    "op": "op out co output lmn controlleroutput controloutput outputvalue cout pidout stellwert stellgröße",
+    "pv": "pv meas measurement processvalue processvariable pvin actualvalue istwert messwert measuredvalue "
+    "mesure",
+    "op": "op out co output lmn controlleroutput controloutput outputvalue cout pidout stellwert stellgröße "
+    "stellgroesse sortie",
     "sp": "sp sv setpoint spt setpointvalue sollwert wsp lsp setvalue",
     "mv": "mv valveposition position pos stem zt feedback travel readback valve",
     "mode": "mode md actualmode modeactual betriebsart automan auto_man",
     "quality": "quality status qual sts q statuscode opcquality confidence dataintegrity",
 }
 """Role -> words for it, lower case, without blanks and underscores."""
-ROLE = {word.replace("_", ""): role for role, words in ROLES.items() for word in words.split()}
+ROLE = {word.replace("_", "").casefold(): role for role, words in ROLES.items() for word in words.split()}
 VALUES = frozenset(
     {"cv", "value", "val", "fcv", "readvalue", "currentvalue", "act", "actual", "presentvalue", "v"}
 )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from connectors.exports.cells.calendar_times import moment_of
 from connectors.exports.cells.number_style import is_number
-from connectors.exports.cells.tag_roles import ROLE, TIME_WORDS, plain, tag_role
+from connectors.exports.cells.tag_roles import ROLE, TIME_WORDS, VALUE_WORDS, plain, tag_role
 from connectors.exports.fault import RecordingError
 from connectors.exports.tables.sheet import Column, Sheet
 from connectors.historian import is_gap
@@ -175,6 +175,10 @@ def _names(above: Sequence[Row], width: int) -> tuple[int, list[str], list[str]]
     roles = [ROLE[plain(name)] for name in names if plain(name) in ROLE]
     if best > 0 and len(roles) > len(set(roles)) and len(full[best - 1][1]) >= width - 1:
         names = _of_two_lines(full[best - 1][1], names)
+    elif best > 0 and sum(plain(name) in VALUE_WORDS for name in names) > 1:
+        names = _above_values(full[best - 1][1], names)
+    elif width == len(names) + 1 and not any(names[1::2]) and all(tag_role(name) for name in names[::2]):
+        names = [cell for tag in names[::2] for cell in ("time", tag)]  # DataLink: a tag above time and value
     return line, names, list(units)
 
 
@@ -197,6 +201,15 @@ def _of_two_lines(tags: Sequence[str], roles: Sequence[str]) -> list[str]:
     return names
 
 
+def _above_values(tags: Sequence[str], names: Sequence[str]) -> list[str]:
+    """Return the tags, each once above time and value, in place of the names of the values."""
+    found, tag = [], ""
+    for k, name in enumerate(names):
+        tag = (tags[k] if k < len(tags) else "") or tag
+        found.append(tag if tag and plain(name) in VALUE_WORDS else name)
+    return found
+
+
 def _fitting(
     path: Path, rows: Sequence[Row], names: Sequence[str], place: str
 ) -> tuple[list[Row], list[int]]:
@@ -210,7 +223,8 @@ def _fitting(
             continue  # the header once more, where files were joined
         if len(cells) < len(names) or surplus:
             bad.append(line)
-            comma = " (is there a decimal comma?)" if surplus else f": {', '.join(names)}"
+            text = " (is there a decimal comma?)" if place == "line" else ""
+            comma = text if surplus else f": {', '.join(names)}"
             fault = fault or f"{path}, {place} {line}: {len(cells)} cells, expected {len(names)}{comma}"
         else:
             good.append((line, cells))

@@ -174,7 +174,7 @@ def test_a_record_never_in_automatic_says_so():
     (fault,) = found(automatic=T < 0)
     assert fault.reason == "the loop was never in automatic; OP is judged only where the controller moves it"
     (fault,) = found(automatic=T < N / 4)
-    assert "in automatic for only 25% of the record" in fault.reason
+    assert "in automatic for only 25 % of the record" in fault.reason
 
 
 @pytest.mark.parametrize("name", ["CHEM1", "CHEM10", "CHEM11", "CHEM12", "CHEM13", "PAP2", "PAP4"])

@@ -1,5 +1,7 @@
 """What a repair would gain, against the physical simulator with a valve that was repaired."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -71,7 +73,7 @@ def test_the_gain_of_a_repair_is_that_of_the_repaired_plant(records):
 def test_words_and_json(records):
     found = benefit(window_of(records[0]), fitted(records[0]))
     lines = list(benefit_lines(found))
-    assert lines[0].startswith("a repair would give: variance of PV x 0.")
+    assert lines[0].startswith("a repair would give, in multiples of now: variance of PV 0.")
     written = benefit_json(found, 1.0)
     assert written["repaired"]["pv_variance"]["ratio"] == found.repaired.pv_variance.ratio
     assert written["simc"]["ti_s"] == pytest.approx(12.0)
@@ -85,6 +87,14 @@ def test_simc_of_a_first_order_process():
     level = simc(ProcessEstimate("integrator", -0.01, None, 5.0), 1.0)
     assert level.kc == pytest.approx(-10.0)
     assert level.kc / level.ki == pytest.approx(40.0)
+
+
+def test_a_loop_that_does_not_repeat_its_record_gains_nothing_that_is_known(records):
+    sticking = records[0]
+    right = fitted(sticking)
+    free = replace(right, stiction=replace(STICTION, s=IntervalEstimate(0.01)))  # no limit cycle arises
+    assert benefit(window_of(sticking), right) is not None
+    assert benefit(window_of(sticking), free) is None
 
 
 def test_without_a_controller_that_is_known_nothing_is_said(records):

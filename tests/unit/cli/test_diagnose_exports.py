@@ -5,6 +5,7 @@ import json
 import pytest
 
 from agent.cli import main
+from agent.cli.diagnosing.work import longest_first
 from tests.exports.corpus import CASES
 from tests.exports.truth import LOOPS
 
@@ -34,6 +35,15 @@ def test_each_loop_of_a_file_gets_an_answer(export, capsys, name):
     assert code == 0
     assert [answer["loop"] for answer in answers] == [loop.name for loop in LOOPS]
     assert {answer["recording"] for answer in answers} == {name}
+
+
+def test_the_largest_is_begun_first_and_answers_keep_the_order_of_the_files(export, capsys):
+    assert longest_first([100, 110, 9000, 120]) == [2, 0, 1, 3]
+    files = [export(name) for name in ("plain_iso.csv", "long_by_time.csv", "units_row.csv")]
+    assert longest_first([each.stat().st_size for each in files])[0] == 1
+    _, answers, _ = run(capsys, "diagnose", *files, "--quantifier", "lee2008", "--json")
+    names = ["plain_iso", *(loop.name for loop in LOOPS), "units_row"]
+    assert [answer["loop"] for answer in answers] == names
 
 
 def test_one_loop_is_picked_by_its_name(export, capsys):

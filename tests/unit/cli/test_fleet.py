@@ -72,6 +72,23 @@ def test_the_most_urgent_comes_first():
     assert "3 (2.7 to 3.3)" in lines[2]
 
 
+def test_two_valves_of_one_name_have_their_files_behind_it():
+    same = [replace(finding("FIC101", s=s), recording=f"{s}.csv") for s in (3.0, 2.0)]
+    assert [each.name for each in rows(*same, finding("FIC102", "no_stiction"))] == [
+        "FIC101 (3.0.csv)",
+        "FIC101 (2.0.csv)",
+        "FIC102",
+    ]
+
+
+@pytest.mark.parametrize("width", [80, 100, 200, None])
+def test_the_table_is_no_wider_than_the_terminal(width):
+    found = rows(finding("FIC101"), finding("FIC102", "no_stiction"), finding("FIC103", "not_testable"))
+    table = list(fleet_lines(found, width))
+    assert all(len(line) <= (width or 999) for line in table)
+    assert any("bump test" in line for line in table)
+
+
 @pytest.mark.parametrize(
     ("verdicts", "group", "lead"),
     [

@@ -40,6 +40,14 @@ def test_the_preview_has_the_keys_of_the_interface(export):
     assert found["problems"] == []
 
 
+def test_the_preview_says_how_long_and_what_is_not_there(export):
+    result = CliRunner().invoke(app, ["import", str(export("excel_days.csv")), "--preview"])
+    assert "20 min  2026-03-01T08:00:00Z" in result.stdout  # not a millisecond before
+    assert "raw" in result.stdout
+    assert "- no set point" in result.stdout
+    assert "- no mode" in result.stdout
+
+
 def test_a_loop_without_op_is_named(export, tmp_path):
     lines = export("wide_dots.csv").read_text().splitlines()
     cut = tmp_path / "cut.csv"

@@ -34,6 +34,20 @@ def test_a_panel_for_each_that_saw_something(results):
     figure.draw_without_rendering()
 
 
+def test_a_day_is_no_solid_block():
+    phase = 2 * np.pi * np.arange(20_000) / 50
+    op, stem = np.abs(2 * (phase / np.pi % 2 - 1)), np.sign(np.sin(phase))
+    window = LoopWindow("FIC101", 0.0, 1.0, op, stem, None, stem)
+    oscillation = detect_oscillation(window)
+    for name in ("kano_a", "kano_b", "yamashita"):
+        (detector,) = (each for each in DETECTORS if each.name == name)
+        result = detector.detect(window, oscillation)
+        assert result.seen is not None
+        (axes,) = detectors_figure("FIC101", {name: result}).axes
+        longest = max(len(line.get_xdata()) for line in axes.get_lines())
+        assert longest <= 0.25 * len(window), name
+
+
 @pytest.mark.parametrize("count", [1, 2, 3, 5])
 def test_no_empty_panel_is_left(results, count, monkeypatch):
     one = results["horch_ccf"]

@@ -58,6 +58,18 @@ def test_a_valve_that_follows_op_is_not_drawn():
     assert labels(fit_figure(WINDOW, free).axes[1]) == ["OP measured"]
 
 
+def test_of_a_long_record_the_model_is_drawn_at_the_level_of_pv():
+    n = 10_000
+    wave = np.sin(2 * np.pi * np.arange(n) / 60)
+    drift = np.linspace(0.0, 30.0, n)  # slower than the model explains
+    day = replace(WINDOW, op=50 + 5 * wave, pv=20 + wave + drift, sp=None)
+    long = replace(DIAGNOSIS, quantification=replace(FOUND, model_pv=20 + wave, model_mv=day.op - 1))
+    measured, model = fit_figure(day, long).axes[0].get_lines()
+    assert len(model.get_ydata()) < n
+    assert model.get_label().startswith("PV of the model at the level of PV")
+    assert np.mean(model.get_ydata() - measured.get_ydata()) == pytest.approx(0.0, abs=1e-9)
+
+
 @pytest.mark.parametrize(("ts", "unit"), [(1.0, "s"), (2.0, "min"), (60.0, "h"), (1000.0, "days")])
 def test_time_in_a_unit_that_reads_well(ts, unit):
     figure = fit_figure(replace(WINDOW, ts=ts), DIAGNOSIS)

@@ -52,6 +52,13 @@ def test_what_must_be_put_right(role, sample, told):
     assert found == () if told is None else found[0].startswith(told), found
 
 
+def test_any_clock_is_accepted_where_the_configuration_does():
+    (loop,) = settings().loops
+    ahead = reading(5.0, age=-60.0)
+    assert problems(ahead, "pv", loop)
+    assert problems(ahead, "pv", loop, any_clock=True) == ()
+
+
 @pytest.mark.parametrize(
     ("role", "sample", "watched", "told"),
     [

@@ -108,6 +108,7 @@ def test_a_kept_session_goes_on_where_it_was(added):
         ("drop deadband", "the model has no deadband"),
         ("add", "add which effect?"),
         ("report", "to which file?"),
+        ("report x.pdf", "ends with .html"),
         ("where nowhere", "the axes are "),
         ("?", "goes back one step"),
         ("where op_level", "op level (OP), mean residual"),
