@@ -22,7 +22,7 @@ def least_step(window: LoopWindow) -> float:
     if not op.size:
         return 0.0
     low, high = window.hints.op_range or usual_range(op)
-    return max(RESOLUTION * (high - low), noise_of(op))
+    return max(RESOLUTION * (high - low), _noise(op))
 
 
 def usual_range(op: FloatArray) -> tuple[float, float]:
@@ -33,8 +33,8 @@ def usual_range(op: FloatArray) -> tuple[float, float]:
     return 0.0, 0.0
 
 
-def noise_of(op: FloatArray) -> float:
-    """Return the standard deviation of white noise on OP, (n,); its second differences leave out ramps.
+def _noise(op: FloatArray) -> float:
+    """Return the standard deviation of white noise on OP; its second differences leave out what moves evenly.
 
     The median does not see slips and reversals; 1.4826 makes it a standard deviation, and a second difference
     has six times the variance of the noise.

@@ -8,12 +8,11 @@ independent noise: mostly they are slips that the model places a sample beside t
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from agent.analysis.loop.pi_controller import pi_controller
-from agent.analysis.record.least_step import noise_of
 from agent.analysis.results import IntervalEstimate, ProcessIntervals, Profile, StictionEstimate
 from agent.identify.objective import DELAY, J_RATIO, LOG_TAU, LOG_TAU2, SOPDT, S
 
@@ -45,40 +44,26 @@ records with a tenth of the scans or fewer it leaves 3e-6 and more."""
 PROFILE_POINTS = 40
 
 
-class HiddenMovement(NamedTuple):
-    """What OP does within one sample, where nothing is recorded, OP units."""
-
-    stroke: float
-    """Its movement on the way from one end of its span to the other."""
-    noise: float
-    """Standard deviation of its noise from sample to sample."""
-
-
-RESTS = HiddenMovement(0.0, 0.0)
-"""OP that rests between two samples: the record has every scan of the controller."""
-
-
 def alike(found: Found, times: float = ALIKE) -> list[Fitted]:
     """Return the models whose sum of squares is up to ``times`` the least, the best model first."""
     limit = times * found.others[0].error
     return [found.best, *(f for f in found.others if f.error <= limit)]
 
 
-def stiction_estimate(found: Found, problem: Problem, hidden: HiddenMovement = RESTS) -> StictionEstimate:
+def stiction_estimate(found: Found, problem: Problem, hidden: float = 0.0) -> StictionEstimate:
     """Return the bands of the best model with their intervals, OP units.
 
     ``hidden`` is ``hidden_movement``.
     """
-    stroke, noise = hidden
     s, j = np.array([s_and_j(f) for f in alike(found)]).T
     j_alone = np.array([s_and_j(f)[1] for f in alike(found, ALIKE_IN_J)])
     span = problem.op_span
-    s_estimate = interval(s, MARGIN_S * span + stroke / 2, above=stroke / 2 + noise)
-    j_estimate = interval(j_alone, MARGIN_J * span + stroke)
-    margin = (MARGIN_S + MARGIN_J) / 2 * span + 3 / 4 * stroke
+    s_estimate = interval(s, MARGIN_S * span + hidden / 2, above=hidden / 2)
+    j_estimate = interval(j_alone, MARGIN_J * span + hidden)
+    margin = (MARGIN_S + MARGIN_J) / 2 * span + 3 / 4 * hidden
     return StictionEstimate(
-        f_s=interval((s + j) / 2, margin, above=stroke / 4 + noise / 2),
-        f_d=interval((s - j) / 2, margin, above=stroke / 4 + noise / 2),
+        f_s=interval((s + j) / 2, margin, above=hidden / 4),
+        f_d=interval((s - j) / 2, margin, above=hidden / 4),
         s=s_estimate,
         j=j_estimate,
         identifiable_s=width(s_estimate) <= NARROW_S * span,
@@ -92,26 +77,19 @@ def s_and_j(fitted: Fitted) -> tuple[float, float]:
     return s, s * float(fitted.candidate[J_RATIO])
 
 
-def hidden_movement(problem: Problem, window: LoopWindow) -> HiddenMovement:
-    """Return what OP does within one sample, where nothing is recorded.
+def hidden_movement(problem: Problem, window: LoopWindow) -> float:
+    """Return by how much OP moves within one sample, where nothing is recorded, OP units.
 
     OP travels its span twice a period. Its turns lie between two samples, each cut off by up to half a
     movement, and a slip is known to half a sample: so S is up to one movement larger than it looks, and half
-    a movement smaller; J is up to one larger or smaller.
-
-    A valve turns at the extremes of OP with its noise, and these lie in scans that were not recorded: of
-    twice as many values of white noise the largest is half a standard deviation larger (0.56, 0.47, 0.39 of
-    one, two, four). OP has two ends, so S is one standard deviation larger than it looks if every second scan
-    is hidden.
-
-    Where the controller's law holds from sample to sample, OP rests between them.
+    a movement smaller; J is up to one larger or smaller. Where the controller's law holds from sample to
+    sample, OP rests between them.
     """
     law = pi_controller(window)
     if law is not None and 1.0 - law.explained <= EXACT:
-        return RESTS
+        return 0.0
     fine = (problem.period - COARSE) / (FINE - COARSE)
-    stroke = min(max(1.0 - fine, 0.0), 1.0) * 2.0 * problem.op_span / problem.period
-    return HiddenMovement(stroke, noise_of(window.op[np.isfinite(window.op)]))
+    return min(max(1.0 - fine, 0.0), 1.0) * 2.0 * problem.op_span / problem.period
 
 
 def interval(
