@@ -14,12 +14,14 @@ from agent.workbench.likeliest import likelier_otherwise
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.state_dependence import LEVEL as FOLLOWED
 from agent.workbench.residual.state_dependence import fails, resolves, state_dependence
+from agent.workbench.residual.very_strong import very_strong
 from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.physics.effect import Effect, Facts
+    from agent.workbench.evidence import Evidence
     from agent.workbench.fit import Fit
     from agent.workbench.record import Record
     from agent.workbench.residual.line_spectrum import LineSpectrum
@@ -61,7 +63,8 @@ def judged(
     """Judge effects by their held-out errors, and by what the innovations say of each.
 
     An effect must lower the innovations, as no answer to the disturbance does, and none of another family
-    may be far likelier (``likeliest.py``).
+    may be far likelier (``likeliest.py``). What acts on OP must be very strongly supported, each candidate as
+    likely before, else it is a suggestion; of what knows nothing of OP the error in free run decides.
 
     Args:
         smaller: The model without any of them.
@@ -110,7 +113,17 @@ def judged(
         likelier={name: each.criterion for name, each in found.items()},
     )
     decision = _undoubted(judge_by, doubts)
+    if smaller.predicts is not None and _is_weak(decision, found):
+        decision = replace(decision, kind="suggested")
     return AllTried(_lowered(decision, doubts, smaller, models, worse), models)
+
+
+def _is_weak(decision: Decision, found: Mapping[str, Evidence]) -> bool:
+    """Return whether an effect that acts on OP is decided for without very strong support."""
+    if decision.effect is None:
+        return False
+    alike = [found[each] for each in (decision.effect, *decision.indistinguishable)]
+    return all(each.answers and not very_strong(each.criterion, len(found)) for each in alike)
 
 
 def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts) -> Decision:

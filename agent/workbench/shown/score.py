@@ -8,6 +8,7 @@ No effect is fitted, so that a large library costs little: what is fitted shows 
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import TYPE_CHECKING
 
@@ -23,7 +24,7 @@ from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.shown.changes import changes
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
@@ -34,6 +35,8 @@ WORTH_A_FIT = 0.5 * VERY_STRONG
 confirmed ones on the loops of docs/decisions/0073 the least has 9, the larger dynamics apart."""
 MOST_FAMILIES = 4
 """That are fitted, the best first: on those loops no verdict is another from 4 on."""
+PREDICTED = "sinusoid"
+"""Always fitted: an autoregression predicts a wave, so that the innovations hardly go along with it."""
 SELDOM = frozenset(
     {
         "split_range",
@@ -52,8 +55,8 @@ NEW = 1e-6
 def worth_a_fit(effects: Sequence[Effect], predictions: tuple[Predictor, FloatArray] | None) -> list[Effect]:
     """Return the effects whose family the innovations hint at, in their order.
 
-    The best family always, and measured inputs, which somebody named; where anything is very strong, the
-    larger dynamics as well, which dead time and lag of a smaller model hide to first order.
+    The best family always, a wave, and measured inputs, which somebody named; where anything is very
+    strong, the larger dynamics as well, which dead time and lag of a smaller model hide to first order.
 
     Args:
         effects: That could be added.
@@ -61,16 +64,26 @@ def worth_a_fit(effects: Sequence[Effect], predictions: tuple[Predictor, FloatAr
     """
     if predictions is None:
         return [each for each in effects if each.name not in SELDOM]
-    scores = Scores(*predictions)
-    best: dict[str, float] = {}
-    anyway = set()
+    return promising(effects, scores_of(effects, *predictions))
+
+
+def scores_of(effects: Sequence[Effect], predicts: Predictor, best: FloatArray) -> dict[str, float]:
+    """Return ``Scores.of`` each effect by its name, but for those that fail: a trial reports how."""
+    scores, found = Scores(predicts, best), {}
     for each in effects:
-        try:
-            best[each.family] = max(best.get(each.family, 0.0), scores.of(each))
-        except EffectError:
-            anyway.add(each.name)  # the trial itself reports it
-        if isinstance(each, MeasuredInput):
-            anyway.add(each.name)
+        with contextlib.suppress(EffectError):
+            found[each.name] = scores.of(each)
+    return found
+
+
+def promising(effects: Sequence[Effect], scores: Mapping[str, float]) -> list[Effect]:
+    """Return the effects that are worth a fit by their scores, as ``worth_a_fit`` says."""
+    best: dict[str, float] = {}
+    for each in effects:
+        if each.name in scores:
+            best[each.family] = max(best.get(each.family, 0.0), scores[each.name])
+    anyway = {each.name for each in effects if each.name not in scores or isinstance(each, MeasuredInput)}
+    anyway.add(PREDICTED)
     ranked = sorted(best, key=lambda family: -best[family])
     kept = [*ranked[:1], *(each for each in ranked[1:MOST_FAMILIES] if best[each] > WORTH_A_FIT)]
     if ranked and best[ranked[0]] > VERY_STRONG:
