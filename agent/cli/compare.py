@@ -16,7 +16,9 @@ import typer
 from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
 from agent.cli.common.errors import BAD_INPUT, complain
+from agent.cli.comparing import several
 from agent.cli.comparing.hooks import pool_of_cores, progress_on_terminal
+from agent.cli.comparing.names import check_names, named_columns, usable
 from agent.cli.comparing.outputs import mapping_of, save_model, write_report
 
 if TYPE_CHECKING:
@@ -34,7 +36,12 @@ BASE_HELP = (
 
 
 def compare(
-    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="CSV or Parquet file.")],
+    recordings: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="RECORDING...", help="CSV or Parquet file; several of one loop: one model over all."
+        ),
+    ],
     *,
     validate: Annotated[
         Path | None,
@@ -68,6 +75,13 @@ def compare(
             "--input",
             metavar="NAME=COLUMN",
             help="A measured input beside OP, a feed or a second actuator, tried like an effect; repeatable.",
+        ),
+    ] = None,
+    own: Annotated[
+        Names | None,
+        typer.Option(
+            metavar="PARAMETER",
+            help="Of several recordings: each has its own, as of a valve that wears; repeatable.",
         ),
     ] = None,
     auto: Annotated[bool, typer.Option("--auto", help="Add what is confirmed, until nothing is.")] = False,
@@ -113,9 +127,30 @@ def compare(
     options = reading.read_options(
         columns, zone, time_format, date_order, decimal, pattern, mapping, modes, start, end
     )
-    effects = _effects(effect or ())
-    inputs = _named_columns(measured or ())
-    _check_names(base, [each for each in (*(add or ()), *(drop or ())) if each not in inputs], effects)
+    effects = usable(effect or ())
+    inputs = named_columns(measured or ())
+    check_names(base, [each for each in (*(add or ()), *(drop or ())) if each not in inputs], effects)
+    if len(recordings) > 1:
+        several.refuse_options(
+            {
+                "--validate": validate,
+                "--load": load,
+                "--add": add,
+                "--drop": drop,
+                "--input": measured,
+                "--report": report,
+                "--save": save,
+                "--page": page,
+                "--guided": guided,
+            }
+        )
+        windows = [_window(each, options, loop) for each in recordings]
+        named = dict(zip(several.names_of(recordings), windows, strict=True))
+        _several(named, base, without or (), effects, own or (), auto=auto, as_json=as_json)
+        return
+    if own:
+        raise typer.BadParameter("one recording has nothing of its own", param_hint="--own")
+    recording = recordings[0]
     if page:
         from agent.cli.comparing.workbench import open_page
 
@@ -162,6 +197,28 @@ def compare(
         raise typer.Exit(BAD_INPUT)
 
 
+def _several(
+    windows: Mapping[str, LoopWindow],
+    base: str,
+    without: Sequence[str],
+    effects: Sequence[Effect],
+    own: Sequence[str],
+    *,
+    auto: bool,
+    as_json: bool,
+) -> None:
+    """Compare recordings of one loop with one model and print the answer."""
+    with ExitStack() as stack:
+        progress = stack.enter_context(progress_on_terminal())
+        run = stack.enter_context(pool_of_cores())
+        try:
+            found = several.together(windows, base, without, effects, own, run, progress, auto=auto)
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from error
+    text = several.together_json(found) if as_json else "\n".join(several.together_lines(found))
+    print(text, flush=True)  # noqa: T201 - the command's output
+
+
 def _deliver(bench: Workbench, found: Comparison, save: Path | None, report: Path | None) -> bool:
     """Name the effects that failed in a fit and write the files; return whether they could be written."""
     for line in () if bench.reason is not None else bench.trials.left_out.values():
@@ -197,35 +254,6 @@ def _is_guided(guided: bool | None, *, named: bool) -> bool:  # noqa: FBT001 - a
     return bool(guided) or (guided is None and not named and terminal)
 
 
-def _effects(files: Iterable[str]) -> tuple[Effect, ...]:
-    """Return the effects that may be tried; name each installed one that is left out, and why."""
-    from agent.checks.plug_ins import usable_effects
-
-    for file in files:
-        path = Path(file.rpartition(":")[0])
-        if path.suffix != ".py" or not path.is_file():
-            words = f"{file}: expected FILE.py:CLASS, of a file that exists"
-            raise typer.BadParameter(words, param_hint="--effect")
-    found = usable_effects(files)
-    for line in found.left_out:
-        complain(line)
-    return found.effects
-
-
-def _check_names(base: str, names: Iterable[str], effects: Sequence[Effect]) -> None:
-    """Refuse what does not exist before anything is read."""
-    from agent.workbench.library import base_named, effect_named
-    from agent.workbench.session.auto_base import AUTO
-
-    try:
-        if base != AUTO:
-            base_named(base)
-        for name in names:
-            effect_named(name, effects)
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from error
-
-
 def _window(path: Path, options: ReadOptions, loop: str | None) -> LoopWindow:
     from agent.analysis.record.recording import LoopHints
     from connectors.recording import read_recording
@@ -233,21 +261,6 @@ def _window(path: Path, options: ReadOptions, loop: str | None) -> LoopWindow:
     # In manual OP moves the valve as well: a bump test is the best record that there is.
     recording = replace(read_recording(path, options.columns, options, loop), mode=None)
     return option.window_of(recording, LoopHints())
-
-
-def _named_columns(words: Iterable[str]) -> dict[str, str]:
-    """Return the column of each input by its name.
-
-    Raises:
-        BadParameter: One is not written NAME=COLUMN, or a name comes twice.
-    """
-    found: dict[str, str] = {}
-    for word in words:
-        name, _, column = word.partition("=")
-        if not (name.isidentifier() and column) or name in found:
-            raise typer.BadParameter(f"{word}: expected NAME=COLUMN, each name once", param_hint="--input")
-        found[name] = column
-    return found
 
 
 def _inputs(

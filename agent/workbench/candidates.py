@@ -7,20 +7,21 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from agent.workbench.decision import LEAST_PERCENT, Decision, judge
-from agent.workbench.doubts import ANSWERS, BY_CHANCE, NOT_LOWER, STANDS_FOR_ANOTHER, UNLIKELY, Doubts
+from agent.workbench.decision import Decision, judge
+from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
-from agent.workbench.likeliest import is_strong, outdone, plain
+from agent.workbench.likeliest import likelier_otherwise
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.state_dependence import LEVEL as FOLLOWED
 from agent.workbench.residual.state_dependence import fails, resolves, state_dependence
-from agent.workbench.residual.very_strong import VERY_STRONG
+from agent.workbench.residual.very_strong import very_strong
 from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.physics.effect import Effect, Facts
+    from agent.workbench.evidence import Evidence
     from agent.workbench.fit import Fit
     from agent.workbench.record import Record
     from agent.workbench.residual.line_spectrum import LineSpectrum
@@ -55,21 +56,22 @@ def judged(
     smaller: Step,
     models: Mapping[str, Tried],
     record: Record,
-    null_p_of: Callable[[Fit], float],
+    event_p: Mapping[str, float],
     together: Callable[[Tried, Effect], Tried],
     worse: Callable[[Fit, Fit], bool] = no_other_record,
 ) -> AllTried:
-    """Judge effects by their held-out errors, and the winner by a simulated null as well.
+    """Judge effects by their held-out errors, and by what the innovations say of each.
 
-    An effect must lower the error where it was fitted, too: what helps little there helps elsewhere by luck
-    of the smaller model's folds. And it must lower the innovations, as no answer to the disturbance does,
-    by as much as any other does, and so plainly that nothing else is likely (``likeliest.py``).
+    An effect must lower the innovations, as no answer to the disturbance does, and none of another family
+    may be far likelier (``likeliest.py``). What acts on OP must be very strongly supported, each candidate as
+    likely before, else it is a suggestion; of what knows nothing of OP the error in free run decides.
 
     Args:
         smaller: The model without any of them.
         models: With each, the simplest of a family first.
         record: What they were fitted to.
-        null_p_of: How likely the effect of a fit seems to explain as much where it is not there.
+        event_p: Of those that happened once, and of measured inputs: how likely as much is explained where
+            nothing happened.
         together: Tries an effect on top of one of the models.
         worse: Whether a larger model, the second, follows another recording less well than a smaller one.
     """
@@ -89,18 +91,16 @@ def judged(
         return not fails(state_dependence(*predicts))
 
     found = {name: evidence_of(smaller, each, record, len(models)) for name, each in models.items()}
-    enough = (1 - LEAST_PERCENT / 100) * smaller.fit.error
-    lowers = {name: found[name] for name, each in models.items() if each.fit.error <= enough}
-    rejected = {name: NOT_LOWER for name in models if name not in lowers}
-    by_chance = {name: each.by_chance for name, each in found.items() if name not in rejected}
-    once = {name for name, each in found.items() if each.once}
-    rejected.update({name: BY_CHANCE for name in once if by_chance.get(name, 0.0) >= 1})
-    rejected.update({name: ANSWERS for name in models if not found[name].more})
-    doubts = Doubts(smaller, models, found, null_p_of, both_needed, beside_dynamics)
-    clear: set[str] = set()
+    doubts = Doubts(smaller, models, found, both_needed, beside_dynamics)
+    by_chance = {name: each.by_chance for name, each in found.items()}
+    objections = doubts.objections
+    for name, each in found.items():
+        if (each.once and each.by_chance >= 1) or event_p.get(name, 0.0) >= LEVEL:
+            objections[name] = BY_CHANCE
+        if not each.explains:
+            objections[name] = ANSWERS
     if smaller.predicts is not None:
-        rejected.update(dict.fromkeys(outdone(found), UNLIKELY))
-        clear = {name for name in plain(found) - rejected.keys() if doubts.is_complete(name)}
+        objections.update(dict.fromkeys(likelier_otherwise(found), UNLIKELY))
     judge_by = partial(
         judge,
         smaller.held_out.losses,
@@ -108,40 +108,35 @@ def judged(
         {name: each.family for name, each in found.items()},
         at_bound=[name for name, each in models.items() if own_at_bound(each.fit)],
         by_chance=by_chance,
-        once=once,
-        likelier={name: each.criterion for name, each in lowers.items()},
-        clear=clear,
+        event_p=event_p,
+        once={name for name, each in found.items() if each.once},
+        likelier={name: each.criterion for name, each in found.items()},
     )
-    decision = _undoubted(judge_by, doubts, rejected)
-    if decision.effect is not None and smaller.predicts is not None:
-        alike = [found[each] for each in (decision.effect, *decision.indistinguishable)]
-        if not is_strong(alike, len(models)):
-            decision = replace(decision, kind="suggested")
-    return AllTried(_lowered(_no_weaker(decision, doubts), doubts, smaller, models, worse), models)
+    decision = _undoubted(judge_by, doubts)
+    if smaller.predicts is not None and _is_weak(decision, found):
+        decision = replace(decision, kind="suggested")
+    return AllTried(_lowered(decision, doubts, smaller, models, worse), models)
 
 
-def _no_weaker(decision: Decision, doubts: Doubts) -> Decision:
-    """Return the likeliest effect in place of a far weaker one that is left where a check rejected it.
-
-    Something else is missing beside it, or it stands for something else: it is suggested at most.
-    """
+def _is_weak(decision: Decision, found: Mapping[str, Evidence]) -> bool:
+    """Return whether an effect that acts on OP is decided for without very strong support."""
     if decision.effect is None:
-        return decision
-    found, own = doubts.found, doubts.found[decision.effect]
-    stronger = [
-        name
-        for name, why in doubts.objections.items()
-        if why == STANDS_FOR_ANOTHER
-        and found[name].family != own.family
-        and not found[name].once
-        and found[name].criterion - own.criterion > VERY_STRONG
-    ]
-    if not stronger:
-        return decision
-    best = max(stronger, key=lambda name: found[name].criterion)
-    return replace(
-        decision, kind="suggested", effect=best, family=found[best].family, indistinguishable=(), rivals=()
-    )
+        return False
+    alike = [found[each] for each in (decision.effect, *decision.indistinguishable)]
+    return all(each.answers and not very_strong(each.criterion, len(found)) for each in alike)
+
+
+def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts) -> Decision:
+    """Return the decision that stands after all objections to its effect and its rivals."""
+    while True:
+        decision = judge_by(objections=doubts.objections)
+        effect = decision.effect
+        if effect is None:
+            return decision
+        beyond = decision.kind == "suggested" and not decision.rivals
+        if beyond or not doubts.object_to(decision):
+            doubted = effect in doubts.objections
+            return replace(decision, kind="none", effect=None, family=None) if doubted else decision
 
 
 def _lowered(
@@ -162,22 +157,6 @@ def _lowered(
     return replace(decision, kind=decision.kind if words is None else "suggested", lacks=lacks)
 
 
-def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts, rejected: Mapping[str, str]) -> Decision:
-    """Return the decision that stands after all doubts of its effect and its rivals."""
-    null_p = dict.fromkeys(rejected, 1.0)
-    while True:
-        decision = judge_by(null_p=null_p, objections={**rejected, **doubts.objections})
-        effect = decision.effect
-        if effect is None:
-            return decision
-        beyond = decision.kind == "suggested" and not decision.rivals
-        new = {} if beyond else doubts.of(decision, null_p)
-        if not new:
-            doubted = null_p.get(effect, 0.0) >= LEVEL
-            return replace(decision, kind="none", effect=None, family=None) if doubted else decision
-        null_p.update(new)
-
-
 def own_at_bound(fitted: Fit) -> tuple[str, ...]:
     """Return the parameters of the last effect of a fit that ran into a bound."""
     effect = fitted.model.effects[-1].name
@@ -187,10 +166,10 @@ def own_at_bound(fitted: Fit) -> tuple[str, ...]:
 def verdict_of(
     step: Step, found: AllTried, failures: Sequence[Failure], lines: LineSpectrum | None, facts: Facts
 ) -> Verdict:
-    """Return what a model lacks, as far as its record tells.
+    """Return what a model lacks, as far as its record shows.
 
     It fails visibly where its residual follows an axis, or holds a wave, wherever that comes from; or where
-    its process would be slower than any that the record can tell.
+    its process would be slower than any that the record can show.
     """
     decision = found.decision
     if decision.kind != "none":
@@ -222,7 +201,7 @@ def ran_out(step: Step, facts: Facts) -> tuple[str, ...]:
 
 
 def naming(verdict: Verdict, name: str) -> Verdict:
-    """Return the verdict with ``name`` in front, where it is one of those that cannot be told apart."""
+    """Return the verdict with ``name`` in front, where it is one of those that cannot be distinguished."""
     if verdict.effect is None or name not in verdict.indistinguishable:
         return verdict
     others = tuple(each for each in (verdict.effect, *verdict.indistinguishable) if each != name)

@@ -41,7 +41,7 @@ class Candidate:
     """Lower end of its 90 % interval."""
     high: float
     p: float
-    """That it reduces nothing: adjusted for all candidates, and not below that of the simulated null."""
+    """That it reduces nothing: adjusted for all candidates, and of an event not below that by chance."""
     objection: str | None = None
     """In words what rejects it, however small ``p`` is; None where nothing does."""
 
@@ -59,11 +59,11 @@ class Decision:
     """``family``: one of the family, it cannot be said which. ``suggested``: not significant, or no better
     than an effect of another family."""
     effect: str | None
-    """Of those that cannot be told apart the simplest of the best one's family, but one with which the record
-    is far less likely, or with a parameter at a bound, last; None where there is none."""
+    """Of those that cannot be distinguished the simplest of the best one's family, but one with which the
+    record is far less likely, or with a parameter at a bound, last; None where there is none."""
     family: str | None
     indistinguishable: tuple[str, ...]
-    """The others that cannot be told from the best."""
+    """The others that cannot be distinguished from the best."""
     rivals: tuple[str, ...]
     """Those of them that are of another family. Where the record holds both effects, adding one leaves the
     other to be confirmed above it; where it does not, either explains what the other does."""
@@ -77,20 +77,19 @@ def judge(
     losses_base: FloatArray,
     losses: Mapping[str, FloatArray],
     families: Mapping[str, str],
-    null_p: Mapping[str, float] | None = None,
     at_bound: Collection[str] = (),
     *,
     by_chance: Mapping[str, float] | None = None,
+    event_p: Mapping[str, float] | None = None,
     once: Collection[str] = (),
     likelier: Mapping[str, float] | None = None,
-    clear: Collection[str] = (),
     objections: Mapping[str, str] | None = None,
     rng: np.random.Generator | None = None,
 ) -> Decision:
     """Judge candidates by their held-out errors.
 
     An effect is confirmed where it reduces the error by at least ``LEAST_PERCENT``, the interval of the
-    reduction is above zero, and p, adjusted by Holm, is below ``LEVEL``. Of those that are, one is told from
+    reduction is above zero, and p, adjusted by Holm, is below ``LEVEL``. Of those that are, one differs from
     the best by the same rule: where the best reduces its error by as much, as significantly, and the record
     is not likelier with the other: in free run the one that hides more of OP's answer has less error.
 
@@ -99,18 +98,16 @@ def judge(
             them > 0. A block that is NaN for one model counts for none.
         losses: The same with each candidate, the simplest of a family first.
         families: Of each candidate.
-        null_p: p of the simulated null, for candidates whose null lies on a boundary; it must be below
-            ``LEVEL`` as well. It is not multiplied by the number of candidates: Holm has paid for the choice.
         at_bound: Candidates of which a parameter ran into a bound: they stand for something else than what
-            they are named for, or the record does not tell how much of them there is. None is confirmed.
+            they are named for, or the record does not show how much of them there is. None is confirmed.
         by_chance: How likely an effect lowers the innovations as far where it is not there, all candidates
             paid for. Where that is less than the p of the held-out blocks it counts instead: an effect that
             acts in few blocks cannot be significant by their signs, however plain it is there.
+        event_p: Of candidates that happened once: how likely as much is explained where nothing happened. It
+            must be below ``LEVEL`` as well.
         once: Candidates of what happened once. Refits know when, so that their blocks are not blind: p of
             their signs does not count, only ``by_chance``.
         likelier: How much likelier the record is with a candidate (``Evidence.criterion``).
-        clear: Candidates that the innovations tell so plainly that the interval may hold zero: what acts in a
-            few strokes leaves it wide.
         objections: Candidates that something rejects whatever their p, and what; none is confirmed.
         rng: Of the bootstrap; None: always the same draws.
     """
@@ -123,18 +120,14 @@ def judge(
     adjusted.update(dict.fromkeys(once, 1.0))
     for effect, chance in (by_chance or {}).items():
         adjusted[effect] = min(adjusted[effect], chance)
-    ranked, rejected, null = [], objections or {}, null_p or {}
+    ranked, rejected, events = [], objections or {}, event_p or {}
     for effect, mine in own.items():
         found, objection = reduction(base, mine, draws), rejected.get(effect)
-        p_all = max(adjusted[effect], null.get(effect, 0.0) if objection is None else 0.0)
+        p_all = max(adjusted[effect], events.get(effect, 0.0))
         numbers = found.percent, found.low, found.high, p_all
         ranked.append(Candidate(effect, families[effect], *numbers, objection))
     ranked.sort(key=lambda each: -each.error_reduction_percent)
-    large = [
-        each
-        for each in ranked
-        if _is_large(each.error_reduction_percent, np.inf if each.effect in clear else each.low)
-    ]
+    large = [each for each in ranked if _is_large(each.error_reduction_percent, each.low)]
     confirmed = [each for each in large if each.p < LEVEL and each.objection is None]
     if confirmed:
         best = confirmed[0]
@@ -144,7 +137,7 @@ def judge(
             each.effect
             for each in confirmed
             if likely.get(each.effect, -np.inf) >= likely.get(best.effect, np.inf)
-            or not _told_apart(least, own[each.effect], draws)
+            or not _is_distinct(least, own[each.effect], draws)
         }
         kin = {each for each in alike & likely.keys() if families[each] == best.family}
         poor = less_likely({each: likely[each] for each in kin})
@@ -165,7 +158,7 @@ def _is_large(percent: float, low: float) -> bool:
     return percent >= LEAST_PERCENT and low > 0
 
 
-def _told_apart(best: FloatArray, other: FloatArray, rng: np.random.Generator) -> bool:
+def _is_distinct(best: FloatArray, other: FloatArray, rng: np.random.Generator) -> bool:
     """Whether ``best`` beats ``other`` as an effect must beat the base."""
     found = reduction(other, best, rng)
     return _is_large(found.percent, found.low) and sign_flip_p(other, best) < LEVEL
@@ -174,7 +167,7 @@ def _told_apart(best: FloatArray, other: FloatArray, rng: np.random.Generator) -
 def _of_set(
     best: Candidate, alike: list[str], families: Mapping[str, str], ranked: tuple[Candidate, ...]
 ) -> Decision:
-    """Decide for those that cannot be told apart, in the order in which they are to be named."""
+    """Decide for those that cannot be distinguished, in the order in which they are to be named."""
     family = [effect for effect in alike if families[effect] == best.family]
     rivals = tuple(effect for effect in alike if effect not in family)
     others = (*family[1:], *rivals)

@@ -10,7 +10,7 @@ import numpy as np
 
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.workbench.fit import SCAN, residual_of
-from agent.workbench.innovations import TINY, by_chance, innovations, likelihood_ratio, tells_more
+from agent.workbench.innovations import TINY, by_chance, innovations, likelihood_ratio, lowers_innovations
 from agent.workbench.library import acts_on_op, happens_once
 from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
@@ -33,7 +33,7 @@ VALVES = 16000
 class Evidence:
     """What the innovations say of an effect."""
 
-    more: bool
+    explains: bool
     """Whether it explains more than what OP knows of the disturbance."""
     by_chance: float
     """How likely they fall as far where nothing is missing."""
@@ -53,7 +53,7 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
 
     At the values of the free run the larger model may be the one that answers to the disturbance, and the
     true effect not yet what it is. What goes on all the time and knows nothing of OP pays for what was solved
-    for as well, for slow noise goes along with any slow cause; of what happened once the instant tells.
+    for as well, for slow noise goes along with any slow cause; of what happened once the instant decides.
 
     Args:
         smaller: The model without the effect.
@@ -70,8 +70,8 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
     added = _numbers(larger) - _numbers(smaller)
     criterion = _criterion(before, after, added)
     if isinstance(effect, HysteresisEffect) and smaller.predicts and larger.predicts:
-        # Of a stem's constants most strokes tell little: Schwarz's price of seven numbers hides a valve.
-        price = _told(*larger.predicts) - _told(*smaller.predicts)
+        # Most strokes show little of a stem's constants: Schwarz's price of seven numbers hides a valve.
+        price = _price(*larger.predicts) - _price(*smaller.predicts)
         if math.isfinite(price):
             criterion = max(criterion, likelihood_ratio(before, after) - price)
     chance = 1.0
@@ -79,8 +79,8 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
     if larger.fit.model.base.linear and (answers or once or very_strong(criterion, candidates)):
         chance = by_chance(before, after, added, candidates * _scanned(effect, record))
     lasting = 0 if once else added
-    more = tells_more(before, after, searched if answers else lasting)
-    return Evidence(more, chance, criterion, effect.family, answers, once)
+    explains = lowers_innovations(before, after, searched if answers else lasting)
+    return Evidence(explains, chance, criterion, effect.family, answers, once)
 
 
 def _scanned(effect: Effect, record: Record) -> int:
@@ -108,11 +108,11 @@ def _criterion(before: Innovations, after: Innovations, added: int) -> float:
     return likelihood_ratio(before, after) - added * math.log(count)
 
 
-def _told(predicts: Predictor, best: FloatArray) -> float:
+def _price(predicts: Predictor, best: FloatArray) -> float:
     """Return how much of the ranges of its values a record rules out: Laplace's price of fitting them.
 
     Twice the logarithm of the cube over the Gaussian peak of the likelihood in it, of the directions that the
-    record tells (D. MacKay, Information Theory, Inference, and Learning Algorithms (2003), 28.1). NaN where
+    record shows (D. MacKay, Information Theory, Inference, and Learning Algorithms (2003), 28.1). NaN where
     the model has no answer beside its best.
     """
     derivative = predicts.derivative(best)

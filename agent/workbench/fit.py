@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 SCAN = 400
 """Points of the first scan."""
 ROUNDS = ((8, STEP, 20), (3, STEP / 2, 40), (1, STEP / 5, 60))
-QUICK_ROUNDS = ((2, STEP / 2, 15), (1, STEP / 5, 20))
 WARM_ROUNDS = ((1, STEP / 10, 40),)
 """For a model whose values are known from almost the same samples."""
 
@@ -76,18 +75,6 @@ def fit(model: LoopModel, record: Record, weight: FloatArray, starts: FloatArray
         points = np.vstack((objective.space.at(starts), points))
     found = searched(objective, points, ROUNDS)
     return fit_at(model, record, objective.target, objective.space.values(found))
-
-
-def nested_fit(
-    smaller: Fit,
-    model: LoopModel,
-    record: Record,
-    starts: FloatArray | None = None,
-    rounds: Sequence[Round] = ROUNDS,
-) -> Fit:
-    """Fit a model that has one effect more than ``smaller``, its last, to the whole record."""
-    points, _ = nested_scan(smaller, model, record, starts, rounds[0][0])
-    return fit_from(model, record, points, rounds)
 
 
 def nested_scan(

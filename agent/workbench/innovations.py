@@ -1,4 +1,4 @@
-"""The part of a residual that its own past does not tell.
+"""The part of a residual that its own past does not predict.
 
 In closed loop OP answers to the residual: the two go together though no effect is missing. What is new in
 the residual at an instant cannot have moved OP before that instant, so tests against earlier OP are fair.
@@ -86,10 +86,10 @@ def innovations(residual: FloatArray, *, longest: bool = False) -> Innovations |
     return Innovations(values, solved[1:], float(squares[kept - 1] / (count - kept)))
 
 
-def tells_more(smaller: Innovations, larger: Innovations, parameters: int) -> bool:
+def lowers_innovations(smaller: Innovations, larger: Innovations, parameters: int) -> bool:
     """Return whether a larger model lowers the innovations of its residual by more than its size would.
 
-    In closed loop this tells a better model from one that answers to the disturbance. OP holds the
+    In closed loop this distinguishes a better model from one that answers to the disturbance. OP holds the
     controller's reaction to it, so that a wrong effect can lower the free-run error below that of the true
     model, as a dead band does that hides the small moves of OP. But no effect that is not there lowers the
     innovations (Ljung, System Identification, 2nd ed., 13.4), but for chance: Schwarz's criterion.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,12 +18,10 @@ from agent.workbench.evidence import far_likelier
 from agent.workbench.fit import contributions, fit
 from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import happens_once, missing
-from agent.workbench.null_trial import DRAWS, ENOUGH, NullTrial
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.shown.information import Shown, shown_by
-from agent.workbench.shown.score import SELDOM, Scores
-from agent.workbench.simulated_null import simulated_null_p
+from agent.workbench.shown.score import worth_a_fit
 from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
 from agent.workbench.validation import rmse_on
@@ -40,13 +37,13 @@ if TYPE_CHECKING:
     from agent.workbench.step import Step
 
 
-ASKED = 10
-"""How often one staircase asks for something that happened once: a load step and another gain, five steps."""
+STEPS_AND_EVENTS = 10
+"""How often one staircase looks for what happened once: a load step and another gain, five steps."""
 
 
 @dataclass(slots=True)
 class Trials:
-    """What is asked of a recording, and what was answered."""
+    """What was tried on a recording, and what was found."""
 
     window: LoopWindow
     record: Record
@@ -62,6 +59,7 @@ class Trials:
     """That the quantifier found beside a model's disturbances."""
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
     _shown: dict[tuple[str, ...], tuple[Shown, ...]] = field(default_factory=dict)
+    _event_p: dict[tuple[tuple[str, ...], str], float] = field(default_factory=dict)
 
     @property
     def block(self) -> int:
@@ -81,11 +79,12 @@ class Trials:
         return self._done[step.effects]
 
     def _worth_a_fit(self, step: Step, effects: Sequence[Effect]) -> list[Effect]:
-        """Return the effects of which the innovations show something, as far as they need it."""
-        if step.predicts is None:
-            return [each for each in effects if each.name not in SELDOM]
-        scores = Scores(*step.predicts)
-        return [each for each in effects if scores.worth_a_fit(each)]
+        """Return the effects that the innovations hint at, and no event that is as large by chance."""
+        self.progress("a score of each", 0, 1)
+        able = [
+            each for each in effects if isinstance(each, MeasuredInput) or self.event_p(step, each) < LEVEL
+        ]
+        return worth_a_fit(able, step.predicts)
 
     def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
         """Return what the record can show of each effect that a model does not have; empty: not known."""
@@ -98,29 +97,34 @@ class Trials:
 
     def judged_on(self, step: Step, effects: Sequence[Effect]) -> AllTried:
         """Try these effects on top of a model."""
+        event_p = {each.name: self.event_p(step, each) for each in effects}
         models = self._tried(step, effects)
-        null_p = partial(self.null_p, step)
-        return judged(step, models, self.record, null_p, self._both, self._is_worse)
+        return judged(step, models, self.record, event_p, self._both, self._is_worse)
 
-    def null_p(self, smaller: Step | Tried, larger: Fit) -> float:
-        """Return how likely the last effect of ``larger`` seems to explain as much where it is not there.
+    def event_p(self, smaller: Step | Tried, effect: Effect) -> float:
+        """Return how likely as much is explained where nothing happened; 0 of what is no event and no input.
 
-        Of what happened once each candidate of each step has had its chance.
+        Of what happened once each candidate of each step has had its chance. No effect is fitted.
         """
-        effect = larger.model.effects[-1]
-        self.progress(f"{effect.name} by chance", 0, 1)
-        if smaller.predicts is not None and isinstance(effect, MeasuredInput):
+        key = tuple(each.name for each in smaller.fit.model.effects), effect.name
+        if key not in self._event_p:
+            self._event_p[key] = self._chance_of(smaller, effect)
+        return self._event_p[key]
+
+    def _chance_of(self, smaller: Step | Tried, effect: Effect) -> float:
+        if smaller.predicts is None:
+            return 0.0
+        if isinstance(effect, MeasuredInput):
             return min(1.0, effect.inputs * course_p(*smaller.predicts, effect))
-        if smaller.predicts is not None and happens_once(effect, self.record.facts):
-            return min(1.0, ASKED * instant_p(*smaller.predicts, effect))
-        trial = NullTrial(smaller.fit, larger, self.record, self.block)
-        return simulated_null_p(trial.seen, trial, DRAWS, self.run, ENOUGH)
+        if happens_once(effect, self.record.facts):
+            return min(1.0, STEPS_AND_EVENTS * instant_p(*smaller.predicts, effect))
+        return 0.0
 
     def both(self, found: AllTried, name: str, rival: Effect) -> Tried | None:
-        """Return the model with an effect and a rival that it cannot be told from, if each is confirmed.
+        """Return the model with an effect and a rival, if each is confirmed beside the other.
 
-        Each must lower the held-out error beside the other as an effect must lower that of a model, and more
-        than by chance; else either explains what the other does, and None is returned.
+        Each must lower the held-out error beside the other as an effect must lower that of a model, and an
+        event more than by chance; else either explains what the other does, and None is returned.
         """
         alone = found.models[name], found.models[rival.name]
         larger = self._both(alone[0], rival)
@@ -128,10 +132,10 @@ class Trials:
             decision = judge(each.held_out.losses, {"both": larger.held_out.losses}, {"both": "both"})
             if decision.kind != "confirmed":
                 return None
-        # The null is one of the last effect, so the model is turned round for the other.
-        turned = tried(self._trial(alone[1], alone[0].fit.model.effects[-1]))
-        pairs = ((alone[0], larger.fit), (alone[1], turned.fit))
-        return larger if all(self.null_p(*pair) < LEVEL for pair in pairs) else None
+        pairs = (alone, alone[::-1])
+        last = (each.fit.model.effects[-1] for _, each in pairs)
+        chances = (self.event_p(one, effect) for (one, _), effect in zip(pairs, last, strict=True))
+        return larger if all(p < LEVEL for p in chances) else None
 
     def with_valve_anew(self, found: Tried) -> Tried:
         """Return a model with its valve sought again beside what was added since, if that predicts better."""

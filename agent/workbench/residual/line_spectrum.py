@@ -97,13 +97,6 @@ class LineSpectrum:
         """The certain lines that certainly come from outside."""
         return tuple(each for each in self.certain if each.kind == "coherent")
 
-    def may_be_slow_noise(self, wave: FloatArray, ts: float) -> bool:
-        """Return whether slow noise could make a line like that of a ``wave`` (n,), too."""
-        power = np.abs(np.fft.rfft(wave - wave.mean())) ** 2
-        frequency = int(np.argmax(power)) / (len(wave) * ts)
-        at = int(np.argmin(np.abs(self.frequency - frequency)))
-        return self._is_slow(frequency, _part(self.power, at))
-
     def _is_slow(self, frequency: float, part: float) -> bool:
         least = CERTAIN_CYCLES / FEWEST_CYCLES * float(self.frequency[0])
         return frequency < least and part <= CERTAIN_PART

@@ -3,27 +3,40 @@
 What an effect would add to the predictions, less all that a small change of the model's own numbers does, is
 compared with the innovations. By how much the part of them that goes along with it is larger than their
 variance is by how much likelier the record is with the effect, twice a logarithm, to first order (Rao 1948).
-No effect is fitted, so that a large library costs little: one that is seldom missing must show here first.
+No effect is fitted, so that a large library costs little: what is fitted shows here first.
 """
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from agent.physics.effect import SpottedEffect
+from agent.physics.foreign import EffectError
+from agent.workbench.checks.lacking import LARGER_DYNAMICS
+from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.residual.movable import beyond, movable
 from agent.workbench.residual.state_dependence import directions
 from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.shown.changes import changes
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
     from agent.workbench.predictor import Predictor
 
+WORTH_A_FIT = 0.5 * VERY_STRONG
+"""A score from which on an effect of its family is fitted: a fit gains more than the first order says. Of the
+confirmed ones on the loops of docs/decisions/0073 the least has 9, the larger dynamics apart."""
+MOST_FAMILIES = 4
+"""That are fitted, the best first: on those loops no verdict is another from 4 on."""
+PREDICTED = "sinusoid"
+"""Always fitted: an autoregression predicts a wave, so that the innovations hardly go along with it."""
 SELDOM = frozenset(
     {
         "split_range",
@@ -34,9 +47,48 @@ SELDOM = frozenset(
         "wave",
     }
 )
-"""Effects that are seldom missing, tried only where the innovations go along with them."""
+"""Effects that are seldom missing: on a base without predictions, where nothing is scored, not tried."""
 NEW = 1e-6
 """Part of a change that the model cannot do itself, below which it is rounding."""
+
+
+def worth_a_fit(effects: Sequence[Effect], predictions: tuple[Predictor, FloatArray] | None) -> list[Effect]:
+    """Return the effects whose family the innovations hint at, in their order.
+
+    The best family always, a wave, and measured inputs, which somebody named; where anything is very
+    strong, the larger dynamics as well, which dead time and lag of a smaller model hide to first order.
+
+    Args:
+        effects: That could be added.
+        predictions: Of the model without them, and where they are best; None: not known.
+    """
+    if predictions is None:
+        return [each for each in effects if each.name not in SELDOM]
+    return promising(effects, scores_of(effects, *predictions))
+
+
+def scores_of(effects: Sequence[Effect], predicts: Predictor, best: FloatArray) -> dict[str, float]:
+    """Return ``Scores.of`` each effect by its name, but for those that fail: a trial reports how."""
+    scores, found = Scores(predicts, best), {}
+    for each in effects:
+        with contextlib.suppress(EffectError):
+            found[each.name] = scores.of(each)
+    return found
+
+
+def promising(effects: Sequence[Effect], scores: Mapping[str, float]) -> list[Effect]:
+    """Return the effects that are worth a fit by their scores, as ``worth_a_fit`` says."""
+    best: dict[str, float] = {}
+    for each in effects:
+        if each.name in scores:
+            best[each.family] = max(best.get(each.family, 0.0), scores[each.name])
+    anyway = {each.name for each in effects if each.name not in scores or isinstance(each, MeasuredInput)}
+    anyway.add(PREDICTED)
+    ranked = sorted(best, key=lambda family: -best[family])
+    kept = [*ranked[:1], *(each for each in ranked[1:MOST_FAMILIES] if best[each] > WORTH_A_FIT)]
+    if ranked and best[ranked[0]] > VERY_STRONG:
+        anyway.update(LARGER_DYNAMICS)
+    return [each for each in effects if each.family in kept or each.name in anyway]
 
 
 class Scores:
@@ -49,10 +101,6 @@ class Scores:
         left = predicts.residual(best)
         self._left = beyond(left, self._known)
         self._variance = float(left @ left) / max(len(left) - self._known.shape[1], 1)
-
-    def worth_a_fit(self, effect: Effect) -> bool:
-        """Return whether an effect is tried: unless it is seldom missing and nothing goes along with it."""
-        return effect.name not in SELDOM or self.of(effect) > VERY_STRONG
 
     def of(self, effect: Effect) -> float:
         """Return by how much likelier the record is with an effect, twice a logarithm, to first order.

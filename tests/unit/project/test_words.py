@@ -31,7 +31,6 @@ REPLACED = (
         f"agent/workbench/{name}"
         for name in (
             "candidates",
-            "coincidence",
             "decision",
             "doubts",
             "event_scan",
@@ -42,12 +41,10 @@ REPLACED = (
             "intervals",
             "likelihood_profile",
             "likeliest",
-            "null_trial",
             "other_event",
             "prediction_",
             "predictor",
             "search",
-            "simulated_null",
             "trial",
             "valve_",
         )

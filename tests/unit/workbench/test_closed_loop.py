@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agent.workbench.innovations import innovations, tells_more
+from agent.workbench.innovations import innovations, lowers_innovations
 
 N = 2000
 
@@ -39,7 +39,7 @@ def free_run(op, width):
 
 
 def better(smaller, larger, parameters):
-    return tells_more(innovations(smaller), innovations(larger), parameters)
+    return lowers_innovations(innovations(smaller), innovations(larger), parameters)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 3, 4])

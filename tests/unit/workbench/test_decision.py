@@ -72,14 +72,12 @@ def test_of_two_alike_the_far_likelier_is_named():
         assert (found.kind, found.effect, found.indistinguishable) == ("family", named, (other,))
 
 
-def test_what_is_clear_needs_no_interval_but_must_lower_the_error():
+def test_an_interval_that_holds_zero_confirms_nothing():
     base = np.ones(14)
     losses = {"stiction": np.where(np.arange(14) < 2, 0.2, 1.02)}
-    sure = {"by_chance": {"stiction": 1e-6}}
-    assert judged(base, losses, **sure).candidates[0].low <= 0
-    assert judged(base, losses, **sure).kind == "none"
-    assert judged(base, losses, clear=["stiction"], **sure).kind == "confirmed"
-    assert judged(base, {"stiction": 0.97 * base}, clear=["stiction"], **sure).kind == "none"
+    found = judged(base, losses, by_chance={"stiction": 1e-6})
+    assert found.candidates[0].low <= 0
+    assert found.kind == "none"
 
 
 def test_models_that_are_alike_have_p_one_and_no_reduction():
@@ -170,12 +168,12 @@ def test_what_holm_fails_alone_is_suggested():
     assert (found.kind, found.effect) == ("suggested", "stiction")
 
 
-def test_the_simulated_null_must_agree():
+def test_chance_must_exclude_an_event():
     rng = np.random.default_rng(5)
     base = base_losses(rng)
-    losses = {"stiction": less(rng, base, 60)}
-    assert judged(base, losses, null_p={"stiction": 0.005}).kind == "confirmed"
-    found = judged(base, losses, null_p={"stiction": 0.3})
+    losses = {"sinusoid": less(rng, base, 60)}
+    assert judged(base, losses, event_p={"sinusoid": 0.005}).kind == "confirmed"
+    found = judged(base, losses, event_p={"sinusoid": 0.3})
     assert found.candidates[0].p == 0.3
     assert found.kind == "suggested"
 
@@ -187,7 +185,8 @@ def test_what_few_blocks_show_plainly_may_be_reported_by_the_innovations():
     losses["stiction"][::7] = 0.1
     assert judged(base, losses).kind == "suggested"
     assert judged(base, losses, by_chance={"stiction": 1e-6}).kind == "confirmed"
-    assert judged(base, losses, by_chance={"stiction": 1e-6}, null_p={"stiction": 1.0}).kind != "confirmed"
+    rejected = judged(base, losses, by_chance={"stiction": 1e-6}, objections={"stiction": "a reason"})
+    assert rejected.kind != "confirmed"
 
 
 def test_a_block_without_an_error_counts_for_no_model():

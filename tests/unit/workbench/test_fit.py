@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
-from loops import DELAY, GAIN, TAU, S, made, slack
+from loops import DELAY, GAIN, TAU, S, made, nested_fit, slack
 
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import contributions, fit, fit_at, nested_fit, refit, spread_from
+from agent.workbench.fit import contributions, fit, fit_at, refit, spread_from
 from agent.workbench.folds import FEWEST_BLOCKS, FOLDS, block_losses, folds_of, held_out
 from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from loops import nested_fit
 from scipy import stats
 from test_closed_loop import N, answered_more, loop
 
@@ -14,7 +15,7 @@ from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.evidence import VALVES, evidence_of
-from agent.workbench.fit import fit, nested_fit
+from agent.workbench.fit import fit
 from agent.workbench.folds import HeldOut
 from agent.workbench.likeliest import less_likely
 from agent.workbench.prediction_search import predictor
@@ -54,9 +55,9 @@ def evidence(effect, base, record):
 
 def test_it_is_for_what_changed_and_not_for_what_stands_in_for_it(changed):
     found = {each.name: evidence(each, *changed) for each in (GainChange(), LoadStepEffect(), Deadband())}
-    assert found["gain_change"].more
+    assert found["gain_change"].explains
     assert found["gain_change"].by_chance < 1e-10
-    assert not found["deadband"].more
+    assert not found["deadband"].explains
     unlikely = less_likely({name: each.criterion for name, each in found.items()})
     assert "gain_change" not in unlikely
     assert "load_step" in unlikely
@@ -75,7 +76,7 @@ def test_a_walk_must_show_in_the_innovations(height, there):
     op, pv = loop(5, slack=0.0)
     load = height * walk.columns(np.arange(N), op, np.zeros(0))[:, 0]
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv + load))
-    assert evidence(walk, model_on(record), record).more is there
+    assert evidence(walk, model_on(record), record).explains is there
 
 
 @pytest.mark.parametrize(("height", "seen"), [(0.0, False), (1.0, True)])

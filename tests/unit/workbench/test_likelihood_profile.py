@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
-from loops import S, made, slack
+from loops import S, made, nested_fit, slack
 
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import fit, nested_fit
+from agent.workbench.fit import fit
 from agent.workbench.likelihood_profile import likelihood_profile
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record

@@ -81,5 +81,3 @@ def test_a_slow_wave_is_certain_where_it_is_most_of_what_is_left():
         found = line_spectrum(height * np.sin(2 * np.pi * 9 * np.arange(N) / N) + noise, op, 1.0)
         assert [round(line.frequency * N) for line in found.lines] == [9]
         assert bool(found.certain) == certain
-        assert found.may_be_slow_noise(np.cos(2 * np.pi * 9 * np.arange(N) / N), 1.0) != certain
-        assert not found.may_be_slow_noise(np.cos(2 * np.pi * 15 * np.arange(N) / N), 1.0)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from loops import nested_fit
 from test_closed_loop import N, answered_more, free_run, loop
 
 from agent.analysis.record.recording import LoopWindow
@@ -10,7 +11,7 @@ from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
-from agent.workbench.fit import fit, nested_fit
+from agent.workbench.fit import fit
 from agent.workbench.other_event import is_another_gain, is_only_another_level
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from loops import S, slack
+from loops import S, nested_fit, slack
 from test_closed_loop import free_run, loop
 
 from agent.analysis.record.recording import LoopWindow
@@ -17,7 +17,7 @@ from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
-from agent.workbench.fit import fit, fit_at, nested_fit
+from agent.workbench.fit import fit, fit_at
 from agent.workbench.folds import HeldOut, folds_of, held_out
 from agent.workbench.intervals import estimated
 from agent.workbench.prediction_search import predictor, with_other_values

@@ -1,6 +1,4 @@
-"""Whiteness, independence, noise floor, simulated null and power against known truth."""
-
-import functools
+"""Whiteness, independence, noise floor and power against known truth."""
 
 import numpy as np
 import pytest
@@ -10,7 +8,6 @@ from agent.workbench.residual.independence import independence
 from agent.workbench.residual.noise_floor import noise_floor
 from agent.workbench.residual.power import smallest_reduction
 from agent.workbench.residual.whiteness import LAGS, whiteness
-from agent.workbench.simulated_null import simulated_null_p
 
 N = 1500
 SEEDS = 200
@@ -108,31 +105,6 @@ def test_a_residual_of_gaps_has_no_lower_end():
     found = noise_floor(np.full(N, np.nan), losses, np.random.default_rng(0))
     assert found.low == 0.0
     assert 0.9 < found.high < 1.1
-
-
-def null_ratio(seed, scale=1.0):
-    return float(np.random.default_rng(seed).exponential(scale))
-
-
-def test_the_simulated_null_counts_what_is_as_large():
-    assert simulated_null_p(1e9, null_ratio) == 1 / 200
-    assert simulated_null_p(-1.0, null_ratio) == 1.0
-    asked = []
-    simulated_null_p(-1.0, lambda seed: asked.append(seed) or 0.0)
-    assert len(asked) < 50  # what is settled is not asked further
-    assert simulated_null_p(np.log(20), null_ratio, 999, enough=999) == pytest.approx(0.05, abs=0.02)
-
-
-def test_the_simulated_null_takes_any_map():
-    asked = []
-
-    def mapper(function, seeds):
-        asked.extend(seeds)
-        return [function(seed) for seed in asked]
-
-    found = simulated_null_p(2.0, functools.partial(null_ratio, scale=2.0), 10, mapper)
-    assert asked == list(range(10))
-    assert 1 / 11 <= found <= 1.0
 
 
 def test_the_smallest_effect_grows_with_the_scatter_of_the_blocks():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from loops import made
+from loops import made, slack
 
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
@@ -14,6 +14,7 @@ from agent.workbench.session.opening import opened
 from agent.workbench.shown.excitation import excitation_of, not_excited
 from agent.workbench.shown.information import shown_by
 from agent.workbench.shown.leverage import leverage_of
+from agent.workbench.shown.score import SELDOM, WORTH_A_FIT, Scores, worth_a_fit
 from simulators.draws.open_records import OPEN_KINDS, open_record
 
 LINEAR = library(EFFECTS, Fopdt())
@@ -60,3 +61,19 @@ def test_one_bump_is_in_every_fold():
     assert share.sum() == pytest.approx(1.0)
     assert min(share[folds.held_out(fold)].sum() for fold in range(FOLDS)) > 0.02
     assert np.bincount(folds.block[folds.block >= 0]).min() >= 3
+
+
+def test_what_is_missing_is_fitted_and_what_nothing_goes_along_with_is_not():
+    window = slack()
+    _, alone, _ = shown(window.op, window.pv)
+    scores = Scores(*alone.predicts)
+    kept = worth_a_fit(LINEAR, alone.predicts)
+    families = {each.family for each in kept}
+    assert "valve_hysteresis" in families
+    assert {"inverse_response", "integrating"} <= {each.name for each in kept}  # the base fails
+    assert len(kept) < len(LINEAR)
+    best = {name: max(scores.of(each) for each in LINEAR if each.family == name) for name in families}
+    assert max(best, key=best.get) == "valve_hysteresis"
+    missed = [each for each in LINEAR if each.family not in families]
+    assert max(scores.of(each) for each in missed) < max(WORTH_A_FIT, *best.values())
+    assert SELDOM.isdisjoint(each.name for each in worth_a_fit(LINEAR, None))

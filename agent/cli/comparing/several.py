@@ -1,0 +1,153 @@
+"""Several recordings of one loop compared with one model: reading as ever, an answer of its own."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from agent.analysis.record.recording import LoopWindow
+    from agent.physics.effect import Effect
+    from agent.workbench.hooks import Map, Progress
+    from agent.workbench.several.together import JointStep, Together
+
+SURE = 1.645 * 1.1
+"""Standard deviations of a 90 % interval, a tenth wider, as those of one recording: OP holds the noise."""
+
+
+def refuse_options(options: Mapping[str, object]) -> None:
+    """Refuse what several recordings do not have.
+
+    Raises:
+        BadParameter: One of them was chosen.
+    """
+    for name, value in options.items():
+        if value:
+            words = "several recordings are compared by --auto, --base, --without, --effect, --own and --json"
+            raise typer.BadParameter(words, param_hint=name)
+
+
+def together(
+    windows: Mapping[str, LoopWindow],
+    base: str,
+    without: Sequence[str],
+    effects: Sequence[Effect],
+    own: Sequence[str],
+    run: Map,
+    progress: Progress,
+    *,
+    auto: bool,
+) -> Together:
+    """Compare recordings of one loop, by their names, with one model; raises ValueError where it cannot."""
+    from agent.workbench.session import Workbench
+    from agent.workbench.several.together import compared_together
+
+    benches = {
+        name: Workbench(window, base, without=without, effects=effects, run=run, progress=progress)
+        for name, window in windows.items()
+    }
+    return compared_together(benches, own, auto=auto)
+
+
+def names_of(paths: Sequence[Path]) -> list[str]:
+    """Return a name of each recording: its file, with a number where two files have one name."""
+    seen: Counter[str] = Counter()
+    names = []
+    for path in paths:
+        seen[path.name] += 1
+        names.append(path.name if seen[path.name] == 1 else f"{path.name} ({seen[path.name]})")
+    return names
+
+
+def together_json(found: Together) -> str:
+    """Return the answer as one line of JSON."""
+    content = {
+        "recordings": list(found.recordings),
+        "left_out": [{"recording": name, "reason": why} for name, why in found.left_out.items()],
+        "steps": [
+            {
+                "effects": list(step.effects),
+                "added": step.added,
+                "rmse_fit": dict(zip(found.recordings, step.rmse, strict=True)),
+                "rmse_held_out": dict(zip(found.recordings, step.rmse_held_out, strict=True)),
+                "parameters": _shared(step),
+                "own": dict(zip(found.recordings, _own(step), strict=True)),
+            }
+            for step in found.steps
+        ],
+        "candidates": [
+            {
+                "effect": each.effect,
+                "family": each.family,
+                "criterion": each.criterion,
+                "error_reduction_percent": each.error_reduction_percent,
+                "objection": each.objection,
+            }
+            for each in found.candidates
+        ],
+        "verdict": {
+            "kind": found.verdict.kind,
+            "effect": found.verdict.effect,
+            "family": found.verdict.family,
+            "indistinguishable": list(found.verdict.indistinguishable),
+        },
+    }
+    return json.dumps(content, allow_nan=False)
+
+
+def together_lines(found: Together) -> Iterator[str]:
+    """Yield the answer in words."""
+    for name, why in found.left_out.items():
+        yield f"{name} is left out: {why}"
+    yield f"one model over {', '.join(found.recordings)}: RMSE in PV units"
+    yield f"  {'model':28}{'recording':24}{'fit':>10}{'held out':>10}"
+    for step in found.steps:
+        for i, name in enumerate(found.recordings):
+            model = ("base" if step.added is None else f"+ {step.added}") if i == 0 else ""
+            yield f"  {model:28}{name:24}{step.rmse[i]:>10.4g}{step.rmse_held_out[i]:>10.4g}"
+    yield "what all recordings share, with 90 % intervals"
+    for name, each in _shared(found.steps[-1]).items():
+        yield f"  {name:28}{each['value']:>10.4g}  ({each['low']:.4g} to {each['high']:.4g})"
+    for name, own in zip(found.recordings, _own(found.steps[-1]), strict=True):
+        yield f"  {name:28}{', '.join(f'{key} {value:.4g}' for key, value in own.items())}"
+    if found.candidates:
+        yield "what would make them likelier, twice a logarithm, and lower the held-out squared error"
+    for tried in found.candidates:
+        reason = "" if tried.objection is None else f"  {tried.objection}"
+        yield f"  {tried.effect:28}{tried.criterion:>9.1f}{tried.error_reduction_percent:>9.1f} %{reason}"
+    verdict = found.verdict
+    others = f", or {', '.join(verdict.indistinguishable)}" if verdict.indistinguishable else ""
+    effect = "" if verdict.effect is None else f": {verdict.effect}{others}"
+    yield f"verdict: {verdict.kind.replace('_', ' ')}{effect}"
+
+
+def _shared(step: JointStep) -> dict[str, dict[str, float]]:
+    """Return what all recordings share, own units, with its interval."""
+    joint, at = step.fitted.joint, step.fitted.at
+    spread, found, shared = step.fitted.spread(), {}, 0
+    for name, is_own in zip(joint.space.names, joint.own.tolist(), strict=True):
+        if is_own:
+            continue
+        ends = []
+        for away in (0.0, -SURE, SURE):
+            moved = at.copy()
+            moved[shared] = min(max(at[shared] + away * spread[shared], 0.0), 1.0)
+            ends.append(float(joint.values(moved)[0, joint.space.names.index(name)]))
+        found[name] = dict(zip(("value", "low", "high"), ends, strict=True))
+        shared += 1
+    return found
+
+
+def _own(step: JointStep) -> list[dict[str, float]]:
+    """Return what each recording has for itself: its gain, PV units per OP unit, and its own numbers."""
+    joint = step.fitted.joint
+    names = [name for name, is_own in zip(joint.space.names, joint.own.tolist(), strict=True) if is_own]
+    return [
+        {"gain": float(fit.coefficients[0]), **dict(zip(names, row[joint.own].tolist(), strict=True))}
+        for fit, row in zip(step.fitted.fits, joint.values(step.fitted.at), strict=True)
+    ]

@@ -1,0 +1,249 @@
+"""Which effect is missing in several recordings of one loop, from one model over all of them.
+
+Likelihood decides, as in one recording: an effect makes all recordings together very much likelier, and no
+effect of another family is nearly as likely. It must also lower the error of each recording that its fit did
+not use, taken together, and nothing on which the smaller model failed may remain in any.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.workbench.decision import LEAST_PERCENT
+from agent.workbench.doubts import STANDS_FOR_ANOTHER
+from agent.workbench.library import happens_once, missing
+from agent.workbench.likeliest import less_likely
+from agent.workbench.residual.state_dependence import fails, state_dependence, still_fails
+from agent.workbench.residual.very_strong import very_strong
+from agent.workbench.session import Workbench
+from agent.workbench.session.automatic import MOST_EFFECTS
+from agent.workbench.several.joint import JointFit, fitted_together
+from agent.workbench.shown.score import promising, scores_of
+from agent.workbench.step import Verdict
+from agent.workbench.validation import rmse_on
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from agent.analysis.record.recording import FloatArray
+    from agent.physics.effect import Effect
+    from agent.workbench.fit import Fit
+    from agent.workbench.predictor import Predictor
+    from agent.workbench.trial import Tried
+
+    Model = Sequence[tuple[Predictor, FloatArray]]
+
+NOT_LOWER = "it does not lower the error of recordings that its fit did not use"
+UNLIKELY = "the recordings together are hardly likelier with it"
+
+
+@dataclass(frozen=True, slots=True)
+class JointStep:
+    """A model on all recordings."""
+
+    added: str | None
+    """None for the base."""
+    effects: tuple[str, ...]
+    fitted: JointFit
+    rmse: tuple[float, ...]
+    """Of the free run in each recording, PV units."""
+    rmse_held_out: tuple[float, ...]
+    """The same with what belongs to the loop fitted to the other recordings only."""
+
+
+@dataclass(frozen=True, slots=True)
+class JointCandidate:
+    """An effect that was fitted to all recordings at once."""
+
+    effect: str
+    family: str
+    criterion: float
+    """How much likelier all recordings are with it, twice a logarithm, its numbers paid."""
+    error_reduction_percent: float
+    """Of the held-out squared error, mean of the recordings."""
+    objection: str | None
+    """In words why it is not confirmed; None where nothing speaks against it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Together:
+    """What several recordings of one loop say together."""
+
+    recordings: tuple[str, ...]
+    left_out: Mapping[str, str]
+    """Recordings that could not be used, and why."""
+    steps: tuple[JointStep, ...]
+    candidates: tuple[JointCandidate, ...]
+    """On top of the last step, the likeliest first."""
+    verdict: Verdict
+
+
+def compared_together(benches: Mapping[str, Workbench], own: Collection[str], *, auto: bool) -> Together:
+    """Compare recordings of one loop with one model.
+
+    What happened once belongs to one recording and is not tried here; nor are measured inputs.
+
+    Args:
+        benches: By the name of the recording, each with its base fitted.
+        own: Parameters that each recording has for itself.
+        auto: Add what is confirmed until nothing more is.
+
+    Raises:
+        ValueError: Fewer than two recordings can be used, or their base has no predictions.
+    """
+    left_out = {name: bench.reason for name, bench in benches.items() if bench.reason is not None}
+    left_out.update(
+        {
+            name: "its base predicts nothing"
+            for name, bench in benches.items()
+            if name not in left_out and bench.step.predicts is None
+        }
+    )
+    used = {name: bench for name, bench in benches.items() if name not in left_out}
+    if len(used) < 2:
+        reasons = "; ".join(f"{name}: {why}" for name, why in left_out.items())
+        raise ValueError(f"two recordings at least are needed that can be compared ({reasons})")
+    several = _Several(tuple(used.values()), frozenset(own))
+    steps = [several.base()]
+    while True:
+        models, candidates, verdict = several.candidates(steps[-1])
+        go_on = auto and verdict.kind in {"confirmed", "family"} and len(steps) <= MOST_EFFECTS
+        if not go_on or verdict.effect is None:
+            return Together(tuple(used), left_out, tuple(steps), candidates, verdict)
+        steps.append(several.taken(models[verdict.effect], verdict.effect))
+
+
+@dataclass(frozen=True, slots=True)
+class _Tried:
+    step: JointStep
+    alone: tuple[Tried, ...]
+    """In each recording by itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Several:
+    benches: tuple[Workbench, ...]
+    own: frozenset[str]
+
+    def base(self) -> JointStep:
+        found = self._step([_predictions(bench.step.predicts) for bench in self.benches], None)
+        if found is None:
+            raise ValueError("the recordings have too few samples in a row")
+        return found
+
+    def taken(self, found: _Tried, effect: str) -> JointStep:
+        """Make a model the newest of each recording."""
+        for bench, alone in zip(self.benches, found.alone, strict=True):
+            bench.take(alone, added=effect)
+        return found.step
+
+    def candidates(self, smaller: JointStep) -> tuple[dict[str, _Tried], tuple[JointCandidate, ...], Verdict]:
+        """Fit what the innovations of all recordings together hint at, and judge it."""
+        first = self.benches[0]
+        able = [
+            each
+            for each in missing(first.step.fit.model, first.library)
+            if not happens_once(each, first.record.facts)
+        ]
+        scores: dict[str, float] = {}
+        for bench in self.benches:
+            for name, score in scores_of(able, *_predictions(bench.step.predicts)).items():
+                scores[name] = scores.get(name, 0.0) + score
+        tried = {}
+        for effect in promising(able, scores):
+            found = self._tried(effect)
+            if found is not None:
+                tried[effect.name] = found
+        candidates = tuple(
+            sorted((self._judged(smaller, each) for each in tried.values()), key=lambda each: -each.criterion)
+        )
+        candidates = tuple(
+            each
+            if each.objection is not None or very_strong(each.criterion, len(able))
+            else replace(each, objection=UNLIKELY)
+            for each in candidates
+        )
+        visible = any(fails(bench.step.estimate.dependence) for bench in self.benches)
+        return tried, candidates, _verdict(candidates, visible=visible)
+
+    def _tried(self, effect: Effect) -> _Tried | None:
+        alone = []
+        for bench in self.benches:
+            models = bench.trials.judged_on(bench.step, [effect]).models
+            if effect.name not in models:
+                return None  # it failed; the trial reports it
+            alone.append(models[effect.name])
+        step = self._step([_predictions(each.predicts) for each in alone], effect.name)
+        return None if step is None else _Tried(step, tuple(alone))
+
+    def _step(self, models: Model, added: str | None) -> JointStep | None:
+        whole = fitted_together(models, self.own)
+        if whole is None:
+            return None
+        shared = whole.joint.values(whole.at)
+        held_out = []
+        for i, bench in enumerate(self.benches):
+            others = [each for k, each in enumerate(models) if k != i]
+            rest = fitted_together(others, self.own, shared[i])
+            if rest is None:
+                return None
+            held_out.append(rmse_on(_mean_gain(rest.fits), bench.record))
+        rmse = [
+            math.sqrt(fit.error / max(float(bench.record.weight.sum()), 1.0))
+            for fit, bench in zip(whole.fits, self.benches, strict=True)
+        ]
+        effects = tuple(each.name for each in whole.fits[0].model.effects)
+        return JointStep(added, effects, whole, tuple(rmse), tuple(held_out))
+
+    def _judged(self, smaller: JointStep, found: _Tried) -> JointCandidate:
+        effect = found.step.fitted.fits[0].model.effects[-1]
+        errors = np.array(found.step.rmse_held_out) ** 2 / np.array(smaller.rmse_held_out) ** 2
+        percent = 100 * float(1 - errors.mean())
+        objection = NOT_LOWER if percent < LEAST_PERCENT else None
+        if objection is None and self._still_fails(found.step.fitted):
+            objection = STANDS_FOR_ANOTHER
+        criterion = smaller.fitted.unlikely - found.step.fitted.unlikely
+        return JointCandidate(effect.name, effect.family, criterion, percent, objection)
+
+    def _still_fails(self, fitted: JointFit) -> bool:
+        """Return whether what made the smaller model fail in a recording is still there."""
+        rows = zip(self.benches, fitted.joint.predictors, fitted.joint.values(fitted.at), strict=True)
+        return any(
+            still_fails(bench.step.estimate.dependence, state_dependence(predicts, predicts.space.at(values)))
+            for bench, predicts, values in rows
+        )
+
+
+def _verdict(candidates: Sequence[JointCandidate], *, visible: bool) -> Verdict:
+    """Return the likeliest effect, with those that are nearly as likely; a rejected one excludes no other.
+
+    ``visible``: the smaller model fails on an axis in a recording.
+    """
+    able = [each for each in candidates if each.objection is None]
+    if not able:
+        return Verdict("none_of_the_known" if visible else "no_failure_visible")
+    best = able[0]
+    far = less_likely({each.effect: each.criterion for each in able})
+    alike = [each for each in able if each.effect not in far]
+    others = tuple(each.effect for each in alike[1:])
+    if any(each.family != best.family for each in alike):
+        return Verdict("suggested", best.effect, best.family, others)
+    return Verdict("family" if others else "confirmed", best.effect, best.family, others)
+
+
+def _mean_gain(fits: Sequence[Fit]) -> Fit:
+    """Return a model with the mean coefficients of some recordings."""
+    first = fits[0]
+    coefficients = np.mean([each.coefficients for each in fits], axis=0)
+    return replace(first, coefficients=coefficients)
+
+
+def _predictions(found: tuple[Predictor, FloatArray] | None) -> tuple[Predictor, FloatArray]:
+    if found is None:
+        raise ValueError("a base without predictions is compared one recording at a time")
+    return found

@@ -1,0 +1,88 @@
+"""Several recordings of one loop: one model over all says what none of them shows alone."""
+
+import json
+
+import numpy as np
+import pytest
+from loops import DELAY, GAIN, LEVEL, STEM, TAU
+
+from agent.analysis.record.recording import LoopWindow
+from agent.cli.comparing.several import names_of, together_json, together_lines
+from agent.physics.bases import Fopdt
+from agent.physics.effects.deadband import Deadband
+from agent.physics.loop_model import LoopModel
+from agent.workbench.record import bare_record
+from agent.workbench.session import Workbench
+from agent.workbench.several.together import compared_together
+
+WITHOUT = ("valve_limits", "valve_characteristic", "valve_speed", "disturbance", "gain", "stiction")
+WITHOUT += ("asymmetric_stiction", "process_dynamics", "pv_gain", "sensor_hysteresis", "process_delay")
+BAND = 1.5
+
+
+def swinging(amplitude, seed, band=BAND, noise=0.285, samples=500):
+    """OP that swings nearly evenly: the lag and the loss of a band look like another delay and gain."""
+    t = np.arange(samples)
+    op = 50 + amplitude * np.sin(2 * np.pi * t / 40 + 0.2 * np.sin(2 * np.pi * t / 330))
+    model = LoopModel(Fopdt(), (Deadband(),))
+    facts = bare_record(LoopWindow("loop", 0.0, 1.0, op, op)).facts
+    response = model.columns(op, np.array([DELAY, TAU, band, 0.0, STEM]), facts)[:, 0]
+    pv = LEVEL + GAIN * response + noise * np.random.default_rng(seed).standard_normal(samples)
+    return LoopWindow("loop", 0.0, 1.0, op, pv)
+
+
+def benches(**windows):
+    return {name: Workbench(each, without=WITHOUT) for name, each in windows.items()}
+
+
+@pytest.fixture(scope="module")
+def found():
+    return compared_together(benches(a=swinging(5.0, 1), b=swinging(2.0, 2)), (), auto=True)
+
+
+@pytest.mark.parametrize(("amplitude", "seed"), [(5.0, 1), (2.0, 2)])
+def test_one_recording_alone_does_not_confirm_the_band(amplitude, seed):
+    bench = Workbench(swinging(amplitude, seed), without=WITHOUT)
+    assert bench.candidates().kind not in {"confirmed", "family"}
+
+
+def test_both_together_name_it_and_its_width(found):
+    base, step = found.steps
+    assert step.effects == ("deadband",)
+    width = json.loads(together_json(found))["steps"][1]["parameters"]["deadband.s"]
+    assert width["low"] < width["value"] < width["high"]
+    assert width["value"] == pytest.approx(BAND, rel=0.3)
+    assert all(after < before for after, before in zip(step.rmse_held_out, base.rmse_held_out, strict=True))
+
+
+def test_the_answer_has_what_is_shared_once_and_what_is_own_for_each(found):
+    content = json.loads(together_json(found))
+    assert content["recordings"] == ["a", "b"]
+    last = content["steps"][-1]
+    assert "deadband.start" not in last["parameters"]
+    assert all(set(each) == {"gain", "deadband.start"} for each in last["own"].values())
+    assert all(each["gain"] == pytest.approx(GAIN, rel=0.2) for each in last["own"].values())
+    assert "+ deadband" in "\n".join(together_lines(found))
+
+
+def test_where_nothing_is_missing_nothing_is_named():
+    none = compared_together(benches(a=swinging(5.0, 3, 0.0), b=swinging(2.0, 4, 0.0)), (), auto=True)
+    assert [each.effects for each in none.steps] == [()]
+    assert none.verdict.effect is None
+
+
+def test_a_parameter_may_be_each_recordings_own_and_one_that_cannot_serve_is_named():
+    still = LoopWindow("loop", 0.0, 1.0, np.full(500, 50.0), swinging(5.0, 5).pv)
+    windows = benches(a=swinging(5.0, 1), b=swinging(2.0, 2), still=still)
+    own = compared_together(windows, ("tau",), auto=False)
+    assert own.recordings == ("a", "b")
+    assert set(own.left_out) == {"still"}
+    content = json.loads(together_json(own))
+    assert set(content["steps"][0]["parameters"]) == {"delay"}
+    assert all("tau" in each for each in content["steps"][0]["own"].values())
+    with pytest.raises(ValueError, match="two recordings at least"):
+        compared_together({name: windows[name] for name in ("a", "still")}, (), auto=False)
+
+
+def test_names_of_files_differ(tmp_path):
+    assert names_of([tmp_path / "x.csv", tmp_path / "sub" / "x.csv"]) == ["x.csv", "x.csv (2)"]
