@@ -18,9 +18,11 @@ from agent.workbench.several.together import compared_together
 WITHOUT = ("valve_limits", "valve_characteristic", "valve_speed", "disturbance", "gain", "stiction")
 WITHOUT += ("asymmetric_stiction", "process_dynamics", "pv_gain", "sensor_hysteresis", "process_delay")
 BAND = 1.5
+NOISE = 0.285
+"""Chosen between the noise with which one recording names the band and that with which two do not."""
 
 
-def swinging(amplitude, seed, band=BAND, noise=0.285, samples=500):
+def swinging(amplitude, seed, band=BAND, noise=NOISE, samples=500):
     """OP that swings nearly evenly: the lag and the loss of a band look like another delay and gain."""
     t = np.arange(samples)
     op = 50 + amplitude * np.sin(2 * np.pi * t / 40 + 0.2 * np.sin(2 * np.pi * t / 330))
