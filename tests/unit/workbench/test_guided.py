@@ -102,7 +102,7 @@ def test_a_kept_session_goes_on_where_it_was(added):
     ("typed", "answer"),
     [
         ("fly", "'fly' is no command; ? lists them"),
-        ("99", "there is no candidate 99; numbers go from 1 to 3"),
+        ("99", "there is no candidate 99; numbers go from 1 to 1"),
         ("undo", "there is no step to undo"),
         ("add slip", "no effect 'slip'"),
         ("drop deadband", "the model has no deadband"),
