@@ -68,6 +68,7 @@ class Plant:
         self.agent = agent
         self.clock = clock
         self.live: Live[Look] = Live(self.look)
+        self._looking = asyncio.Lock()
         self.drawing = Drawing()
         self.judgements = _kept_judgements(agent)
         """Of people, by loop."""
@@ -96,7 +97,14 @@ class Plant:
             self._entries.append(Entry(announcement.time, announcement.alarm.loop, "alarm", kept))
 
     async def look(self) -> Look:
-        """Look at all loops and rank them, a few at a time."""
+        """Look at all loops and rank them, a few at a time.
+
+        One look after the other: none that began before a decision reaches a page after one that shows it.
+        """
+        async with self._looking:
+            return await self._look()
+
+    async def _look(self) -> Look:
         status, pipelines = await self.agent.looked(), self.agent.pipelines
         found = []
         async for each in breathing(status.loops):

@@ -82,7 +82,7 @@ def test_the_sticking_loop_is_at_the_top_opened_acknowledged_and_seen_on_mqtt(pl
     finally:
         client.loop_stop()
         client.disconnect()
-    assert page.locator("[data-testid=acknowledge]").is_disabled()
+    page.wait_for_selector("[data-testid=acknowledge]:disabled")
     page.goto(f"{plant.address}alarms")
     page.wait_for_selector("[data-loop=FIC101][data-alarm=acked_active]")
     page.wait_for_selector("text=packing is ordered <b>today</b>")

@@ -84,7 +84,7 @@ def one_line(err):
 def test_constant_op_is_not_testable_and_done(slipjump, still):
     code, out, err = slipjump("diagnose", still)
     assert (code, err) == (0, "")
-    verdict, reason, advice = out.splitlines()
+    verdict, advice, reason = out.splitlines()
     assert (verdict, reason) == ("STILL: not testable", "  - OP does not move: it is constant at 42")
     assert advice.startswith("  > record the loop again")
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from agent.identify.fitted import start
-from agent.identify.objective import S
+from agent.identify.objective import J_RATIO, S
 from agent.identify.search.cycle import FINALISTS, STRUCTURES, Searched, next_cycle, nothing
 from agent.identify.search.population import Candidates, counted_blocks, join, least, refit
 from agent.identify.simplex import polished
@@ -31,9 +31,9 @@ TURNS = (0, 1, 1, 0, 0, 1, 0, 1)
 large one of the quick view first, which finds more (simulated loops, seeds 47000 to 47059)."""
 OWN = 3
 """First turns in which a view sees nothing of what the other found."""
-SAME_S = 0.01
-"""Difference of S, OP spans, up to which both views found the same valve: what noise moves it by. J may
-differ, because many records say little of it (simulated loops, seeds 47000 to 47099)."""
+SAME_S, SAME_J = 0.01, 0.1
+"""Differences of S and J, OP spans, up to which both views found the same valve. S is what noise moves it by;
+J is weakly determined in many records, but where it differs by more they are different valves."""
 LIKELIER = 10.0
 """Difference of -2 log likelihood from which the quick view decides: very strong evidence (Kass and Raftery,
 JASA 90 (1995) 773)."""
@@ -136,4 +136,6 @@ def _agree(found: Sequence[Searched], views: Sequence[Problem]) -> bool:
     if not all(each.cycles for each in found):
         return False
     one, other = (each.finalists.candidates[0] for each in found)
-    return bool(abs(one[S] - other[S]) <= SAME_S * views[0].op_span)
+    span = views[0].op_span
+    j = abs(one[S] * one[J_RATIO] - other[S] * other[J_RATIO])
+    return bool(abs(one[S] - other[S]) <= SAME_S * span and j <= SAME_J * span)

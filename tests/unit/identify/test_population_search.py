@@ -52,6 +52,7 @@ def test_a_small_budget_ends_a_search_after_its_first_turn(monkeypatch):
 
 def test_views_that_find_the_same_valve_end_a_search_that_leaves_no_white_noise(monkeypatch):
     monkeypatch.setattr(cycle, "WHITE", 0.0)
+    monkeypatch.setattr(searching, "SAME_J", 0.2)  # this record says little of the jump
     found = search(views())
     assert found.ended == "agreed"
     assert found.searched.finalists.candidates[0][S] == pytest.approx(

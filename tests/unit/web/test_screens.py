@@ -180,6 +180,24 @@ async def test_decisions_that_make_no_sense_are_refused_with_a_reason(decision, 
         assert status == 200 or answer.json()["detail"]
 
 
+async def test_looks_follow_each_other_so_that_an_older_one_never_comes_last(monkeypatch):
+    async with plant_of() as (_, plant):
+        ends, look = [], plant._look
+
+        async def slow_at_first():
+            number = len(ends)
+            ends.append(f"{number} began")
+            if number == 0:
+                await asyncio.sleep(0)  # others have their turn
+            found = await look()
+            ends.append(f"{number} ended")
+            return found
+
+        monkeypatch.setattr(plant, "_look", slow_at_first)
+        await asyncio.gather(plant.look(), plant.look())
+        assert ends == ["0 began", "0 ended", "2 began", "2 ended"]
+
+
 async def test_alarms_and_system():
     async with plant_of() as (web, _):
         (alarm,) = (await web.get("/api/alarms")).json()
