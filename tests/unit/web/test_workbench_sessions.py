@@ -74,6 +74,9 @@ async def test_a_session_from_the_upload_to_its_end(served):
     assert len(simulated.json()["pv"]) == 300
     found = (await web.get(base)).json()["found"]
     assert found["candidates"]
+    tried = {each["effect"] for each in found["candidates"]}
+    assert found["not_fitted"]
+    assert not tried & set(found["not_fitted"])
     assert found["verdict"]["words"]
     panel = (await web.get(f"{base}/axis/op_level")).json()
     assert len(panel["edges"]) == len(panel["means"]) + 1
