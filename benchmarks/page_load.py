@@ -108,9 +108,9 @@ async def _measured() -> None:
             for page in pages:
                 page.kill()
                 page.wait()
-            status = agent.overview()
+            status = await agent.looked()
             lost = sum(each.bad for each in status.loops)
-        received = sum(each.samples for each in agent.overview().loops)
+        received = sum(each.samples for each in (await agent.looked()).loops)
     finally:
         work.cancel()
         await asyncio.wait({work})

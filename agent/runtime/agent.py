@@ -227,23 +227,16 @@ class Agent:
         overdue = {name: health.overdue(now) for name, health in members.items()}
         return tuple(f"{name}: {sign}" for name, sign in overdue.items() if sign is not None)
 
-    def overview(self) -> AgentStatus:
-        """Return the status of the whole agent; call it while the agent runs."""
-        return self._overview(self.status())
-
     async def looked(self) -> AgentStatus:
-        """Return the same, a few loops at a time: samples are read meanwhile."""
+        """Return the status of the whole agent, a few loops at a time: samples are read meanwhile."""
         loops = [
             loop_status(pipeline, self._settings, self.health[name])
             async for name, pipeline in breathing(list(self._pipelines.items()))
             if self._pipelines.get(name) is pipeline  # the configuration may change meanwhile
         ]
-        return self._overview(tuple(loops))
-
-    def _overview(self, loops: tuple[LoopStatus, ...]) -> AgentStatus:
         connections = self._wiring.connections
         return AgentStatus(
-            loops=loops,
+            loops=tuple(loops),
             connections=tuple(
                 connection_status(connections[name], self.outboxes[name], each.kind, self._clock())
                 for name, each in self._settings.connections.items()

@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.several.together import JointStep, Together
 
-SURE = 1.645 * 1.1
-"""Standard deviations of a 90 % interval, a tenth wider, as those of one recording: OP holds the noise."""
-
 
 def refuse_options(options: Mapping[str, object]) -> None:
     """Refuse what several recordings do not have.
@@ -128,19 +125,10 @@ def together_lines(found: Together) -> Iterator[str]:
 
 def _shared(step: JointStep) -> dict[str, dict[str, float]]:
     """Return what all recordings share, own units, with its interval."""
-    joint, at = step.fitted.joint, step.fitted.at
-    spread, found, shared = step.fitted.spread(), {}, 0
-    for name, is_own in zip(joint.space.names, joint.own.tolist(), strict=True):
-        if is_own:
-            continue
-        ends = []
-        for away in (0.0, -SURE, SURE):
-            moved = at.copy()
-            moved[shared] = min(max(at[shared] + away * spread[shared], 0.0), 1.0)
-            ends.append(float(joint.values(moved)[0, joint.space.names.index(name)]))
-        found[name] = dict(zip(("value", "low", "high"), ends, strict=True))
-        shared += 1
-    return found
+    return {
+        name: dict(zip(("value", "low", "high"), each, strict=True))
+        for name, each in step.fitted.shared().items()
+    }
 
 
 def _own(step: JointStep) -> list[dict[str, float]]:

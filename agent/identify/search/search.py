@@ -91,9 +91,10 @@ def search(
         ended = _end(found, view, views, own=turn < OWN)
         if ended or sum(each.work for each in found) > BUDGET:
             break
-    if likelier(found, views):  # in the slow view the same valve may show more of its jump
-        go_on(0, around=True, guests=True)
     view = likelier(found, views)
+    if view:  # in the slow view the same valve may show more of its jump
+        go_on(0, around=True, guests=True)
+        view = likelier(found, views)
     return SearchedViews(view, found[view], ended or "spent", sum(each.work for each in found))
 
 

@@ -113,10 +113,10 @@ def valve_rows(
     for number in dict.fromkeys(valve):
         own = [each for each, of in zip(findings, valve, strict=True) if of == number]
         rows.append(ValveRow(names[valve.index(number)], tuple(own), *_answer(own)))
-    return sorted(_told_apart(rows), key=_urgency)
+    return sorted(_distinguished(rows), key=_urgency)
 
 
-def _told_apart(rows: Sequence[ValveRow]) -> list[ValveRow]:
+def _distinguished(rows: Sequence[ValveRow]) -> list[ValveRow]:
     """Return the rows with the file behind a name that several valves have."""
     counts = Counter(each.name for each in rows)
     return [

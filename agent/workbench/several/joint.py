@@ -15,6 +15,7 @@ import numpy as np
 from agent.workbench.fit import Fit
 from agent.workbench.gauss_newton import lowest
 from agent.workbench.innovations import innovations
+from agent.workbench.likelihood_profile import QUANTILE, WIDER
 from agent.workbench.predictor import Predictor, predictor_behind
 from agent.workbench.projection import VANISHES, nuisance_part
 from agent.workbench.search import COARSE, STEPS, is_rough, lowered_by_simplex
@@ -89,6 +90,18 @@ class JointFit:
     """In each recording."""
     unlikely: float
     """Minus twice the logarithm of the likelihood, less a constant, its numbers paid (Schwarz 1978)."""
+
+    def shared(self) -> dict[str, tuple[float, float, float]]:
+        """Return each number that all share, own units, with the ends of its 90 % interval, by its name."""
+        joint, spread, found = self.joint, self.spread(), {}
+        for place, column in enumerate(np.flatnonzero(~joint.own).tolist()):
+            ends = []
+            for away in (0.0, -WIDER * QUANTILE, WIDER * QUANTILE):
+                moved = self.at.copy()
+                moved[place] = min(max(self.at[place] + away * spread[place], 0.0), 1.0)
+                ends.append(float(joint.values(moved)[0, column]))
+            found[joint.space.names[column]] = (ends[0], ends[1], ends[2])
+        return found
 
     def spread(self) -> FloatArray:
         """Return the standard deviation of each shared number, parts of its range."""

@@ -96,18 +96,12 @@ def compared_together(benches: Mapping[str, Workbench], own: Collection[str], *,
     Raises:
         ValueError: Fewer than two recordings can be used, or their base has no predictions.
     """
-    left_out = {name: bench.reason for name, bench in benches.items() if bench.reason is not None}
-    left_out.update(
-        {
-            name: "its base predicts nothing"
-            for name, bench in benches.items()
-            if name not in left_out and bench.step.predicts is None
-        }
-    )
+    reasons = {name: _why_not(bench) for name, bench in benches.items()}
+    left_out = {name: why for name, why in reasons.items() if why is not None}
     used = {name: bench for name, bench in benches.items() if name not in left_out}
     if len(used) < 2:
-        reasons = "; ".join(f"{name}: {why}" for name, why in left_out.items())
-        raise ValueError(f"two recordings at least are needed that can be compared ({reasons})")
+        words = "; ".join(f"{name}: {why}" for name, why in left_out.items())
+        raise ValueError(f"two recordings at least are needed that can be compared ({words})")
     several = _Several(tuple(used.values()), frozenset(own))
     steps = [several.base()]
     while True:
@@ -234,6 +228,13 @@ def _verdict(candidates: Sequence[JointCandidate], *, visible: bool) -> Verdict:
     if any(each.family != best.family for each in alike):
         return Verdict("suggested", best.effect, best.family, others)
     return Verdict("family" if others else "confirmed", best.effect, best.family, others)
+
+
+def _why_not(bench: Workbench) -> str | None:
+    """Return why a recording cannot be used; None where it can."""
+    if bench.reason is not None:
+        return bench.reason
+    return "its base predicts nothing" if bench.step.predicts is None else None
 
 
 def _mean_gain(fits: Sequence[Fit]) -> Fit:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 WORTH_A_FIT = 0.5 * VERY_STRONG
 """A score from which on an effect of its family is fitted: a fit gains more than the first order says. Of the
-confirmed ones on the loops of docs/decisions/0073 the least has 9, the larger dynamics apart."""
+confirmed ones on the loops of docs/decisions/0072 the least has 9, the larger dynamics apart."""
 MOST_FAMILIES = 4
 """That are fitted, the best first: on those loops no verdict is another from 4 on."""
 PREDICTED = "sinusoid"

@@ -56,7 +56,7 @@ async def reloaded(before, after, buses, after_buses, settle=500.25, **others):
     first = {each.loop: each for each in agent.status()}
     await agent.reload(after, connectors=after_buses)
     await asyncio.sleep(3.5)
-    second = agent.overview()
+    second = await agent.looked()
     task.cancel()
     await asyncio.wait({task})
     assert asyncio.all_tasks() == {asyncio.current_task()}
