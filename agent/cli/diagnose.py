@@ -120,6 +120,8 @@ def diagnose(
     What is undecided alone may so be decided; what is firm alone stays. What
     they say together is the first reason of each.
     """
+    files = option.in_folders(recordings)
+    get_ready(len(files), pictures=plot is not None)  # first: it goes on beside what follows
     from agent.analysis.record.recording import LoopHints
     from connectors.recording import Columns
 
@@ -137,8 +139,6 @@ def diagnose(
     options = reading.read_options(
         columns, zone, time_format, date_order, decimal, pattern, mapping, modes, start, end
     )
-    files = option.in_folders(recordings)
-    get_ready(len(files), pictures=plot is not None)
     entries = [each for path in files for each in _loops(path, options, loop)]
     names = [path if name is None else path.with_name(f"{name}.csv") for path, name in entries]
     valve = valves(names, each=each or plant, one_valve=one_valve)

@@ -41,14 +41,12 @@ def thumbnail(window: LoopWindow, diagnosis: Diagnosis) -> Thumbnail:
 
 
 def _thinned(values: FloatArray) -> FloatArray:
-    """Return the extremes of each piece, in the order in which they came, (2 PIECES,)."""
+    """Return the extremes of each piece, in the order in which they came, (at most 2 PIECES,)."""
     if len(values) <= 2 * PIECES:
         return values
-    kept = []
-    for piece in np.array_split(values, PIECES):
-        if np.isfinite(piece).any():
-            ends = sorted((int(np.nanargmin(piece)), int(np.nanargmax(piece))))
-            kept += [piece[ends[0]], piece[ends[1]]]
-        else:
-            kept += [np.nan, np.nan]
-    return np.array(kept)
+    width = -(-len(values) // PIECES)
+    pieces = np.pad(values, (0, -len(values) % width), constant_values=np.nan).reshape(-1, width)
+    missing = ~np.isfinite(pieces)
+    least, most = np.where(missing, np.inf, pieces).argmin(1), np.where(missing, -np.inf, pieces).argmax(1)
+    ends = np.sort(np.stack((least, most), axis=1), axis=1)
+    return np.take_along_axis(pieces, ends, axis=1).ravel()

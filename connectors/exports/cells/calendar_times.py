@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from datetime import datetime, timedelta, timezone
+from datetime import datetime, timedelta
 
 from connectors.exports.cells.date_order import Numbers, Order, day_of
 
@@ -57,6 +57,7 @@ FORMS = (
     re.compile(rf"{TIME}\s+{DATE}{ZONE}"),
     re.compile(rf"{DATE}(?P<h>)(?P<m>)(?P<s>)(?P<f>)(?P<half>)(?P<zone>)"),
 )
+EPOCH = datetime(1970, 1, 1)  # noqa: DTZ001 - UTC, as ``Moment.local`` is without a zone
 COMPACT = re.compile(r"(\d{4})(\d\d)(\d\d)[ T_]?(\d\d)(\d\d)(\d\d)(?:\.(\d{1,6}))?")
 
 
@@ -76,7 +77,7 @@ class Moment:
     @property
     def utc(self) -> float:
         """Seconds UTC; a time without a zone counts as UTC."""
-        return self.local.replace(tzinfo=timezone(timedelta(hours=self.offset or 0.0))).timestamp()
+        return (self.local - EPOCH - timedelta(hours=self.offset or 0.0)).total_seconds()
 
 
 def moment_of(cell: str, order: Order | None = None) -> Moment | None:

@@ -94,6 +94,8 @@ def style_of(cells: Iterable[str]) -> NumberStyle:
     decimal_point = decimal_comma = open_commas = 0
     example = ""
     for cell in cells:
+        if decimal_point and "," not in cell:
+            continue  # it could be a point only, and one is known
         text = cell.strip().translate(SPACES)
         comma = COMMA_ONCE.fullmatch(text)
         if comma is not None:

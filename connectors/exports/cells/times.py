@@ -85,6 +85,8 @@ def times_of(sheet: Sheet, column: Column, options: TimeOptions, style: NumberSt
     if options.form is not None and "%" in options.form:
         return _by_pattern(sheet, column, cells, options, zone)
     sample = next((cell for cell in cells if cell), "")
+    if options.form not in CLOCKS and 2 * sum(":" in cell for cell in cells) > len(cells):
+        return _calendar(sheet, column, cells, options, zone)  # no number has a colon
     numbers, bad = style.numbers(cells)
     if options.form in CLOCKS or (
         len(bad) * 2 <= len(cells) and np.isfinite(numbers).any() and moment_of_digits(sample) is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import re
 from typing import TYPE_CHECKING
 
 from connectors.exports.fault import RecordingError
@@ -17,7 +18,8 @@ MARKS = (
 )
 LOOKED_AT = 65536
 """Bytes from which the encoding is guessed."""
-TEXT_CONTROLS = frozenset("\t\n\r\f\x1a")
+NO_TEXT = re.compile(r"[^\t\n\r\f\x1a -\U0010ffff]")
+"""A control character that no text file has."""
 
 
 def decoded(path: Path, content: bytes) -> str:
@@ -30,8 +32,7 @@ def decoded(path: Path, content: bytes) -> str:
         RecordingError: The bytes are no text.
     """
     text = _text(path, content).rstrip("\0")  # a file that was allocated and never filled
-    sample = text[:LOOKED_AT]
-    if any(each < " " and each not in TEXT_CONTROLS for each in sample) or "\0" in text:
+    if NO_TEXT.search(text, 0, LOOKED_AT) or "\0" in text:
         raise RecordingError(f"{path}: expected CSV text, found a binary file")
     return text
 
