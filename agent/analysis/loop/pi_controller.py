@@ -27,7 +27,7 @@ class PiController:
 
 
 def pi_controller(window: LoopWindow) -> PiController | None:
-    """Return the law by least squares, or None where OP hardly moves.
+    """Return the law by least squares, or None where OP hardly moves or only ramps.
 
     Without a set point the error is taken about the mean of PV; the constant makes up for that as long as the
     set point stood still.
@@ -43,6 +43,8 @@ def pi_law(op: FloatArray, error: FloatArray) -> PiController | None:
     if known.sum() < FEWEST_MOVES or not np.any(increments[known]):
         return None
     increments, terms = increments[known], terms[known]
+    if not np.var(increments):
+        return None  # one ramp: any law of the constant alone gives it
     weights, *_ = np.linalg.lstsq(terms, increments, rcond=None)
     explained = 1 - np.var(increments - terms @ weights) / np.var(increments)
     return PiController(float(weights[0]), float(weights[1]), float(explained))

@@ -109,7 +109,7 @@ def answer(
         other = SimulatedModel(process(best, problem, window.ts, of_best), *simulate(best, problem, window))
     return Quantification(
         quantifier=name,
-        stiction=stiction_estimate(found, problem, hidden_movement(problem, window)) if found else None,
+        stiction=stiction_estimate(found, problem, hidden_movement(window)) if found else None,
         process=process(chosen, problem, window.ts, of_process),
         free_run_percent=fit_percent(best, problem),
         linear_percent=fit_percent(linear, problem),

@@ -35,9 +35,6 @@ NARROW_S = 0.10
 """Width of the interval of S, over the OP span, up to which the record determines S."""
 NARROW_J = 0.25
 """Likewise of J."""
-COARSE, FINE = 50.0, 100.0
-"""Samples a period up to which the movement of OP within a sample is added to the intervals, and from which
-none of it is: simulated loops (``benchmarks.sampling_rate``) need all of it at 48, and none at 120."""
 EXACT = 1e-6
 """Share of the increments of OP that a PI law leaves unexplained up to which a record has every scan: of
 records with a tenth of the scans or fewer it leaves 3e-6 and more."""
@@ -77,19 +74,20 @@ def s_and_j(fitted: Fitted) -> tuple[float, float]:
     return s, s * float(fitted.candidate[J_RATIO])
 
 
-def hidden_movement(problem: Problem, window: LoopWindow) -> float:
-    """Return by how much OP moves within one sample, where nothing is recorded, OP units.
+def hidden_movement(window: LoopWindow) -> float:
+    """Return by how much OP moves between two samples, where nothing is recorded, OP units.
 
-    OP travels its span twice a period. Its turns lie between two samples, each cut off by up to half a
-    movement, and a slip is known to half a sample: so S is up to one movement larger than it looks, and half
-    a movement smaller; J is up to one larger or smaller. Where the controller's law holds from sample to
-    sample, OP rests between them.
+    It is the median of the movements from one sample to the next. The turns of OP, and the noise that carries
+    the stem over a threshold, lie between two samples, each cut off by up to half a movement, and a slip is
+    known to half a sample: so S is up to one movement larger than it looks, and half of one smaller; J is
+    up to one larger or smaller. Where the law of the controller holds from sample to sample, OP rests.
     """
     law = pi_controller(window)
     if law is not None and 1.0 - law.explained <= EXACT:
         return 0.0
-    fine = (problem.period - COARSE) / (FINE - COARSE)
-    return min(max(1.0 - fine, 0.0), 1.0) * 2.0 * problem.op_span / problem.period
+    moves = np.abs(np.diff(window.op))
+    moves = moves[moves > 0]  # NaN is not
+    return float(np.median(moves)) if moves.size else 0.0
 
 
 def interval(
