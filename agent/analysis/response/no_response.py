@@ -55,6 +55,8 @@ ZERO_SAMPLES = 25
 """Samples of which the median is compared with zero, fewer than ``MIN_SAMPLES``."""
 LEAST_PART = 30
 """Samples for which PV stands before and after, at least, where that is compared; a level is fitted to it."""
+STARTS = 4
+"""Times at which the fault may begin in a stand, evenly spread: PV that responded may stand before it."""
 BEFORE = math.log(0.01)
 """Log odds of a loop that does not respond, before its record is looked at: one window in a hundred in which
 OP travels far."""
@@ -188,27 +190,37 @@ def _by_likelihood(window: LoopWindow, span: float, known: KnownProcess | None) 
         return None
     would = min(_response(each, FAR * span, len(smooth)) for each in tried)
     least = max(MIN_SAMPLES, _least_samples(window, law))
+    op, pv = window.op[whole], window.pv[whole]
     for band in (NOISES * noise, NOISES * noise + STANDS * would):
-        stands = longest_within(smooth, band)
-        op = window.op[whole][stands]
-        if len(op) < least or travelled(op) < FAR * span:
-            continue
-        begin, end = whole.start + stands.start, whole.start + stands.stop
-        for parts in _parts(smooth, stands, NOISES * noise):
-            says = evidence_of_response(window.op[whole], window.pv[whole], tried, parts)
-            log_odds = min(BEFORE + says.log_ratio, -BEFORE)
+        for parts, price in _parts(smooth, longest_within(smooth, band), NOISES * noise, least):
+            begin, end = whole.start + parts[0].start, whole.start + parts[0].stop
+            if travelled(op[parts[0]]) < FAR * span:
+                continue
+            says = evidence_of_response(op, pv, tried, parts)
+            log_odds = min(BEFORE + says.log_ratio - price, -BEFORE)
             if log_odds >= ENOUGH:
                 return _Found(begin, end, False, log_odds, says.expected, says.deviations, tried)
     return None
 
 
-def _parts(smooth: FloatArray, stands: slice, band: float) -> Iterator[tuple[slice, ...]]:
-    """Yield where PV stands, then the same with where it stands before and after, if it does."""
-    yield (stands,)
+def _parts(
+    smooth: FloatArray, stands: slice, band: float, least: float
+) -> Iterator[tuple[tuple[slice, ...], float]]:
+    """Yield where PV stands, with the price in nats of having looked for it.
+
+    The whole stand comes first, then with where PV stands before and after, then its later parts.
+    """
+    spare = stands.stop - stands.start - math.ceil(least)
+    if spare < 0:
+        return
+    yield (stands,), 0.0
     around = stand_before(smooth, stands, band), next_stand(smooth, stands, band)
     long = [each for each in around if each.stop - each.start >= LEAST_PART]
     if long:
-        yield (stands, *long)
+        yield (stands, *long), 0.0
+    if spare >= STARTS:
+        for k in range(1, STARTS):
+            yield (slice(stands.start + k * spare // (STARTS - 1), stands.stop),), math.log(STARTS)
 
 
 def _response(process: LikelyProcess, travel: float, samples: int) -> float:
