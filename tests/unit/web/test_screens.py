@@ -95,16 +95,6 @@ async def plant_of(loops=("FIC101", HOSTILE)):
         await asyncio.wait({work})
 
 
-async def test_groups_have_the_same_keys_before_and_after_the_first_look():
-    async with plant_of() as (web, plant):
-        before = (await web.get("/api/work-list/groups")).json()
-        assert before == {"time": None, "left_out": None, "compared": [], "seconds": 0.0, "groups": []}
-        await plant.agent.plant_wide.look()
-        after = (await web.get("/api/work-list/groups")).json()
-        assert after.keys() == before.keys()
-        assert after["time"] == START + 60
-
-
 async def test_the_work_list_ranks_what_sticks_first():
     async with plant_of() as (web, _):
         said = (await web.get("/api/work-list")).json()
