@@ -18,6 +18,10 @@ MethodKind = Literal["limit_cycle", "travel", "model"]
 """What a method looks at: the shape of a steady oscillation, valve against OP, or a model's free run."""
 
 
+NORMAL_90 = 1.6448536269514722
+"""Half of the 90 % interval of a normal distribution, standard deviations: its 95 % quantile."""
+
+
 @dataclass(frozen=True, slots=True)
 class IntervalEstimate:
     """A number with its 90 % interval."""

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from matplotlib.dates import date2num
 from matplotlib.figure import Figure
 
+from agent.analysis.results import NORMAL_90
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -29,7 +31,7 @@ def trend_figure(loop: str, days: Sequence[SDay], trend: Trend, limit: float | N
     axes.errorbar(
         [_date(each.time) for each in days],
         [each.s for each in days],
-        yerr=[1.645 * each.sd for each in days],
+        yerr=[NORMAL_90 * each.sd for each in days],
         fmt=".",
         color="0.6",
         label="S of a day, 90 %",

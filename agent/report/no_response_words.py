@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 POSSIBLE: Mapping[NoResponseCause, tuple[str, ...]] = {
     "dead_transmitter": ("dead_transmitter",),
     "no_flow": ("pump_off", "block_valve_closed"),
+    "no_signal_or_flow": ("dead_transmitter", "pump_off", "block_valve_closed"),
     "stuck_valve": ("stuck_valve",),
     "unknown": ("stuck_valve", "block_valve_closed", "by_pass_open"),
 }
@@ -19,12 +20,14 @@ POSSIBLE: Mapping[NoResponseCause, tuple[str, ...]] = {
 CAUSE_WORDS: Mapping[NoResponseCause, str] = {
     "dead_transmitter": "PV is exactly constant, so its transmitter is dead or its value is held",
     "no_flow": "PV is at zero: the pump is off or a block valve is closed",
+    "no_signal_or_flow": "PV fell to zero at once: a dead transmitter, a pump off or a closed block valve",
     "stuck_valve": "PV jumped at the end as from a slip, so the valve was stuck",
     "unknown": "PV is measured, so the valve is stuck, a block valve is closed or a by-pass is open",
 }
 CHECKS: Mapping[NoResponseCause, str] = {
     "dead_transmitter": "check the transmitter of PV, its impulse lines and the signal in between",
     "no_flow": "check whether the pump runs and the block valves are open; do other loops of the line stand?",
+    "no_signal_or_flow": "check whether pump and block valves let it flow, then the transmitter of PV",
     "stuck_valve": "check the valve at once: packing, actuator and air supply; compare the stem with OP",
     "unknown": "compare the position of the stem with OP at the valve, then check by-pass and block valves",
 }

@@ -26,6 +26,7 @@ from agent.runtime.operate.operators import Operators
 from agent.runtime.operate.orders import Orders
 from agent.runtime.operate.plan import AT_START, difference
 from agent.runtime.operate.status import AgentStatus, LoopStatus, connection_status, loop_status
+from agent.runtime.plant_wide import PlantWide
 from agent.runtime.store.forwarder import Forwarder
 from agent.runtime.store.history import History
 from agent.runtime.store.history_file import history_path
@@ -92,6 +93,8 @@ class Agent:
                 self.accompany(Health("history database"), self.forwarder.run)
         operators = Operators(self._pipelines, self.journal, clock)
         self.accompany(operators.health, operators.run)
+        self.plant_wide = PlantWide(self._pipelines, executor, clock)
+        self.accompany(self.plant_wide.health, self.plant_wide.run)
         made = connectors_of(settings) if connectors is None else connectors
         self._wiring.wire(settings, {each.name: each for each in made}, settings.loops, at_work=False)
 

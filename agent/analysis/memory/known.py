@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.record.known_process import KnownProcess
+from agent.analysis.results import NORMAL_90
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,8 +26,6 @@ MOST_SCATTER = 0.7
 """Standard deviation of the logarithm of the gain from window to window beyond which they do not agree."""
 LEAST_SCATTER = 0.1
 """And below which two windows agree by chance."""
-NORMAL_90 = 1.645
-"""Half of a 90 % interval, standard deviations."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from agent.analysis.results import NORMAL_90
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -15,8 +17,6 @@ MOST_DAYS = 120
 """Days that are kept; of more, the two nearest of the older half become one."""
 DAY = 86400.0
 """s"""
-NORMAL_90 = 1.645
-"""Half of a 90 % interval, standard deviations."""
 LEAST_SD = 0.02
 """Smallest standard deviation, part of S: what the models lack is in all windows."""
 SHOWS = 0.5

@@ -21,10 +21,12 @@ TAUS = (0.3, 1.0, 3.0)
 a fast process, three for a slow one, whose integral time is bounded by the dead time."""
 DELAYS = (0.1, 0.3, 1.0)
 """Dead times, likewise."""
-LOOP_GAIN = 0.7
-"""Gain of controller and process together, K kc, over ``TAUS``: SIMC gives tau / (tau_c + delay)."""
-UNSURE_GAIN = 1.0
-"""Standard deviation of its logarithm: controllers are tuned by a factor of e faster or slower."""
+LOOP_GAIN = 0.35
+"""Gain of controller and process together, K kc, over ``TAUS``: SIMC gives Ti / (tau_c + delay), which is 5
+where delay and tau_c are a tenth of Ti, and 0.025 where the delay is Ti and tau_c 40 times as long; this is
+the geometric mean."""
+UNSURE_GAIN = 1.5
+"""Standard deviation of its logarithm, of what is spread evenly between both."""
 FEWEST_LAWFUL = 30
 """Samples in which OP moves, from which its law is read."""
 LONGEST = 1e6
@@ -64,7 +66,7 @@ def candidates(
     if law is None:
         return ()
     integral_time = min(law.kc / law.ki, LONGEST)
-    return tuple(
+    found = (
         LikelyProcess(
             LOOP_GAIN * over / law.kc,
             UNSURE_GAIN,
@@ -74,6 +76,7 @@ def candidates(
         for over in TAUS
         for delay in DELAYS
     )
+    return tuple(dict.fromkeys(found))
 
 
 def known_law(window: LoopWindow, stretch: slice) -> PiController | None:

@@ -20,10 +20,20 @@ from agent.analysis.gates.record import MIN_SAMPLES
 from agent.analysis.record.least_step import usual_range
 from agent.analysis.response.candidates import candidates, known_law
 from agent.analysis.response.evidence_of_response import evidence_of_response
-from agent.analysis.response.stretches import longest_true, longest_within, noise_of, smoothed, travelled
+from agent.analysis.response.stretches import (
+    longest_true,
+    longest_within,
+    next_stand,
+    slow_noise_of,
+    smoothed,
+    stand_before,
+    travelled,
+)
 from agent.analysis.response.why_not import Standing, near_zero, why_not
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from agent.analysis.loop.pi_controller import PiController
     from agent.analysis.record.known_process import KnownProcess
     from agent.analysis.record.recording import FloatArray, LoopWindow
@@ -41,6 +51,12 @@ STANDS = 0.3
 """Travel of PV over that which OP would have given it, up to which PV stands."""
 NOISES = 8.0
 """And besides, its noise: so many standard deviations to both sides together."""
+ZERO_SAMPLES = 25
+"""Samples of which the median is compared with zero, fewer than ``MIN_SAMPLES``."""
+LEAST_PART = 30
+"""Samples for which PV stands before and after, at least, where that is compared; a level is fitted to it."""
+STARTS = 4
+"""Times at which the fault may begin in a stand, evenly spread: PV that responded may stand before it."""
 BEFORE = math.log(0.01)
 """Log odds of a loop that does not respond, before its record is looked at: one window in a hundred in which
 OP travels far."""
@@ -142,7 +158,8 @@ def _at_zero(window: LoopWindow, span: float, known: KnownProcess | None) -> _Fo
     whole = longest_true(window.valid)
     if whole.stop - whole.start < MIN_SAMPLES:
         return None
-    here = longest_true(near_zero(window.pv, noise_of(window.pv[whole])) & window.valid)
+    mostly = smoothed(window.pv, ZERO_SAMPLES)  # noise that is cut off at zero leaves it sample by sample
+    here = longest_true(near_zero(mostly, slow_noise_of(window.pv[whole])) & window.valid)
     law = known_law(window, here)
     tried = candidates(window, known, law)
     least = _least_samples(window, law)
@@ -160,12 +177,12 @@ def _at_zero(window: LoopWindow, span: float, known: KnownProcess | None) -> _Fo
 
 
 def _by_likelihood(window: LoopWindow, span: float, known: KnownProcess | None) -> _Found | None:
-    """Return the longest stretch in which the noise of PV is alive and it does not respond, if likely."""
+    """Return the first of the longest stretches with live noise in which PV likely does not respond."""
     whole = longest_true(window.valid)
     if whole.stop - whole.start < MIN_SAMPLES:
         return None
     smooth = smoothed(window.pv[whole])
-    noise = noise_of(window.pv[whole])
+    noise = slow_noise_of(window.pv[whole])
     law = known_law(window, whole)
     # A load that wanders behind an integrator is not the noise of these models: they accused sound loops.
     tried = tuple(each for each in candidates(window, known, law) if each.tau is not None)
@@ -173,18 +190,37 @@ def _by_likelihood(window: LoopWindow, span: float, known: KnownProcess | None) 
         return None
     would = min(_response(each, FAR * span, len(smooth)) for each in tried)
     least = max(MIN_SAMPLES, _least_samples(window, law))
-    found = []
+    op, pv = window.op[whole], window.pv[whole]
     for band in (NOISES * noise, NOISES * noise + STANDS * would):
-        stands = longest_within(smooth, band)
-        here = slice(whole.start + stands.start, whole.start + stands.stop)
-        op, pv = window.op[here], window.pv[here]
-        if len(op) < least or travelled(op) < FAR * span:
-            continue
-        says = evidence_of_response(op, pv, tried)
-        log_odds = min(BEFORE + says.log_ratio, -BEFORE)
-        found.append(_Found(here.start, here.stop, False, log_odds, says.expected, says.deviations, tried))
-    best = max(found, key=lambda each: each.log_odds, default=None)
-    return best if best is not None and best.log_odds >= ENOUGH else None
+        for parts, price in _parts(smooth, longest_within(smooth, band), NOISES * noise, least):
+            begin, end = whole.start + parts[0].start, whole.start + parts[0].stop
+            if travelled(op[parts[0]]) < FAR * span:
+                continue
+            says = evidence_of_response(op, pv, tried, parts)
+            log_odds = min(BEFORE + says.log_ratio - price, -BEFORE)
+            if log_odds >= ENOUGH:
+                return _Found(begin, end, False, log_odds, says.expected, says.deviations, tried)
+    return None
+
+
+def _parts(
+    smooth: FloatArray, stands: slice, band: float, least: float
+) -> Iterator[tuple[tuple[slice, ...], float]]:
+    """Yield where PV stands, with the price in nats of having looked for it.
+
+    The whole stand comes first, then with where PV stands before and after, then its later parts.
+    """
+    spare = stands.stop - stands.start - math.ceil(least)
+    if spare < 0:
+        return
+    yield (stands,), 0.0
+    around = stand_before(smooth, stands, band), next_stand(smooth, stands, band)
+    long = [each for each in around if each.stop - each.start >= LEAST_PART]
+    if long:
+        yield (stands, *long), 0.0
+    if spare >= STARTS:
+        for k in range(1, STARTS):
+            yield (slice(stands.start + k * spare // (STARTS - 1), stands.stop),), math.log(STARTS)
 
 
 def _response(process: LikelyProcess, travel: float, samples: int) -> float:

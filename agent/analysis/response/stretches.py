@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 SMOOTH = 5
 """Samples of which the median is taken before a travel is measured: single values are not one."""
+NOISE_LAGS = (1, 4, 10)
+"""Samples over which noise is compared: white noise is the same at each, noise that lasts is seen at ten."""
 
 
 def longest_true(mask: NDArray[np.bool_]) -> slice:
@@ -49,11 +51,11 @@ def longest_within(values: FloatArray, band: float) -> slice:
     return best
 
 
-def smoothed(values: FloatArray) -> FloatArray:
-    """Return the running median of a signal (n,), n >= ``SMOOTH``, (n,); its ends are repeated."""
-    half = SMOOTH // 2
+def smoothed(values: FloatArray, samples: int = SMOOTH) -> FloatArray:
+    """Return the running median of a signal (n,) over an odd number of samples, (n,); ends are repeated."""
+    half = samples // 2
     padded = np.pad(values, half, mode="edge")
-    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, SMOOTH), axis=1))
+    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, samples), axis=1))
 
 
 def travelled(values: FloatArray) -> float:
@@ -63,8 +65,28 @@ def travelled(values: FloatArray) -> float:
     return float(np.ptp(smoothed(values)))
 
 
-def noise_of(values: FloatArray) -> float:
-    """Return the standard deviation of the noise of a signal (n,) from sample to sample; 0 where it rests."""
-    if len(values) < 3:
+def noise_of(values: FloatArray, lag: int = 1) -> float:
+    """Return the standard deviation of the noise of a signal (n,), seen over a lag (samples); 0: it rests."""
+    if len(values) < 2 * lag + 1:
         return 0.0
-    return 1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / 6**0.5
+    turns = values[2 * lag :] - 2 * values[lag:-lag] + values[: -2 * lag]
+    return 1.4826 * float(np.median(np.abs(turns))) / 6**0.5
+
+
+def slow_noise_of(values: FloatArray) -> float:
+    """Return the same for noise that lasts for some samples: the largest over ``NOISE_LAGS``."""
+    return max(noise_of(values, lag) for lag in NOISE_LAGS)
+
+
+def next_stand(values: FloatArray, stand: slice, band: float) -> slice:
+    """Return the longest stretch within ``band`` after a stand, among as many samples as the stand has."""
+    after = slice(stand.stop, min(len(values), 2 * stand.stop - stand.start))
+    found = longest_within(values[after], band)
+    return slice(after.start + found.start, after.start + found.stop)
+
+
+def stand_before(values: FloatArray, stand: slice, band: float) -> slice:
+    """Return the same of the samples before it."""
+    n = len(values)
+    found = next_stand(values[::-1], slice(n - stand.stop, n - stand.start), band)
+    return slice(n - found.stop, n - found.start)

@@ -1,9 +1,10 @@
 """Why PV does not respond to OP, as far as one record shows it.
 
 PV that is exactly constant is no measurement: the transmitter holds its last value or has failed to the end
-of its range; at zero it may also be the cut-off of a flow that has stopped. PV whose noise is alive is
-measured: at zero nothing flows (pump off, block valve closed); elsewhere the valve is stuck, by-passed or
-blocked, which OP and PV do not distinguish, unless it slips at last.
+of its range; at zero it may also be the cut-off of a flow that has stopped, which is certain
+only where it fell more slowly than a transmitter fails. PV whose noise is alive is measured: at zero nothing
+flows (pump off, block valve closed); elsewhere the valve is stuck, by-passed or blocked, which OP and PV do
+not distinguish, unless it slips at last.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.record.recording import FloatArray
 
-NoResponseCause = Literal["dead_transmitter", "no_flow", "stuck_valve", "unknown"]
+NoResponseCause = Literal["dead_transmitter", "no_flow", "no_signal_or_flow", "stuck_valve", "unknown"]
 
 ZERO_SHARE = 0.01
 """PV nearer to zero than this part of its largest value is at zero: the usual cut-off of a flow."""
@@ -62,7 +63,9 @@ def why_not(standing: Standing) -> NoResponseCause:
     """Return the cause."""
     at_zero = _at_zero(standing)
     if standing.exact:
-        return "no_flow" if at_zero and not _came_abruptly(standing) else "dead_transmitter"
+        if not at_zero:
+            return "dead_transmitter"
+        return "no_signal_or_flow" if _came_abruptly(standing) else "no_flow"
     if at_zero:
         return "no_flow"
     return "stuck_valve" if slips_after(standing) else "unknown"

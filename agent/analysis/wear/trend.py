@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.results import NORMAL_90
 from agent.analysis.wear.filter import Filtered, LevelWalk, begin, forecast, step
 
 if TYPE_CHECKING:
@@ -33,8 +34,6 @@ LEAST_SD = 0.05
 """Smallest standard deviation of a day, over the middle of S: what models lack is in all of its windows."""
 FELL = 0.5
 """Part to which S must fall at least where a jump down is called a repair."""
-Z90 = 1.645
-"""Half of a 90 % interval, standard deviations."""
 FAR = 3650.0
 """Days ahead beyond which no time is stated."""
 
@@ -129,15 +128,17 @@ def trend_of(days: Sequence[SDay]) -> Trend | None:
             jumps.append(Jump(days[k].time, before, float(np.median(values[k:end]))))
         sd = math.sqrt(max(float(state.covariance[0, 0]), 0.0))
         s = float(state.mean[0])
-        levels.append(Level(days[k].time, max(s, 0.0), max(s - Z90 * sd, 0.0), max(s + Z90 * sd, 0.0)))
+        levels.append(
+            Level(days[k].time, max(s, 0.0), max(s - NORMAL_90 * sd, 0.0), max(s + NORMAL_90 * sd, 0.0))
+        )
     slope, sd = float(state.mean[1]), math.sqrt(max(float(state.covariance[1, 1]), 0.0))
-    rises = slope - Z90 * sd > 0
+    rises = slope - NORMAL_90 * sd > 0
     return Trend(
         tuple(levels),
         tuple(jumps),
         slope,
-        slope - Z90 * sd,
-        slope + Z90 * sd,
+        slope - NORMAL_90 * sd,
+        slope + NORMAL_90 * sd,
         days[max(starts)].time if rises else None,
         state,
         walk,
@@ -146,7 +147,7 @@ def trend_of(days: Sequence[SDay]) -> Trend | None:
 
 def reaches(trend: Trend, limit: float) -> Reached:
     """Return when S reaches ``limit`` (OP units) if it goes on as since the last jump."""
-    times = [_first_beyond(trend, limit, z) for z in (0.0, Z90, -Z90)]
+    times = [_first_beyond(trend, limit, z) for z in (0.0, NORMAL_90, -NORMAL_90)]
     return Reached(limit, *times)
 
 

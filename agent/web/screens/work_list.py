@@ -8,7 +8,10 @@ from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
 from starlette.responses import Response
 
+from agent.analysis.plant.plant import PlantFinding
+from agent.report.fleet.plant_words import plant_json
 from agent.report.ranking import estimate_of, probability_of
+from agent.runtime.plant_wide import PlantLook
 from agent.web.event_stream import EventStream
 from agent.web.plant import Look, Plant
 from agent.web.ranking import Item, widest
@@ -93,6 +96,16 @@ def map_of(look: Look) -> list[dict[str, Any]]:
     return [{"area": area, "loops": loops} for area, loops in sorted(areas.items())]
 
 
+def groups_of(look: PlantLook | None) -> dict[str, Any]:
+    """Return what a look at the whole plant found, with the same keys before the first one."""
+    finding = PlantFinding((), (), 0.0) if look is None else look.finding
+    return {
+        "time": None if look is None else look.time,
+        "left_out": None if look is None else look.left_out,
+        **plant_json(finding),
+    }
+
+
 def screen(plant: Plant) -> PageScreen:
     """Return the screen of a plant."""
     router = APIRouter(prefix="/api/work-list", tags=["work list"])
@@ -114,6 +127,14 @@ def screen(plant: Plant) -> PageScreen:
     async def areas() -> list[dict[str, Any]]:
         """Loops by area, each [name, group, stale, S]; S in OP units, null where there is none."""
         return map_of(await plant.look())
+
+    @router.get("/groups")
+    async def groups() -> dict[str, Any]:
+        """Loops that oscillate together, each group with its likeliest root and the path from it.
+
+        As of the newest look at the whole plant; `time` is null before the first one.
+        """
+        return groups_of(plant.agent.plant_wide.newest)
 
     return PageScreen("work_list", "Work list", "/", router)
 

@@ -6,10 +6,13 @@ import pytest
 from agent.analysis.diagnose import diagnose
 from agent.analysis.record.known_process import KnownProcess
 from agent.analysis.record.recording import LoopHints, LoopWindow
+from agent.analysis.response.candidates import LikelyProcess
+from agent.analysis.response.evidence_of_response import evidence_of_response
 from agent.analysis.response.no_response import no_response
 from agent.analysis.routine import routine_diagnosis
 from agent.report.advice import advice
 from agent.report.diagnosis_json import diagnosis_json
+from agent.report.no_response_words import no_response_words
 from agent.report.reasons import reasons
 from tests.unit.analysis.diagnoses import HEALTHY, Told
 
@@ -133,3 +136,55 @@ def test_json_of_a_loop_that_responds_has_every_key():
     found = diagnosis_json(said, "x")["no_response"]
     assert found["found"] is False
     assert {key for key, value in found.items() if value} == set()
+
+
+def test_a_pv_that_is_exactly_zero_from_one_sample_to_the_next_may_be_either():
+    pv = responding(STEPS) + NOISE
+    pv[400:] = 0.0
+    found = no_response(window(STEPS, pv))
+    assert found is not None
+    assert found.cause == "no_signal_or_flow"
+    assert "transmitter" in no_response_words(found)
+    assert "pump" in no_response_words(found)
+
+
+def test_a_flow_that_stopped_with_noise_cut_off_at_zero_is_found():
+    pv = responding(STEPS) + 8 * NOISE
+    pv[400:] = np.maximum(8 * NOISE[400:] + 100 * np.exp(-np.arange(N - 400) / 10), 0.0)
+    found = no_response(window(STEPS, pv))
+    assert found is not None
+    assert found.cause == "no_flow"
+
+
+TURN = 700
+RAMP = 50 + np.where(np.arange(N) < TURN, np.arange(N) * 0.03, (2 * TURN - np.arange(N)) * 0.03)
+"""OP that ramps, and turns when the stem slips."""
+
+
+def test_a_ramp_alone_says_nothing_but_one_that_turned_where_pv_slipped_does():
+    stem = 80 + np.where(np.arange(N) < TURN, 0.0, 15.0) + NOISE
+    before = slice(0, TURN)
+    known = KNOWN.known
+    process = LikelyProcess(known.gain, known.log_gain_sd, known.tau, int(known.delay))
+    alone = evidence_of_response(RAMP, stem, [process], [before])
+    both = evidence_of_response(RAMP, stem, [process], [before, slice(TURN, N)])
+    assert alone.log_ratio < 4
+    assert both.log_ratio > alone.log_ratio + 10
+    found = no_response(window(RAMP, stem))
+    assert found is not None
+    assert found.cause == "stuck_valve"
+
+
+def test_a_load_that_steps_while_pv_follows_is_no_stuck_valve():
+    load = np.where(np.arange(N) < TURN, 0.0, 15.0)
+    assert no_response(window(RAMP, responding(RAMP) + load + NOISE)) is None
+
+
+def test_a_plug_that_jams_in_the_middle_of_a_quiet_record_is_found():
+    rng = np.random.default_rng(7)
+    op = 50 + np.where(np.arange(N) < 500, 0.3 * np.sin(np.arange(N) / 9), STEPS - 50)
+    pv = responding(op)
+    pv[500:] = pv[499]
+    found = no_response(window(op, pv + 0.2 * rng.normal(size=N)))
+    assert found is not None
+    assert found.cause == "unknown"
