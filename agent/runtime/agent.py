@@ -26,9 +26,9 @@ from agent.runtime.operate.operators import Operators
 from agent.runtime.operate.orders import Orders
 from agent.runtime.operate.plan import AT_START, difference
 from agent.runtime.operate.status import AgentStatus, LoopStatus, connection_status, loop_status
-from agent.runtime.store.forwarder import Forwarder
+from agent.runtime.store.forwarder import Forwarder, history_forwarder
 from agent.runtime.store.history import History
-from agent.runtime.store.history_file import history_path
+from agent.runtime.store.history_file import NumberedEntry, history_path
 from agent.runtime.store.journal import Journal
 from agent.runtime.supervisor import Health
 from agent.runtime.wiring import Wiring
@@ -81,14 +81,14 @@ class Agent:
         self._wiring = Wiring(self.journal, executor, diagnose, self._observers, clock)
         self._pipelines = self._wiring.pipelines
         self.history: History | None = None
-        self.forwarder: Forwarder | None = None
+        self.forwarder: Forwarder[NumberedEntry] | None = None
         if settings.agent.state is not None and settings.agent.history is not None:
             self.history = History(history_path(settings.agent.state), settings.agent.history, clock)
             self._observers.append(self.history)
             self.accompany(Health("history"), self.history.run)
             if settings.agent.history.database is not None:
                 path = history_path(settings.agent.state)
-                self.forwarder = Forwarder(path, settings.agent.history.database)
+                self.forwarder = history_forwarder(path, settings.agent.history.database)
                 self.accompany(Health("history database"), self.forwarder.run)
         operators = Operators(self._pipelines, self.journal, clock)
         self.accompany(operators.health, operators.run)

@@ -68,5 +68,7 @@ class HistorySettings(Options):
     days: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 90.0
     max_mb: Annotated[float, Field(ge=1, allow_inf_nan=False)] = 500.0
     """Size of the file, MB."""
+    windows: bool = True
+    """Whether the values of a window are kept where the valve sticks or is suspected, or has an alarm."""
     database: HistoryDatabase | None = None
     """Where entries are kept beyond this file, which then is the store for outages. None: nowhere."""

@@ -56,6 +56,10 @@ class Judged:
     """Time from the window's end to its verdict, waiting for a worker included, s."""
     fitted: bool
     """Whether it got a full diagnosis, with a fit; else it was quiet."""
+    window: LoopWindow
+    """What was judged."""
+    alarmed: bool = False
+    """Whether the alarm was active before or after it."""
 
 
 class Observer(Protocol):
@@ -247,10 +251,13 @@ class LoopPipeline:
         self.judged_at = asyncio.get_running_loop().time()
         if diagnosis.oscillation is not None:
             self.window.period = diagnosis.oscillation.period if diagnosis.oscillation.detected else None
+        alarmed = self.alarm.state.active
         self._follow(*self.alarm.on_diagnosis(diagnosis, end))
+        alarmed = alarmed or self.alarm.state.active
         await self._journal.flush()
+        took = self.judged_at - due_since
         for observer in self._observers:
-            observer.judged(Judged(diagnosis, end, self.judged_at - due_since, found.fitted))
+            observer.judged(Judged(diagnosis, end, took, found.fitted, window, alarmed))
 
     def _fit(self, seen: Seen | None) -> Callable[[], Routine]:
         """Return the fit of the window that was seen, or of a newer one that came due before its turn."""
