@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Collection, Coroutine, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from agent.alarms import Announcement
@@ -19,20 +20,23 @@ from agent.runtime.crew import Crew
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.link.withdrawal import leaving, withdraw
-from agent.runtime.loop.pipeline import Judged, LoopPipeline, Observer
+from agent.runtime.loop.judged import Judged, Observer
+from agent.runtime.loop.pipeline import LoopPipeline
 from agent.runtime.loop.workers import Executor
 from agent.runtime.operate.breath import breathing
 from agent.runtime.operate.operators import Operators
 from agent.runtime.operate.orders import Orders
 from agent.runtime.operate.plan import AT_START, difference
 from agent.runtime.operate.status import AgentStatus, LoopStatus, connection_status, loop_status
+from agent.runtime.samples.recorder import SampleRecorder
+from agent.runtime.samples.sample_file import samples_path
 from agent.runtime.store.forwarder import Forwarder, history_forwarder
 from agent.runtime.store.history import History
-from agent.runtime.store.history_file import NumberedEntry, history_path
+from agent.runtime.store.history_file import history_path
 from agent.runtime.store.journal import Journal
 from agent.runtime.supervisor import Health
 from agent.runtime.wiring import Wiring
-from agent.settings import Settings, connectors_of
+from agent.settings import HistorySettings, Settings, connectors_of
 from connectors.base import Connector
 
 LOG = logging.getLogger(__name__)
@@ -78,18 +82,13 @@ class Agent:
         self._crew: Crew | None = None
         self._reloading = asyncio.Lock()
         self.journal = Journal(settings.agent.state, clock)
-        self._wiring = Wiring(self.journal, executor, diagnose, self._observers, clock)
-        self._pipelines = self._wiring.pipelines
         self.history: History | None = None
-        self.forwarder: Forwarder[NumberedEntry] | None = None
+        self.samples: SampleRecorder | None = None
+        self.forwarders: list[Forwarder[Any]] = []
         if settings.agent.state is not None and settings.agent.history is not None:
-            self.history = History(history_path(settings.agent.state), settings.agent.history, clock)
-            self._observers.append(self.history)
-            self.accompany(Health("history"), self.history.run)
-            if settings.agent.history.database is not None:
-                path = history_path(settings.agent.state)
-                self.forwarder = history_forwarder(path, settings.agent.history.database)
-                self.accompany(Health("history database"), self.forwarder.run)
+            self._keep(settings.agent.state, settings.agent.history)
+        self._wiring = Wiring(self.journal, executor, diagnose, self._observers, clock, self.samples)
+        self._pipelines = self._wiring.pipelines
         operators = Operators(self._pipelines, self.journal, clock)
         self.accompany(operators.health, operators.run)
         made = connectors_of(settings) if connectors is None else connectors
@@ -151,8 +150,10 @@ class Agent:
             self._crew = None
             if self.history is not None:
                 await self.history.close()
-            if self.forwarder is not None:
-                await self.forwarder.close()
+            if self.samples is not None:
+                await self.samples.close()
+            for forwarder in self.forwarders:
+                await forwarder.close()
             await self.journal.close()
 
     async def reload(self, settings: Settings, connectors: Sequence[Connector] | None = None) -> None:
@@ -245,11 +246,29 @@ class Agent:
             faults=sum(health.faults for health, _ in self._beside),
             store_problem=self.journal.problem,
             store_failures=self.journal.failures,
-            history_dropped=sum(each.dropped for each in (self.history, self.forwarder) if each is not None),
+            history_dropped=(0 if self.history is None else self.history.dropped)
+            + sum(each.dropped for each in self.forwarders),
             orders_taken=self.orders.taken,
             orders_refused=self.orders.refused,
             queued=self._executor.queued,
         )
+
+    def _keep(self, state: Path, kept: HistorySettings) -> None:
+        """Make what keeps the history, and what sends it and raw samples to a database."""
+        self.history = History(history_path(state), kept, self._clock)
+        self._observers.append(self.history)
+        self.accompany(Health("history"), self.history.run)
+        if kept.database is None:
+            return
+        self.forwarders.append(history_forwarder(history_path(state), kept.database))
+        if kept.database.samples is not None:
+            from agent.runtime.samples.postgres_samples import samples_forwarder  # noqa: PLC0415 - few have one
+
+            self.samples = SampleRecorder(samples_path(state), kept.database.samples.max_mb)
+            self.accompany(Health("samples"), self.samples.run)
+            self.forwarders.append(samples_forwarder(samples_path(state), kept.database))
+        for forwarder in self.forwarders:
+            self.accompany(Health(f"database of {forwarder.what}"), forwarder.run)
 
     def _start(self, crew: Crew, connections: Collection[str], loops: Collection[str]) -> None:
         """Start those of the named connections and loops that exist."""

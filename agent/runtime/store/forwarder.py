@@ -103,7 +103,7 @@ class Forwarder(Generic[RowT]):
         """Rows that the database took since the start."""
         self.dropped = 0
         """What the file dropped, being full, before the database came back."""
-        self._path, self._settings, self._what = path, settings, what
+        self._path, self._settings, self.what = path, settings, what
         self._open_file, self._open_database = open_file, open_database
         self._problem = ""
         self._file: Source[RowT] | None = None
@@ -120,7 +120,7 @@ class Forwarder(Generic[RowT]):
             except StoreError as error:
                 if not self._problem:
                     text = "%s; %s wait in the file until it answers"
-                    LOG.error(text, error, self._what, extra={"event": "history_database"})  # noqa: TRY400
+                    LOG.error(text, error, self.what, extra={"event": "history_database"})  # noqa: TRY400
                 self._problem = str(error)
                 await asyncio.sleep(AGAIN)
                 continue
@@ -138,7 +138,7 @@ class Forwarder(Generic[RowT]):
         if self._problem:
             self._problem = ""
             text = "%s takes %s again"
-            LOG.info(text, self._settings.url, self._what, extra={"event": "history_database"})
+            LOG.info(text, self._settings.url, self.what, extra={"event": "history_database"})
         return sent
 
     def send(self) -> int:
@@ -166,7 +166,7 @@ class Forwarder(Generic[RowT]):
         if lost:
             self.dropped += lost
             text = "%s: %d %s were dropped by the full file before they could be sent"
-            LOG.error(text, self._settings.url, lost, self._what, extra={"event": "history_database"})
+            LOG.error(text, self._settings.url, lost, self.what, extra={"event": "history_database"})
         self._position = rows[-1].number
         self.sent += len(rows)
         self._file.delivered(self._position)

@@ -13,7 +13,7 @@ from typing import NoReturn
 
 from agent.alarms import Announcement
 from agent.report.diagnosis_json import diagnosis_json
-from agent.runtime.loop.pipeline import Judged
+from agent.runtime.loop.judged import Judged
 from agent.runtime.store.database import StoreError
 from agent.runtime.store.history_file import Entry, HistoryFile
 from agent.runtime.store.kept_window import KeptWindow, is_of_interest

@@ -33,10 +33,10 @@ does the same."""
 CONNECT, STATEMENT, DEAD = 5, 20_000, 10_000
 """Longest wait: for a connection, s; for a statement, ms; for a peer that went away, ms."""
 EARLIEST, LATEST = datetime(1, 1, 2, tzinfo=UTC), datetime(9999, 12, 30, tzinfo=UTC)
-REAL = 700
-"""Oid of the type ``real``, of 32 bits."""
-REALS = 1021
-"""Oid of ``real[]``."""
+NULL = -1
+"""In place of the length of a value."""
+LENGTH = 4
+"""Bytes of the length of a value."""
 
 
 class PostgresDatabase:
@@ -58,7 +58,8 @@ class PostgresDatabase:
                 sslmode="require" if settings.tls else "prefer",
                 **given,
             )
-            self.connection.adapters.register_dumper(np.ndarray, _Reals)
+            for dumper in (_Reals, _Integers, _Smalls):
+                self.connection.adapters.register_dumper(None, dumper)
         self.settings = settings
         if create:
             with named(settings), self.connection.transaction():
@@ -102,25 +103,48 @@ class PostgresDatabase:
             )
 
     def copy(self, statement: str, types: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
-        """Write rows by a binary COPY; arrays of numpy become ``real[]``."""
+        """Write rows by a binary COPY; arrays are those of numpy, but for texts."""
         with self.connection.cursor() as cursor, cursor.copy(statement.encode()) as copy:
             copy.set_types(types)
             for each in rows:
                 copy.write_row(each)
 
 
-class _Reals(Dumper):
-    """An array of numpy as ``real[]``, without a Python object for each value."""
+class _Numbers(Dumper):
+    """An array of numpy as an array of PostgreSQL, without a Python object for each value; masked: NULL."""
 
     format = Format.BINARY
-    oid = REALS
+    element: int
+    """Oid of a value."""
+    kind: str
+    """Its type as the protocol has it."""
 
-    def dump(self, obj: NDArray[np.float32]) -> bytes:
+    def dump(self, obj: NDArray[np.generic]) -> bytes:
         """Return the array as the protocol has it: its shape, then length and bytes of each value."""
-        table = np.empty(len(obj), dtype=[("length", ">i4"), ("value", ">f4")])
-        table["length"], table["value"] = 4, obj
-        head = [1, 0, REAL, len(obj), 1] if len(obj) else [0, 0, REAL]
-        return np.array(head, dtype=">i4").tobytes() + table.tobytes()
+        table = np.empty(len(obj), dtype=[("length", ">i4"), ("value", self.kind)])
+        table["length"], table["value"] = np.dtype(self.kind).itemsize, np.ma.getdata(obj)
+        missing = np.ma.getmaskarray(obj)
+        head = [1, int(missing.any()), self.element, len(obj), 1] if len(obj) else [0, 0, self.element]
+        body = table.tobytes()
+        if missing.any():
+            table["length"][missing] = NULL
+            whole = np.frombuffer(table.tobytes(), dtype=np.uint8).reshape(len(obj), -1)
+            kept = np.ones(whole.shape, dtype=np.bool_)
+            kept[missing, LENGTH:] = False
+            body = whole[kept].tobytes()
+        return np.array(head, dtype=">i4").tobytes() + body
+
+
+class _Reals(_Numbers):
+    oid, element, kind = 1021, 700, ">f4"  # real[]
+
+
+class _Integers(_Numbers):
+    oid, element, kind = 1007, 23, ">i4"  # integer[]
+
+
+class _Smalls(_Numbers):
+    oid, element, kind = 1005, 21, ">i2"  # smallint[]
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from agent.alarms import Alarm, Delay
 from agent.analysis.record.recording import LoopWindow
 from agent.cli import app, main
 from agent.runtime.agent import Agent
-from agent.runtime.loop.pipeline import Judged
+from agent.runtime.loop.judged import Judged
 from agent.runtime.loop.workers import InlineExecutor
 from agent.runtime.store import history as module
 from agent.runtime.store.history import DAY, History
@@ -236,7 +236,7 @@ async def test_which_windows_are_kept(path, verdict, alarmed, wanted, kept):
     if kept:
         found = opened(path, lambda file: file.window("FIC101", 9.5, 9.6))
         assert (found.start, found.ts, len(found)) == (0.0, 0.5, 8)
-        np.testing.assert_array_equal(found.columns["pv"], window.pv)
+        np.testing.assert_array_equal(found.columns["pv"], window.pv.astype(np.float32))
         assert set(found.columns) == {"op", "pv", "automatic"}
 
 

@@ -246,7 +246,7 @@ async def test_an_agent_sends_what_it_finds_with_the_methods(tmp_path, postgres,
     agent = Agent(settings, InlineExecutor(), lambda _: None, connectors=[bus], diagnose=judged())
     task = asyncio.create_task(agent.run())
     async with asyncio.timeout(DEADLINE):
-        while agent.forwarder.sent < 3:  # noqa: ASYNC110 - the test has no event of the agent
+        while agent.forwarders[0].sent < 3:  # noqa: ASYNC110 - the test has no event of the agent
             await asyncio.sleep(0.01)
     task.cancel()
     await asyncio.wait({task})
