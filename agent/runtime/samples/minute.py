@@ -23,7 +23,8 @@ MINUTE = 60
 """s"""
 FINE = 1_000_000
 """Parts of a second to which a time is kept: a database has microseconds."""
-QUALITIES = {Quality.GOOD: 0, Quality.UNCERTAIN: 1, Quality.BAD: 2}
+GOOD, UNCERTAIN, BAD = range(3)
+"""Qualities in order: the worst is the largest."""
 NUMBERS = ("op", "pv", "sp", "mv")
 """Roles that are numbers; the mode is text."""
 
@@ -45,14 +46,16 @@ class OpenMinute:
         """Take a sample of this minute that arrived at ``arrival`` (monotonic, s)."""
         self.touched = arrival
         at = min(round((sample.time - self.number * MINUTE) * FINE), MINUTE * FINE - 1)
-        role, quality = sample.tag.role, QUALITIES[sample.quality]
+        role, quality = sample.tag.role, GOOD
+        if sample.quality is not Quality.GOOD:
+            quality = UNCERTAIN if sample.quality is Quality.UNCERTAIN else BAD
         if role not in NUMBERS:
             self._modes.append((at, str(sample.value), quality))
             return
         held = self._numbers.get(role)
         if held is None:
             held = self._numbers[role] = array("i"), array("f"), array("b")
-        usable = sample.quality is not Quality.BAD and not isinstance(sample.value, str)
+        usable = quality != BAD and not isinstance(sample.value, str)
         held[0].append(at)
         held[1].append(float(sample.value) if usable else math.nan)
         held[2].append(quality)
