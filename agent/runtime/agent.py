@@ -30,7 +30,7 @@ from agent.runtime.operate.plan import AT_START, difference
 from agent.runtime.operate.status import AgentStatus, LoopStatus, connection_status, loop_status
 from agent.runtime.samples.recorder import SampleRecorder
 from agent.runtime.samples.sample_file import samples_path
-from agent.runtime.store.forwarder import Forwarder, history_forwarder
+from agent.runtime.store.forwarder import Forwarder
 from agent.runtime.store.history import History
 from agent.runtime.store.history_file import history_path
 from agent.runtime.store.journal import Journal
@@ -260,15 +260,16 @@ class Agent:
         self.accompany(Health("history"), self.history.run)
         if kept.database is None:
             return
+        from agent.runtime.samples.postgres_samples import samples_forwarder  # noqa: PLC0415 - few have one
+        from agent.runtime.store.postgres_history import history_forwarder  # noqa: PLC0415 - few have one
+
         self.forwarders.append(history_forwarder(history_path(state), kept.database))
         if kept.database.samples is not None:
-            from agent.runtime.samples.postgres_samples import samples_forwarder  # noqa: PLC0415 - few have one
-
             self.samples = SampleRecorder(samples_path(state), kept.database.samples.max_mb)
             self.accompany(Health("samples"), self.samples.run)
             self.forwarders.append(samples_forwarder(samples_path(state), kept.database))
-        for forwarder in self.forwarders:
-            self.accompany(Health(f"database of {forwarder.what}"), forwarder.run)
+        for each in self.forwarders:
+            self.accompany(Health(f"database of {each.what}"), each.run)
 
     def _start(self, crew: Crew, connections: Collection[str], loops: Collection[str]) -> None:
         """Start those of the named connections and loops that exist."""

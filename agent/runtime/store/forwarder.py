@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from agent.runtime.store.history_file import NumberedEntry
     from agent.settings import HistoryDatabase
 
 LOG = logging.getLogger(__name__)
@@ -26,7 +25,7 @@ AGAIN = 10.0
 """From one attempt to the next while the database does not answer, s."""
 
 
-class Row(Protocol):
+class NumberedRow(Protocol):
     """What a file holds."""
 
     @property
@@ -35,11 +34,11 @@ class Row(Protocol):
         ...
 
 
-RowT = TypeVar("RowT", bound=Row)
-TakenT_contra = TypeVar("TakenT_contra", bound=Row, contravariant=True)
+RowT = TypeVar("RowT", bound=NumberedRow)
+TakenT_contra = TypeVar("TakenT_contra", bound=NumberedRow, contravariant=True)
 
 
-class Source(Protocol[RowT]):
+class RowSource(Protocol[RowT]):
     """A file that holds rows until they were sent."""
 
     def origin(self) -> str:
@@ -63,7 +62,7 @@ class Source(Protocol[RowT]):
         ...
 
 
-class Place(Protocol[TakenT_contra]):
+class RowDestination(Protocol[TakenT_contra]):
     """A database that keeps rows of many files."""
 
     def position(self, origin: str) -> int:
@@ -86,8 +85,8 @@ class Forwarder(Generic[RowT]):
         self,
         path: Path,
         settings: HistoryDatabase,
-        open_file: Callable[[Path], Source[RowT]],
-        open_database: Callable[[HistoryDatabase], Place[RowT]],
+        open_file: Callable[[Path], RowSource[RowT]],
+        open_database: Callable[[HistoryDatabase], RowDestination[RowT]],
         what: str,
     ) -> None:
         """Make it; nothing is connected yet.
@@ -106,8 +105,8 @@ class Forwarder(Generic[RowT]):
         self._path, self._settings, self.what = path, settings, what
         self._open_file, self._open_database = open_file, open_database
         self._problem = ""
-        self._file: Source[RowT] | None = None
-        self._database: Place[RowT] | None = None
+        self._file: RowSource[RowT] | None = None
+        self._database: RowDestination[RowT] | None = None
         self._origin, self._position = "", 0
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="history database")
 
@@ -178,11 +177,3 @@ class Forwarder(Generic[RowT]):
         if self._file is not None:
             self._file.close()
         self._database = self._file = None
-
-
-def history_forwarder(path: Path, settings: HistoryDatabase) -> Forwarder[NumberedEntry]:
-    """Return what sends the history, from the file at ``path``."""
-    from agent.runtime.store.history_file import HistoryFile  # noqa: PLC0415 - with the next
-    from agent.runtime.store.postgres_history import PostgresHistory  # noqa: PLC0415 - few have one
-
-    return Forwarder(path, settings, lambda file: HistoryFile(file, create=False), PostgresHistory, "entries")

@@ -10,11 +10,14 @@ from uuid import UUID
 import numpy as np
 from psycopg.types.json import Jsonb
 
-from agent.runtime.store.history_file import Entry, NumberedEntry
+from agent.runtime.store.forwarder import Forwarder
+from agent.runtime.store.history_file import Entry, HistoryFile, NumberedEntry
 from agent.runtime.store.kept_window import COLUMNS, KeptWindow, ListedWindow
 from agent.runtime.store.postgres import PostgresDatabase, clean_text, moment, named
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from agent.settings import HistoryDatabase
 
 TABLES = """
@@ -168,3 +171,8 @@ def _clean(content: Any) -> Any:  # noqa: ANN401 - JSON
         case float() if not math.isfinite(content):
             return None
     return content
+
+
+def history_forwarder(path: Path, settings: HistoryDatabase) -> Forwarder[NumberedEntry]:
+    """Return what sends the history, from the file at ``path``."""
+    return Forwarder(path, settings, lambda file: HistoryFile(file, create=False), PostgresHistory, "entries")

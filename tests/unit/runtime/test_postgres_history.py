@@ -16,11 +16,10 @@ from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.runtime.store import forwarder as module
 from agent.runtime.store.database import StoreError
-from agent.runtime.store.forwarder import history_forwarder
 from agent.runtime.store.history import History
 from agent.runtime.store.history_file import Entry, HistoryFile
 from agent.runtime.store.kept_window import KeptWindow
-from agent.runtime.store.postgres_history import PostgresHistory
+from agent.runtime.store.postgres_history import PostgresHistory, history_forwarder
 from agent.settings import AgentSettings, ConnectionSettings, HistoryDatabase, HistorySettings, Settings
 from agent.settings.load import settings_of
 from connectors.base import ConfigError
@@ -188,9 +187,8 @@ def test_windows_come_with_their_verdicts_and_are_read_back_as_they_were(tmp_pat
 async def test_a_database_that_is_killed_under_load_loses_and_doubles_nothing(
     tmp_path, postgres, database, monkeypatch, caplog
 ):
-    monkeypatch.setattr(module, "AGAIN", 0.05)
-    monkeypatch.setattr(module, "PAUSE", 0.01)
-    monkeypatch.setattr(module, "BATCH", 20)
+    for name, value in (("AGAIN", 0.05), ("PAUSE", 0.01), ("BATCH", 20)):
+        monkeypatch.setattr(module, name, value)
     monkeypatch.setattr("agent.runtime.store.history.GATHER", 0.01)
     path = tmp_path / "a.sqlite"
     history, forwarder = History(path, HistorySettings(database=database)), history_forwarder(path, database)
