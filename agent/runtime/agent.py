@@ -148,12 +148,9 @@ class Agent:
                     ready()
         finally:
             self._crew = None
-            if self.history is not None:
-                await self.history.close()
-            if self.samples is not None:
-                await self.samples.close()
-            for forwarder in self.forwarders:
-                await forwarder.close()
+            for kept in (self.history, self.samples, *self.forwarders):
+                if kept is not None:
+                    await kept.close()
             await self.journal.close()
 
     async def reload(self, settings: Settings, connectors: Sequence[Connector] | None = None) -> None:
