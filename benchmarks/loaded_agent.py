@@ -20,7 +20,8 @@ import numpy as np
 
 from agent.analysis.routine import Routine
 from agent.analysis.seen import Seen
-from agent.runtime.loop.pipeline import Judged, LoopPipeline
+from agent.runtime.loop.judged import Judged
+from agent.runtime.loop.pipeline import LoopPipeline
 from agent.runtime.loop.turns import Turns
 from agent.settings import LoopSettings
 from agent.settings.models import WindowSettings

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import json
-from contextlib import closing
+from contextlib import closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,9 +13,11 @@ import typer
 from agent.cli.common.state_file import ConfigPath, StatePath, opened, state_file
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
-    from agent.runtime.store.history_file import Entry
+    from agent.runtime.store.history_file import Entry, HistoryFile
+    from agent.runtime.store.postgres_history import PostgresHistory
     from agent.settings import HistoryDatabase
 
 LAST = 50
@@ -43,6 +44,15 @@ def history(
     plot: Annotated[
         Path | None, typer.Option(metavar="DIR", help="With --trend: draw LOOP-trend.png into DIR.")
     ] = None,
+    windows: Annotated[
+        bool, typer.Option("--windows", help="The windows whose values are kept instead, with their ids.")
+    ] = False,
+    window: Annotated[
+        str | None, typer.Option(metavar="ID", help="Write the values of this window; with --csv.")
+    ] = None,
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="With --window: the recording to write.")
+    ] = None,
 ) -> None:
     """Show verdicts and changes of alarms, the oldest first. It may run beside the agent.
 
@@ -50,17 +60,21 @@ def history(
     """
     if not trend and (limit is not None or plot is not None):
         raise typer.BadParameter("only with --trend", param_hint="'--limit', '--plot'")
-    from agent.runtime.store.history_file import HistoryFile, history_path
-
+    if (window is None) != (csv is None):
+        raise typer.BadParameter("each only with the other", param_hint="'--window', '--csv'")
     start = None if since is None else _time(since)
-    most = None if trend else last
-    database = None if config is None or state is not None else _database(config)
-    if database is not None:
-        entries = _in_database(database, loop, start, most)
-    else:
-        path = history_path(state_file(state, config))
-        with opened(path, functools.partial(HistoryFile, create=False), "with its first verdict") as file:
-            entries = file.read(loop, start, most)
+    with _store(state, config) as store:
+        if window is not None and csv is not None:
+            from agent.cli.recalling.windows import write_window
+
+            write_window(store, window, csv)
+            return
+        if windows:
+            from agent.cli.recalling.windows import show_windows
+
+            show_windows(store.windows(loop, start, last), as_json=as_json)
+            return
+        entries = store.read(loop, start, None if trend else last)
     if trend:
         from agent.cli.trending.trends import show_trends
 
@@ -81,16 +95,24 @@ def _database(config: Path) -> HistoryDatabase | None:
     return None if kept is None else kept.database
 
 
-def _in_database(
-    settings: HistoryDatabase, loop: str | None, since: float | None, last: int | None
-) -> tuple[Entry, ...]:
+@contextmanager
+def _store(state: Path | None, config: Path | None) -> Iterator[HistoryFile | PostgresHistory]:
+    """Open the database or the agent's file; raises ConfigError where that cannot be done."""
     from agent.runtime.store.database import StoreError
-    from agent.runtime.store.postgres_history import PostgresHistory
+    from agent.runtime.store.history_file import HistoryFile, history_path
     from connectors.base import ConfigError
 
+    database = None if config is None or state is not None else _database(config)
+    if database is None:
+        path = history_path(state_file(state, config))
+        with opened(path, lambda file: HistoryFile(file, create=False), "with its first verdict") as kept:
+            yield kept
+        return
+    from agent.runtime.store.postgres_history import PostgresHistory
+
     try:
-        with closing(PostgresHistory(settings, create=False)) as database:
-            return database.read(loop, since, last)
+        with closing(PostgresHistory(database, create=False)) as connected:
+            yield connected
     except StoreError as error:
         raise ConfigError([f"{error} (the newest are in the agent's file: --state)"]) from error
 

@@ -16,10 +16,12 @@ from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.routine import Diagnose
 from agent.counted import counted
 from agent.runtime.crew import Crew
+from agent.runtime.keepers import keepers_of
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.link.withdrawal import leaving, withdraw
-from agent.runtime.loop.pipeline import Judged, LoopPipeline, Observer
+from agent.runtime.loop.judged import Judged, Observer
+from agent.runtime.loop.pipeline import LoopPipeline
 from agent.runtime.loop.workers import Executor
 from agent.runtime.operate.breath import breathing
 from agent.runtime.operate.operators import Operators
@@ -27,9 +29,6 @@ from agent.runtime.operate.orders import Orders
 from agent.runtime.operate.plan import AT_START, difference
 from agent.runtime.operate.status import AgentStatus, LoopStatus, connection_status, loop_status
 from agent.runtime.plant_wide import PlantWide
-from agent.runtime.store.forwarder import Forwarder
-from agent.runtime.store.history import History
-from agent.runtime.store.history_file import history_path
 from agent.runtime.store.journal import Journal
 from agent.runtime.supervisor import Health
 from agent.runtime.wiring import Wiring
@@ -79,18 +78,13 @@ class Agent:
         self._crew: Crew | None = None
         self._reloading = asyncio.Lock()
         self.journal = Journal(settings.agent.state, clock)
-        self._wiring = Wiring(self.journal, executor, diagnose, self._observers, clock)
+        kept = keepers_of(settings, clock)
+        self.history, self.samples, self.forwarders = kept.history, kept.samples, kept.forwarders
+        if kept.history is not None:
+            self._observers.append(kept.history)
+        self._beside += kept.tasks()
+        self._wiring = Wiring(self.journal, executor, diagnose, self._observers, clock, self.samples)
         self._pipelines = self._wiring.pipelines
-        self.history: History | None = None
-        self.forwarder: Forwarder | None = None
-        if settings.agent.state is not None and settings.agent.history is not None:
-            self.history = History(history_path(settings.agent.state), settings.agent.history, clock)
-            self._observers.append(self.history)
-            self.accompany(Health("history"), self.history.run)
-            if settings.agent.history.database is not None:
-                path = history_path(settings.agent.state)
-                self.forwarder = Forwarder(path, settings.agent.history.database)
-                self.accompany(Health("history database"), self.forwarder.run)
         operators = Operators(self._pipelines, self.journal, clock)
         self.accompany(operators.health, operators.run)
         self.plant_wide = PlantWide(self._pipelines, executor, clock)
@@ -152,10 +146,9 @@ class Agent:
                     ready()
         finally:
             self._crew = None
-            if self.history is not None:
-                await self.history.close()
-            if self.forwarder is not None:
-                await self.forwarder.close()
+            for kept in (self.history, self.samples, *self.forwarders):
+                if kept is not None:
+                    await kept.close()
             await self.journal.close()
 
     async def reload(self, settings: Settings, connectors: Sequence[Connector] | None = None) -> None:
@@ -248,7 +241,8 @@ class Agent:
             faults=sum(health.faults for health, _ in self._beside),
             store_problem=self.journal.problem,
             store_failures=self.journal.failures,
-            history_dropped=sum(each.dropped for each in (self.history, self.forwarder) if each is not None),
+            history_dropped=(0 if self.history is None else self.history.dropped)
+            + sum(each.dropped for each in self.forwarders),
             orders_taken=self.orders.taken,
             orders_refused=self.orders.refused,
             queued=self._executor.queued,

@@ -12,11 +12,13 @@ from agent.analysis.memory.valve_memory import ValveMemory
 from agent.analysis.routine import Diagnose
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
-from agent.runtime.loop.pipeline import LoopPipeline, Observer
+from agent.runtime.loop.judged import Observer
+from agent.runtime.loop.pipeline import LoopPipeline
 from agent.runtime.loop.source_clock import SourceClock
 from agent.runtime.loop.workers import Executor
 from agent.runtime.operate.orders import Orders
 from agent.runtime.operate.plan import connection_plans
+from agent.runtime.samples.recorder import SampleRecorder
 from agent.runtime.store.change import Change
 from agent.runtime.store.journal import Journal
 from agent.runtime.supervisor import Health
@@ -36,6 +38,7 @@ class Wiring:
         diagnose: Diagnose,
         observers: Sequence[Observer],
         clock: Callable[[], float],
+        recorder: SampleRecorder | None = None,
     ) -> None:
         """Make an empty one.
 
@@ -45,6 +48,7 @@ class Wiring:
             diagnose: Diagnoses a window.
             observers: Receive each verdict and each change of an alarm.
             clock: Returns the time, s UTC.
+            recorder: Keeps raw samples; None: nobody does.
         """
         self.pipelines: dict[str, LoopPipeline] = {}
         self.connections: dict[str, Connection] = {}
@@ -57,6 +61,7 @@ class Wiring:
         self._diagnose = diagnose
         self._observers = observers
         self._clock = clock
+        self._recorder = recorder
         self._kept: dict[str, Alarm] = {}
         self._remembered: dict[str, ValveMemory] = {}
 
@@ -135,6 +140,7 @@ class Wiring:
             self._journal,
             None if agent.clock_error is None else SourceClock(loop.name, agent.clock_error, self._clock),
             agent.base_rate,
+            self._recorder,
         )
 
     def _connection(self, connector: Connector, data_age: float) -> Connection:

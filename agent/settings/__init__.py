@@ -9,7 +9,7 @@ from agent.settings.models import (
     Settings,
     WindowSettings,
 )
-from agent.settings.service import HistoryDatabase, HistorySettings, HttpSettings
+from agent.settings.service import HistoryDatabase, HistorySettings, HttpSettings, SampleSettings
 
 __all__ = [
     "AgentSettings",
@@ -19,6 +19,7 @@ __all__ = [
     "HistorySettings",
     "HttpSettings",
     "LoopSettings",
+    "SampleSettings",
     "Settings",
     "WindowSettings",
     "connectors_of",

@@ -37,6 +37,13 @@ class HttpSettings(Options):
             return self.host == "localhost"
 
 
+class SampleSettings(Options):
+    """Raw samples, as they came: a row a loop and minute, in the database for ever."""
+
+    max_mb: Annotated[float, Field(ge=1, allow_inf_nan=False)] = 1000.0
+    """Size of the file in which they wait, MB; beyond it the oldest are dropped, and the gap is marked."""
+
+
 class HistoryDatabase(Options):
     """PostgreSQL or TimescaleDB: gets every entry of the history, and keeps it for ever."""
 
@@ -50,6 +57,8 @@ class HistoryDatabase(Options):
     """With user and database, without a password."""
     password: Secret | None = None
     """None: none is needed, or libpq finds it (PGPASSWORD, PGPASSFILE)."""
+    samples: SampleSettings | None = None
+    """Whether raw samples are kept as well; None: they are not."""
     tls: bool = True
     """Whether the server must speak TLS; False: it need not, on this machine or a network of its own."""
 
@@ -68,5 +77,7 @@ class HistorySettings(Options):
     days: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 90.0
     max_mb: Annotated[float, Field(ge=1, allow_inf_nan=False)] = 500.0
     """Size of the file, MB."""
+    windows: bool = True
+    """Whether the values of a window are kept where the valve sticks or is suspected, or has an alarm."""
     database: HistoryDatabase | None = None
     """Where entries are kept beyond this file, which then is the store for outages. None: nowhere."""

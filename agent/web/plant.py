@@ -14,7 +14,7 @@ from agent.alarms import Alarm, Announcement
 from agent.report.diagnosis_json import diagnosis_json
 from agent.report.ranking import GROUPS, group_of
 from agent.runtime.agent import Agent
-from agent.runtime.loop.pipeline import Judged
+from agent.runtime.loop.judged import Judged
 from agent.runtime.operate.breath import breathing
 from agent.runtime.operate.status import AgentStatus
 from agent.runtime.store.database import StoreError

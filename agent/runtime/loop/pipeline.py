@@ -6,9 +6,9 @@ import asyncio
 import logging
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import NoReturn, Protocol
+from typing import TYPE_CHECKING, NoReturn
 
 from agent.alarms import Alarm, Announcement, Command, Delay
 from agent.analysis.diagnose import diagnose
@@ -29,6 +29,7 @@ from agent.analysis.routine import (
 from agent.analysis.seen import Seen
 from agent.analysis.stiction.online import OnlineShapes
 from agent.runtime.link.outbox import Outbox
+from agent.runtime.loop.judged import Judged, Observer
 from agent.runtime.loop.pace import Pace
 from agent.runtime.loop.source_clock import SourceClock
 from agent.runtime.loop.turns import LONGEST_PATIENCE
@@ -40,34 +41,12 @@ from agent.runtime.store.journal import Journal
 from agent.settings import AlarmSettings, LoopSettings
 from connectors.base import Publication, Sample
 
+if TYPE_CHECKING:
+    from agent.runtime.samples.recorder import SampleRecorder
+
 LOG = logging.getLogger(__name__)
 USUAL = 0.9
 """Time that a fit should take where none was made yet, s: their median on two cores."""
-
-
-@dataclass(frozen=True, slots=True)
-class Judged:
-    """A window that was judged."""
-
-    diagnosis: Diagnosis
-    end: float
-    """Of the window, s UTC."""
-    took: float
-    """Time from the window's end to its verdict, waiting for a worker included, s."""
-    fitted: bool
-    """Whether it got a full diagnosis, with a fit; else it was quiet."""
-
-
-class Observer(Protocol):
-    """Wants to know what becomes of loops; called in the event loop, so it must be quick."""
-
-    def judged(self, judged: Judged) -> None:
-        """Take the verdict on a window."""
-        ...
-
-    def announced(self, announcement: Announcement) -> None:
-        """Take a change of an alarm's state, as the buses get it."""
-        ...
 
 
 class LoopPipeline:
@@ -86,6 +65,7 @@ class LoopPipeline:
         journal: Journal | None = None,
         clock: SourceClock | None = None,
         base_rate: float = BASE_RATE,
+        recorder: SampleRecorder | None = None,
     ) -> None:
         self.settings = settings
         self.clock = clock
@@ -111,6 +91,7 @@ class LoopPipeline:
         self._diagnose = diagnose
         self._journal = journal or Journal()
         self._base_rate = base_rate
+        self._recorder = recorder
         self.heard: float | None = None
         """Monotonic time at which anything arrived, also what was known already, s."""
         self.began: float | None = None
@@ -134,7 +115,11 @@ class LoopPipeline:
         self.heard = arrival
         self.usable.see(sample, arrival)
         counts = sample if self.clock is None else self.clock.checked(sample, arrival)
-        window = None if counts is None else self.window.push(counts, arrival)
+        if counts is None:
+            return
+        if self._recorder is not None:
+            self._recorder.put(counts, arrival)
+        window = self.window.push(counts, arrival)
         if window is None:
             return
         self._say_clocks_differ(window.clocks_apart, arrival)
@@ -247,10 +232,13 @@ class LoopPipeline:
         self.judged_at = asyncio.get_running_loop().time()
         if diagnosis.oscillation is not None:
             self.window.period = diagnosis.oscillation.period if diagnosis.oscillation.detected else None
+        alarmed = self.alarm.state.active
         self._follow(*self.alarm.on_diagnosis(diagnosis, end))
+        alarmed = alarmed or self.alarm.state.active
         await self._journal.flush()
+        took = self.judged_at - due_since
         for observer in self._observers:
-            observer.judged(Judged(diagnosis, end, self.judged_at - due_since, found.fitted))
+            observer.judged(Judged(diagnosis, end, took, found.fitted, window, alarmed))
 
     def _fit(self, seen: Seen | None) -> Callable[[], Routine]:
         """Return the fit of the window that was seen, or of a newer one that came due before its turn."""

@@ -16,7 +16,7 @@ from prometheus_client.utils import floatToGoString
 
 from agent.alarms import Announcement, State
 from agent.analysis.indices import INDICES, PerformanceIndex
-from agent.runtime.loop.pipeline import Judged
+from agent.runtime.loop.judged import Judged
 from agent.runtime.operate.breath import breathing
 from agent.runtime.operate.status import AgentStatus, ConnectionStatus, LoopStatus
 

@@ -13,9 +13,10 @@ from typing import NoReturn
 
 from agent.alarms import Announcement
 from agent.report.diagnosis_json import diagnosis_json
-from agent.runtime.loop.pipeline import Judged
+from agent.runtime.loop.judged import Judged
 from agent.runtime.store.database import StoreError
 from agent.runtime.store.history_file import Entry, HistoryFile
+from agent.runtime.store.kept_window import KeptWindow, is_of_interest
 from agent.settings import HistorySettings
 from connectors.cancellation import obey_cancellation
 
@@ -26,6 +27,8 @@ AGAIN = 30.0
 """Time from one attempt to the next after a failed write, s."""
 LIMIT = 5000
 """Entries that may wait in memory; beyond it the oldest are discarded."""
+LIMIT_WINDOWS = 200
+"""Windows whose values may wait in memory, some 10 MB; beyond it only their verdicts do."""
 DAY = 86400.0
 """s"""
 MB = 1e6
@@ -61,7 +64,12 @@ class History:
         del content["recording"]
         if self._settings.database is None:  # large, and only a database keeps the evidence
             del content["methods"]
-        self._put(Entry(judged.end, judged.diagnosis.loop, "diagnosis", content))
+        window = None
+        if self._settings.windows and is_of_interest(judged.diagnosis, alarmed=judged.alarmed):
+            window = KeptWindow.of(judged.window)
+            if sum(bool(each.window) for each in self._waiting) >= LIMIT_WINDOWS:
+                window = window.without_values()
+        self._put(Entry(judged.end, judged.diagnosis.loop, "diagnosis", content, window))
 
     def announced(self, announcement: Announcement) -> None:
         """Remember a change of an alarm."""

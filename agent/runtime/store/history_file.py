@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 from uuid import uuid4
 
 from agent.runtime.store.database import Database, Format
+from agent.runtime.store.kept_window import KeptWindow, ListedWindow
 
 TABLES = """
 CREATE TABLE entry (
@@ -29,10 +30,24 @@ CREATE INDEX entry_written ON entry (written);
 """
 """``written``: when, by this machine's clock, s UTC; retention goes by it, as a source may have any.
 ``content`` is JSON."""
-FORMAT = Format(application=0x736C6A68, version=1, tables=TABLES, synchronous="NORMAL")
+WINDOWS = """
+CREATE TABLE IF NOT EXISTS window (
+    number INTEGER PRIMARY KEY,
+    start REAL NOT NULL,
+    ts REAL NOT NULL,
+    samples INTEGER NOT NULL,
+    content BLOB NOT NULL
+);
+CREATE TRIGGER IF NOT EXISTS window_of_entry AFTER DELETE ON entry
+BEGIN DELETE FROM window WHERE number = old.number; END;
+"""
+"""Of a window, by the number of its verdict; no samples where they were dropped for want of room."""
+FORMAT = Format(application=0x736C6A68, version=1, tables=TABLES, added=WINDOWS, synchronous="NORMAL")
 """The application is "sljh"."""
 AT_ONCE = 0.05
-"""Part of the entries that goes where the file is too large."""
+"""Part of the windows, or of the entries, that goes where the file is too large."""
+MOST_BYTES = 8_000_000
+"""Of windows that are read together to be sent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +61,8 @@ class Entry:
     content: dict[str, Any]
     """As JSON: of `slipjump diagnose` without its methods, the published fields of the alarm, or the decision
     of a person on the page, with the comment."""
+    window: KeptWindow | None = field(default=None, compare=False)
+    """Of a diagnosis of interest, its values; None also where entries are read to be shown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,13 +98,24 @@ class HistoryFile:
             (now, each.time, each.loop, each.kind, json.dumps(each.content, separators=(",", ":")))
             for each in entries
         ]
+        windows = [None if each.window is None else (each.window, each.window.packed()) for each in entries]
         with self._database.transaction("IMMEDIATE") as database:
-            database.executemany(
-                "INSERT INTO entry (written, time, loop, kind, content) VALUES (?, ?, ?, ?, ?)", rows
-            )
+            for row, kept in zip(rows, windows, strict=True):
+                number = database.execute(
+                    "INSERT INTO entry (written, time, loop, kind, content) VALUES (?, ?, ?, ?, ?)", row
+                ).lastrowid
+                if kept is not None:
+                    window, content = kept
+                    database.execute(
+                        "INSERT INTO window VALUES (?, ?, ?, ?, ?)",
+                        (number, window.start, window.ts, len(window), content),
+                    )
 
     def forget(self, before: float, max_bytes: float) -> None:
-        """Drop what was written before a time (s UTC), and the oldest while the file is too large."""
+        """Drop what was written before a time (s UTC), and the oldest while the file is too large.
+
+        Values of windows go before any verdict does: they are a hundred times as large.
+        """
         with self._database.transaction("IMMEDIATE") as database:
             # the newest stays: numbers would begin anew in an empty table
             database.execute(
@@ -95,6 +123,14 @@ class HistoryFile:
             )
         while self._used() > max_bytes:
             with self._database.transaction("IMMEDIATE") as database:
+                windows = database.execute("SELECT count(*) FROM window WHERE samples > 0").fetchone()[0]
+                if windows:
+                    database.execute(
+                        "UPDATE window SET samples = 0, content = x'' WHERE number IN "
+                        "(SELECT number FROM window WHERE samples > 0 ORDER BY number LIMIT ?)",
+                        (max(1, int(AT_ONCE * windows)),),
+                    )
+                    continue
                 count = database.execute("SELECT count(*) FROM entry").fetchone()[0]
                 if count <= 1:
                     break
@@ -128,17 +164,57 @@ class HistoryFile:
         return str(held[0])
 
     def after(self, number: int, limit: int) -> tuple[NumberedEntry, ...]:
-        """Return the next entries behind a number, in the order in which they were written."""
+        """Return the next entries behind a number, with their windows, in the order of their writing.
+
+        They are fewer than ``limit`` also where their windows are large.
+        """
+        found: list[NumberedEntry] = []
+        size = 0
+        with self._database.transaction("DEFERRED") as database:
+            for row in database.execute(
+                "SELECT number, written, time, loop, kind, entry.content, start, ts, window.content "
+                "FROM entry LEFT JOIN window USING (number) WHERE number > ? ORDER BY number LIMIT ?",
+                (number, limit),
+            ):
+                place, written, time, name, kind, text, start, ts, content = row
+                window = None if content is None else KeptWindow.unpacked(start, ts, content)
+                found.append(NumberedEntry(place, written, Entry(time, name, kind, json.loads(text), window)))
+                size += len(content or b"")
+                if size > MOST_BYTES:
+                    break
+        return tuple(found)
+
+    def windows(
+        self, loop: str | None = None, since: float | None = None, limit: int | None = None
+    ) -> tuple[ListedWindow, ...]:
+        """Return the newest ``limit`` windows whose values are there, the oldest first."""
         with self._database.transaction("DEFERRED") as database:
             rows = database.execute(
-                "SELECT number, written, time, loop, kind, content FROM entry WHERE number > ? "
-                "ORDER BY number LIMIT ?",
-                (number, limit),
+                "SELECT loop, time, start, ts, samples FROM entry JOIN window USING (number) "
+                "WHERE samples > 0 AND (?1 IS NULL OR loop = ?1) AND (?2 IS NULL OR time >= ?2) "
+                "ORDER BY time DESC, number DESC LIMIT ?3",
+                (loop, since, -1 if limit is None else limit),
             ).fetchall()
-        return tuple(
-            NumberedEntry(number, written, Entry(time, name, kind, json.loads(text)))
-            for number, written, time, name, kind, text in rows
-        )
+        return tuple(ListedWindow(*row) for row in reversed(rows))
+
+    def window(self, loop: str, start: float, before: float) -> KeptWindow | None:
+        """Return the newest window of a loop that ended from ``start`` to before ``before``, s UTC."""
+        with self._database.transaction("DEFERRED") as database:
+            row = database.execute(
+                "SELECT start, ts, window.content FROM entry JOIN window USING (number) "
+                "WHERE samples > 0 AND loop = ? AND time >= ? AND time < ? "
+                "ORDER BY time DESC, number DESC LIMIT 1",
+                (loop, start, before),
+            ).fetchone()
+        return None if row is None else KeptWindow.unpacked(*row)
+
+    def lost(self, number: int, rows: Sequence[NumberedEntry]) -> int:
+        """Return how many entries and windows the file dropped before they were read behind a number."""
+        entries = rows[0].number - number - 1 if number else 0
+        return entries + sum(each.entry.window is not None and not len(each.entry.window) for each in rows)
+
+    def delivered(self, number: int) -> None:
+        """Do nothing: what was sent is still shown on the page."""
 
     def notes(self) -> tuple[Entry, ...]:
         """Return what people decided, the oldest first."""

@@ -5,18 +5,22 @@ import asyncio
 import ctypes
 import json
 import sqlite3
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from agent.alarms import Alarm, Delay
+from agent.analysis.record.recording import LoopWindow
 from agent.cli import app, main
 from agent.runtime.agent import Agent
-from agent.runtime.loop.pipeline import Judged
+from agent.runtime.loop.judged import Judged
 from agent.runtime.loop.workers import InlineExecutor
 from agent.runtime.store import history as module
 from agent.runtime.store.history import DAY, History
 from agent.runtime.store.history_file import Entry, HistoryFile, history_path
+from agent.runtime.store.kept_window import KeptWindow, window_id
 from agent.settings import AgentSettings, ConnectionSettings, HistorySettings, Settings
 from connectors.options import Options
 from tests.unit.alarms.test_alarm import diagnosis
@@ -32,6 +36,13 @@ def path(tmp_path):
 
 def entry(number, loop="FIC101", time=None, size=10):
     return Entry(float(number if time is None else time), loop, "diagnosis", {"n": number, "x": "y" * size})
+
+
+def window_of(n, loop="FIC101", start=0.0):
+    """A window of n samples with a gap in PV."""
+    pv = 50.0 + np.cos(np.arange(n) / 8)
+    pv[1:2] = np.nan
+    return LoopWindow(loop, start, 0.5, op=40.0 - np.sin(np.arange(n) / 8), pv=pv, automatic=np.full(n, True))
 
 
 def opened(path, work):
@@ -123,7 +134,7 @@ async def test_what_the_disk_does_not_take_waits_bounded_and_is_reported_once(tm
     history = History(folder / "h.sqlite", HistorySettings(), clock=lambda: 10 * DAY)
     writer = asyncio.create_task(history.run())
     for k in range(8):
-        history.judged(Judged(diagnosis("stiction"), float(k), 1.0, fitted=True))
+        history.judged(Judged(diagnosis("stiction"), float(k), 1.0, fitted=True, window=window_of(4)))
         await asyncio.sleep(0.02)
     assert history.dropped == 3
     folder.mkdir()
@@ -169,3 +180,112 @@ def test_the_file_of_another_program_is_left_alone(path):
     other.close()
     with pytest.raises(Exception, match="belongs to another program"):
         HistoryFile(path)
+
+
+def with_window(number, n=400):
+    return replace(entry(number), window=KeptWindow.of(window_of(n, start=float(number))))
+
+
+def test_values_of_windows_go_before_any_verdict_where_the_file_is_full(path):
+    def work(file):
+        for k in range(40):
+            file.write([with_window(k, 2000)], 0.0)
+        file.forget(-1.0, 150_000)
+        return file.read(), file.windows(), file.after(0, 100), file.lost(0, file.after(0, 100))
+
+    entries, windows, sent, lost = opened(path, work)
+    assert len(entries) == len(sent) == 40
+    assert 0 < len(windows) < 40
+    assert [each.end for each in windows] == [float(k) for k in range(40 - len(windows), 40)]
+    assert [len(each.entry.window) for each in sent] == [0] * lost + [2000] * len(windows)
+
+
+def test_a_window_goes_with_its_verdict(path):
+    def work(file):
+        file.write([with_window(0)], 0.0)
+        file.write([with_window(1)], 100.0)
+        file.forget(50.0, 1e9)
+        with file._database.reading() as database:
+            return database.execute("SELECT number FROM window").fetchall()
+
+    assert opened(path, work) == [(2,)]
+
+
+def test_what_is_read_together_is_bounded_by_its_windows(path, monkeypatch):
+    monkeypatch.setattr("agent.runtime.store.history_file.MOST_BYTES", 1000)
+    opened(path, lambda file: file.write([with_window(k, 2000) for k in range(5)], 0.0))
+    assert [len(opened(path, lambda file, k=k: file.after(k, 10))) for k in range(6)] == [1, 1, 1, 1, 1, 0]
+
+
+@pytest.mark.parametrize(
+    ("verdict", "alarmed", "wanted", "kept"),
+    [
+        ("stiction", False, True, True),
+        ("stiction", True, False, False),
+        ("no_stiction", True, True, True),
+        ("no_stiction", False, True, False),
+        ("undecided", False, True, False),
+    ],
+)
+async def test_which_windows_are_kept(path, verdict, alarmed, wanted, kept):
+    history = History(path, HistorySettings(windows=wanted), clock=lambda: 0.0)
+    window = window_of(8)
+    history.judged(Judged(diagnosis(verdict), 9.5, 1.0, fitted=True, window=window, alarmed=alarmed))
+    await history.close()
+    assert len(opened(path, lambda file: file.windows())) == kept
+    if kept:
+        found = opened(path, lambda file: file.window("FIC101", 9.5, 9.6))
+        assert (found.start, found.ts, len(found)) == (0.0, 0.5, 8)
+        np.testing.assert_array_equal(found.columns["pv"], window.pv.astype(np.float32))
+        assert set(found.columns) == {"op", "pv", "automatic"}
+
+
+async def test_windows_that_wait_for_the_disk_are_bounded_and_their_verdicts_stay(path, monkeypatch):
+    monkeypatch.setattr(module, "LIMIT_WINDOWS", 2)
+    history = History(path, HistorySettings(), clock=lambda: 0.0)
+    for k in range(5):
+        history.judged(Judged(diagnosis("stiction"), float(k), 1.0, fitted=True, window=window_of(8)))
+    await history.close()
+    assert [len(each.entry.window) for each in opened(path, lambda file: file.after(0, 9))] == [8, 8, 0, 0, 0]
+
+
+def test_a_kept_window_becomes_a_recording_that_is_diagnosed(tmp_path, capsys):
+    state = tmp_path / "plant.sqlite"
+    window = KeptWindow.of(window_of(600, start=START))
+    kept = Entry(window.end, "FIC101", "diagnosis", {}, window)
+    opened(history_path(state), lambda file: file.write([kept], 0.0))
+    words = ["history", "--state", str(state)]
+    listed = CliRunner().invoke(app, [*words, "--windows", "--json"]).output
+    name = json.loads(listed)["window"]
+    assert name == window_id("FIC101", window.end)
+    assert name in CliRunner().invoke(app, [*words, "--windows"]).output
+    target = tmp_path / "FIC101.csv"
+    assert CliRunner().invoke(app, [*words, "--window", name, "--csv", str(target)]).exit_code == 0
+    lines = target.read_text().splitlines()
+    assert (lines[0], len(lines)) == ("time,OP,PV,mode", 601)
+    cells = [line.split(",")[1:] for line in lines[1:]]
+    assert [float(op) for op, _, _ in cells] == pytest.approx(window.columns["op"], rel=1e-8)
+    assert [pv for _, pv, _ in cells[:2]] == ["51", ""]
+    assert {mode for _, _, mode in cells} == {"AUTO"}
+    with pytest.raises(SystemExit) as left:
+        main(["diagnose", "--json", str(target)])
+    said = json.loads(capsys.readouterr().out)
+    assert (left.value.code, said["loop"]) == (0, "FIC101")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--window", "FIC101@2026-11-22T06:00:00Z", "--csv", "{}"], "no window FIC101@"),
+        (["--window", "FIC101", "--csv", "{}"], "is not the id of a window"),
+        (["--window", "FIC101@2026-11-22T06:00:00Z"], "each only with the other"),
+    ],
+)
+def test_a_window_that_is_not_there_is_named(tmp_path, capsys, words, said):
+    state = tmp_path / "plant.sqlite"
+    opened(history_path(state), lambda file: file.write([entry(0)], 0.0))
+    target = str(tmp_path / "x.csv")
+    with pytest.raises(SystemExit) as left:
+        main(["history", "--state", str(state), *(target if word == "{}" else word for word in words)])
+    assert left.value.code == 2
+    assert said in " ".join(capsys.readouterr().err.split())

@@ -4,7 +4,9 @@ import asyncio
 import contextlib
 import json
 import math
+from dataclasses import replace
 
+import numpy as np
 import psycopg
 import pytest
 import yaml
@@ -14,10 +16,10 @@ from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.runtime.store import forwarder as module
 from agent.runtime.store.database import StoreError
-from agent.runtime.store.forwarder import Forwarder
 from agent.runtime.store.history import History
 from agent.runtime.store.history_file import Entry, HistoryFile
-from agent.runtime.store.postgres_history import PostgresHistory
+from agent.runtime.store.kept_window import KeptWindow
+from agent.runtime.store.postgres_history import PostgresHistory, history_forwarder
 from agent.settings import AgentSettings, ConnectionSettings, HistoryDatabase, HistorySettings, Settings
 from agent.settings.load import settings_of
 from connectors.base import ConfigError
@@ -33,12 +35,20 @@ DEADLINE = 60.0
 def database(postgres):
     """Settings of an empty database."""
     with psycopg.connect(postgres.url, autocommit=True) as connection:
-        connection.execute("DROP TABLE IF EXISTS slipjump_entry, slipjump_origin")
+        connection.execute("DROP TABLE IF EXISTS slipjump_entry, slipjump_window, slipjump_origin")
     return HistoryDatabase(url=postgres.url, tls=False)
 
 
 def entry(number, time=None):
     return Entry(float(number if time is None else time), "FIC101", "note", {"n": number, "comment": "ü"})
+
+
+def window_of(number, n=600):
+    """A window with a gap, of which each value belongs to its number."""
+    pv = np.arange(n) / 8 + number
+    pv[1] = np.nan
+    grid = np.arange(n, dtype=np.float32)
+    return KeptWindow(number + 0.25, 0.5, {"op": grid, "pv": pv.astype(np.float32), "sp": grid + 1})
 
 
 def write(path, entries, now=0.0):
@@ -60,7 +70,7 @@ def numbers(postgres):
 
 def sent(path, database):
     """Send all that waits, by a forwarder that knows nothing yet."""
-    forwarder = Forwarder(path, database)
+    forwarder = history_forwarder(path, database)
     try:
         while forwarder.send():
             pass
@@ -139,7 +149,7 @@ def test_no_content_holds_up_what_comes_after_it(tmp_path, postgres, database):
 def test_what_a_full_file_dropped_meanwhile_is_counted(tmp_path, postgres, database, caplog):
     path = tmp_path / "a.sqlite"
     write(path, [entry(k) for k in range(4)])
-    forwarder = Forwarder(path, database)
+    forwarder = history_forwarder(path, database)
     forwarder.send()
     for k in range(4, 8):
         write(path, [entry(k)], now=float(k))
@@ -154,15 +164,34 @@ def test_what_a_full_file_dropped_meanwhile_is_counted(tmp_path, postgres, datab
     forwarder._let_go()
 
 
+def test_windows_come_with_their_verdicts_and_are_read_back_as_they_were(tmp_path, postgres, database):
+    path = tmp_path / "a.sqlite"
+    lost = replace(entry(2), window=window_of(2).without_values())
+    write(path, [entry(0), replace(entry(1), window=window_of(1)), lost])
+    forwarder = sent(path, database)
+    assert forwarder.dropped == 1, "a window whose values the full file dropped is counted"
+    assert numbers(postgres) == [0, 1, 2]
+    with contextlib.closing(PostgresHistory(database, create=False)) as history:
+        listed = history.windows()
+        found = history.window("FIC101", 1.0, 1.5)
+        assert history.window("FIC101", 2.0, 2.5) is None
+        assert history.windows("FIC102") == history.windows(None, 1.5) == ()
+    assert [(each.loop, each.end, each.start, each.ts, each.samples) for each in listed] == [
+        ("FIC101", 1.0, 1.25, 0.5, 600)
+    ]
+    assert (found.start, found.ts, list(found.columns)) == (1.25, 0.5, ["op", "pv", "sp"])
+    for name, column in window_of(1).columns.items():
+        np.testing.assert_array_equal(found.columns[name], column)
+
+
 async def test_a_database_that_is_killed_under_load_loses_and_doubles_nothing(
     tmp_path, postgres, database, monkeypatch, caplog
 ):
-    monkeypatch.setattr(module, "AGAIN", 0.05)
-    monkeypatch.setattr(module, "PAUSE", 0.01)
-    monkeypatch.setattr(module, "BATCH", 20)
+    for name, value in (("AGAIN", 0.05), ("PAUSE", 0.01), ("BATCH", 20)):
+        monkeypatch.setattr(module, name, value)
     monkeypatch.setattr("agent.runtime.store.history.GATHER", 0.01)
     path = tmp_path / "a.sqlite"
-    history, forwarder = History(path, HistorySettings(database=database)), Forwarder(path, database)
+    history, forwarder = History(path, HistorySettings(database=database)), history_forwarder(path, database)
     tasks = [asyncio.create_task(history.run()), asyncio.create_task(forwarder.run())]
     count = 0
 
@@ -172,7 +201,7 @@ async def test_a_database_that_is_killed_under_load_loses_and_doubles_nothing(
         while not condition():
             assert asyncio.get_running_loop().time() < end
             for _ in range(5):
-                history.noted(entry(count))
+                history.noted(replace(entry(count), window=window_of(count) if count % 3 == 0 else None))
                 count += 1
             await asyncio.sleep(0.005)
 
@@ -194,6 +223,9 @@ async def test_a_database_that_is_killed_under_load_loses_and_doubles_nothing(
     await history.close()
     await forwarder.close()
     assert numbers(postgres) == list(range(count))
+    with psycopg.connect(postgres.url) as connection:
+        text = "SELECT pv[1], array_length(pv, 1), mv FROM slipjump_window ORDER BY number"
+        assert connection.execute(text).fetchall() == [(k, 600, None) for k in range(0, count, 3)]
     assert history.dropped == forwarder.dropped == 0
     outages = [each for each in caplog.messages if "entries wait in the file" in each]
     assert 2 <= len(outages) <= 4, "one line an outage, however long it lasts"
@@ -212,7 +244,7 @@ async def test_an_agent_sends_what_it_finds_with_the_methods(tmp_path, postgres,
     agent = Agent(settings, InlineExecutor(), lambda _: None, connectors=[bus], diagnose=judged())
     task = asyncio.create_task(agent.run())
     async with asyncio.timeout(DEADLINE):
-        while agent.forwarder.sent < 3:  # noqa: ASYNC110 - the test has no event of the agent
+        while agent.forwarders[0].sent < 3:  # noqa: ASYNC110 - the test has no event of the agent
             await asyncio.sleep(0.01)
     task.cancel()
     await asyncio.wait({task})

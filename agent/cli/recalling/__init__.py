@@ -1,0 +1,1 @@
+"""RECALL: windows that an agent kept, listed, and written as recordings."""
