@@ -56,6 +56,8 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
         interval = f"({tried.low:.1f} to {tried.high:.1f})"
         percent = f"{tried.error_reduction_percent:>9.1f} %"
         yield f"  {tried.effect:28}{percent}  {interval}  {chance_words(tried)}"
+    if found.not_fitted:
+        yield f"not fitted, for nothing hints at them: {', '.join(found.not_fitted)}"
     yield from _ends(found)
 
 

@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from agent.workbench.decision import Decision, judge
+from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, MORE_DYNAMICS, LinearDynamics, beats
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.likeliest import likelier_otherwise
@@ -57,7 +58,7 @@ def judged(
     models: Mapping[str, Tried],
     record: Record,
     event_p: Mapping[str, float],
-    together: Callable[[Tried, Effect], Tried],
+    together: Callable[[Step | Tried, Effect], Tried],
     worse: Callable[[Fit, Fit], bool] = no_other_record,
 ) -> AllTried:
     """Judge effects by their held-out errors, and by what the innovations say of each.
@@ -72,7 +73,7 @@ def judged(
         record: What they were fitted to.
         event_p: Of those that happened once, and of measured inputs: how likely as much is explained where
             nothing happened.
-        together: Tries an effect on top of one of the models.
+        together: Tries an effect on top of one of the models, or of the smaller one.
         worse: Whether a larger model, the second, follows another recording less well than a smaller one.
     """
 
@@ -115,7 +116,29 @@ def judged(
     decision = _undoubted(judge_by, doubts)
     if smaller.predicts is not None and _is_weak(decision, found):
         decision = replace(decision, kind="suggested")
-    return AllTried(_lowered(decision, doubts, smaller, models, worse), models)
+    decision = _lowered(decision, doubts, smaller, models, worse)
+    if decision.kind in {"confirmed", "family"} and _has_unnamed_rival(decision, smaller, found):
+        rival = evidence_of(smaller, together(smaller, LinearDynamics()), record, len(models)).criterion
+        decision = _beside_unnamed(decision, found, rival)
+        named = models[str(decision.effect)]
+        if decision.kind != "suggested" and far_likelier(named, together(named, LinearDynamics()), record):
+            decision = replace(decision, lacks=(*decision.lacks, MORE_DYNAMICS))
+    return AllTried(decision, models)
+
+
+def _has_unnamed_rival(decision: Decision, smaller: Step, found: Mapping[str, Evidence]) -> bool:
+    """Return whether linear dynamics could stand behind an effect: it acts on OP, or happened once."""
+    evidence = found[str(decision.effect)]
+    return smaller.predicts is not None and (evidence.answers or evidence.once)
+
+
+def _beside_unnamed(decision: Decision, found: Mapping[str, Evidence], rival: float) -> Decision:
+    """Return a decision as it stands beside linear dynamics without a name, of criterion ``rival``."""
+    alike = (str(decision.effect), *decision.indistinguishable)
+    criterion = max(found[each].criterion for each in alike)
+    if decision.family in LINEAR or beats(criterion, rival):
+        return decision
+    return replace(decision, kind="suggested", lacks=(*decision.lacks, AS_LIKELY))
 
 
 def _is_weak(decision: Decision, found: Mapping[str, Evidence]) -> bool:
