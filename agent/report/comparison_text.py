@@ -56,12 +56,12 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
         interval = f"({tried.low:.1f} to {tried.high:.1f})"
         percent = f"{tried.error_reduction_percent:>9.1f} %"
         yield f"  {tried.effect:28}{percent}  {interval}  {chance_words(tried)}"
-    if found.not_fitted:
-        yield f"not fitted, for nothing hints at them: {', '.join(found.not_fitted)}"
     yield from _ends(found)
 
 
 def _ends(found: Comparison) -> Iterator[str]:
+    if found.not_fitted:
+        yield f"not fitted, for nothing hints at them: {', '.join(found.not_fitted)}"
     yield f"verdict: {verdict_words(found.verdict, found)}"
     if found.next_test is not None:
         yield f"next test: {found.next_test.words}"

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from agent.workbench.decision import Decision, judge
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, MORE_DYNAMICS, LinearDynamics, beats
+from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.likeliest import likelier_otherwise
@@ -117,28 +117,34 @@ def judged(
     if smaller.predicts is not None and _is_weak(decision, found):
         decision = replace(decision, kind="suggested")
     decision = _lowered(decision, doubts, smaller, models, worse)
-    if decision.kind in {"confirmed", "family"} and _has_unnamed_rival(decision, smaller, found):
-        rival = evidence_of(smaller, together(smaller, LinearDynamics()), record, len(models)).criterion
-        decision = _beside_unnamed(decision, found, rival)
-        named = models[str(decision.effect)]
-        if decision.kind != "suggested" and far_likelier(named, together(named, LinearDynamics()), record):
-            decision = replace(decision, lacks=(*decision.lacks, MORE_DYNAMICS))
-    return AllTried(decision, models)
+    return AllTried(_beside_unnamed(decision, smaller, models, found, together, record), models)
 
 
-def _has_unnamed_rival(decision: Decision, smaller: Step, found: Mapping[str, Evidence]) -> bool:
-    """Return whether linear dynamics could stand behind an effect: it acts on OP, or happened once."""
-    evidence = found[str(decision.effect)]
-    return smaller.predicts is not None and (evidence.answers or evidence.once)
+def _beside_unnamed(
+    decision: Decision,
+    smaller: Step,
+    models: Mapping[str, Tried],
+    found: Mapping[str, Evidence],
+    together: Callable[[Step | Tried, Effect], Tried],
+    record: Record,
+) -> Decision:
+    """Return a decision as it stands against linear dynamics without a name, instead of it and beside it.
 
-
-def _beside_unnamed(decision: Decision, found: Mapping[str, Evidence], rival: float) -> Decision:
-    """Return a decision as it stands beside linear dynamics without a name, of criterion ``rival``."""
-    alike = (str(decision.effect), *decision.indistinguishable)
-    criterion = max(found[each].criterion for each in alike)
-    if decision.family in LINEAR or beats(criterion, rival):
+    They could stand behind whatever acts on OP or happened once; a wave is no answer to OP.
+    """
+    if decision.kind not in {"confirmed", "family"} or smaller.predicts is None:
         return decision
-    return replace(decision, kind="suggested", lacks=(*decision.lacks, AS_LIKELY))
+    effect = str(decision.effect)
+    if not (found[effect].answers or found[effect].once):
+        return decision
+    if decision.family not in LINEAR:
+        rival = evidence_of(smaller, together(smaller, LinearDynamics()), record, len(models)).criterion
+        alike = (effect, *decision.indistinguishable)
+        if not beats(max(found[each].criterion for each in alike), rival):
+            return replace(decision, kind="suggested", lacks=(*decision.lacks, AS_LIKELY))
+    if far_likelier(models[effect], together(models[effect], LinearDynamics()), record):
+        return replace(decision, lacks=(*decision.lacks, MORE_DYNAMICS))
+    return decision
 
 
 def _is_weak(decision: Decision, found: Mapping[str, Evidence]) -> bool:

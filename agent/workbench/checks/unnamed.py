@@ -2,8 +2,8 @@
 
 A true cause need not be in the library. What is there then often goes along with it: a rate limit with a
 missing lag, a load step with a first move the wrong way. So an effect must also beat a rival without a name:
-two lags and a zero, each number paid by Schwarz's criterion. Effects that are linear dynamics are parts of the
-rival and have none in it. Where it is still needed beside an effect, that is not all that is missing.
+two lags and a zero, each number paid by Schwarz's criterion. Effects that are linear dynamics are parts of
+the rival and have none in it. Where it is still needed beside an effect, that is not all that is missing.
 """
 
 from __future__ import annotations
