@@ -193,8 +193,9 @@ class _Several:
 
     def _validated(self, verdict: Verdict, smaller: JointStep, tried: Mapping[str, _Tried]) -> Verdict:
         """Return a verdict, lowered to a suggestion where validation is worse with its effect."""
-        before = smaller.rmse_validation
-        after = tried[verdict.effect].step.rmse_validation if verdict.effect in tried else None
+        if verdict.effect is None:
+            return verdict
+        before, after = smaller.rmse_validation, tried[verdict.effect].step.rmse_validation
         if before is None or after is None or after <= before:
             return verdict
         return replace(verdict, kind="suggested", lacks=(WORSE_ELSEWHERE,))
