@@ -19,7 +19,7 @@ from agent.cli.common.errors import BAD_INPUT, complain
 from agent.cli.comparing import several
 from agent.cli.comparing.hooks import pool_of_cores, progress_on_terminal
 from agent.cli.comparing.names import check_names, named_columns, usable
-from agent.cli.comparing.outputs import mapping_of, save_model, write_report
+from agent.cli.comparing.outputs import mapping_of, save_model, write_report, write_together
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
@@ -133,12 +133,10 @@ def compare(
     if len(recordings) > 1:
         several.refuse_options(
             {
-                "--validate": validate,
                 "--load": load,
                 "--add": add,
                 "--drop": drop,
                 "--input": measured,
-                "--report": report,
                 "--save": save,
                 "--page": page,
                 "--guided": guided,
@@ -146,7 +144,8 @@ def compare(
         )
         windows = [_window(each, options, loop) for each in recordings]
         named = dict(zip(several.names_of(recordings), windows, strict=True))
-        _several(named, base, without or (), effects, own or (), auto=auto, as_json=as_json)
+        other = None if validate is None else _window(validate, options, loop)
+        _several(named, base, without or (), effects, own or (), other, report, auto=auto, as_json=as_json)
         return
     if own:
         raise typer.BadParameter("one recording has nothing of its own", param_hint="--own")
@@ -203,20 +202,27 @@ def _several(
     without: Sequence[str],
     effects: Sequence[Effect],
     own: Sequence[str],
+    other: LoopWindow | None,
+    report: Path | None,
     *,
     auto: bool,
     as_json: bool,
 ) -> None:
-    """Compare recordings of one loop with one model and print the answer."""
+    """Compare recordings of one loop with one model, write the report and print the answer."""
     with ExitStack() as stack:
         progress = stack.enter_context(progress_on_terminal())
         run = stack.enter_context(pool_of_cores())
         try:
-            found = several.together(windows, base, without, effects, own, run, progress, auto=auto)
+            found = several.together(
+                windows, base, without, effects, own, run, progress, auto=auto, validate=other
+            )
         except ValueError as error:
             raise typer.BadParameter(str(error)) from error
+    written = report is None or write_together(found, report)
     text = several.together_json(found) if as_json else "\n".join(several.together_lines(found))
     print(text, flush=True)  # noqa: T201 - the command's output
+    if not written:
+        raise typer.Exit(BAD_INPUT)
 
 
 def _deliver(bench: Workbench, found: Comparison, save: Path | None, report: Path | None) -> bool:

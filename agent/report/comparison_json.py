@@ -34,6 +34,7 @@ def comparison_json(found: Comparison, recording: str) -> dict[str, object]:
         "not_shown": [
             {"effect": each.effect, "why": each.why_not} for each in found.shown if each.why_not is not None
         ],
+        "not_fitted": list(found.not_fitted),
         "not_validated": found.not_validated,
         "next_test": None if found.next_test is None else _test(found.next_test),
         "smallest_visible_percent": _number(found.smallest_percent),

@@ -60,6 +60,8 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
 
 
 def _ends(found: Comparison) -> Iterator[str]:
+    if found.not_fitted:
+        yield f"not fitted, for nothing hints at them: {', '.join(found.not_fitted)}"
     yield f"verdict: {verdict_words(found.verdict, found)}"
     if found.next_test is not None:
         yield f"next test: {found.next_test.words}"

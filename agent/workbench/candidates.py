@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, MORE_DYNAMICS, LinearDynamics, beats
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
@@ -57,7 +58,7 @@ def judged(
     models: Mapping[str, Tried],
     record: Record,
     event_p: Mapping[str, float],
-    together: Callable[[Tried, Effect], Tried],
+    together: Callable[[Step | Tried, Effect], Tried],
     worse: Callable[[Fit, Fit], bool] = no_other_record,
 ) -> AllTried:
     """Judge effects by their held-out errors, and by what the innovations say of each.
@@ -72,7 +73,7 @@ def judged(
         record: What they were fitted to.
         event_p: Of those that happened once, and of measured inputs: how likely as much is explained where
             nothing happened.
-        together: Tries an effect on top of one of the models.
+        together: Tries an effect on top of one of the models, or of the smaller one.
         worse: Whether a larger model, the second, follows another recording less well than a smaller one.
     """
 
@@ -115,7 +116,35 @@ def judged(
     decision = _undoubted(judge_by, doubts)
     if smaller.predicts is not None and _is_weak(decision, found):
         decision = replace(decision, kind="suggested")
-    return AllTried(_lowered(decision, doubts, smaller, models, worse), models)
+    decision = _lowered(decision, doubts, smaller, models, worse)
+    return AllTried(_beside_unnamed(decision, smaller, models, found, together, record), models)
+
+
+def _beside_unnamed(
+    decision: Decision,
+    smaller: Step,
+    models: Mapping[str, Tried],
+    found: Mapping[str, Evidence],
+    together: Callable[[Step | Tried, Effect], Tried],
+    record: Record,
+) -> Decision:
+    """Return a decision as it stands against linear dynamics without a name, instead of it and beside it.
+
+    They could stand behind whatever acts on OP or happened once; a wave is no answer to OP.
+    """
+    if decision.kind not in {"confirmed", "family"} or smaller.predicts is None:
+        return decision
+    effect = str(decision.effect)
+    if not (found[effect].answers or found[effect].once):
+        return decision
+    if decision.family not in LINEAR:
+        rival = evidence_of(smaller, together(smaller, LinearDynamics()), record, len(models)).criterion
+        alike = (effect, *decision.indistinguishable)
+        if not beats(max(found[each].criterion for each in alike), rival):
+            return replace(decision, kind="suggested", lacks=(*decision.lacks, AS_LIKELY))
+    if far_likelier(models[effect], together(models[effect], LinearDynamics()), record):
+        return replace(decision, lacks=(*decision.lacks, MORE_DYNAMICS))
+    return decision
 
 
 def _is_weak(decision: Decision, found: Mapping[str, Evidence]) -> bool:

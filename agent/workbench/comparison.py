@@ -55,6 +55,8 @@ class Comparison:
     not_validated: str | None = None
     """In plain words why nothing could be scored on the other recording; None where it could, or there is
     none."""
+    not_fitted: tuple[str, ...] = ()
+    """Effects that the newest model may get, that the record could show and that nothing in it hints at."""
     next_test: NextTest | None = None
     """Distinguishes the effect of the verdict from the first that the record cannot; None without one."""
 

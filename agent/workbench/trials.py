@@ -194,9 +194,9 @@ class Trials:
         other = self.validation
         return other is not None and rmse_on(larger, other) > rmse_on(smaller, other)
 
-    def _both(self, one: Tried, other: Effect) -> Tried:
-        """Try an effect on top of a model that is not the smaller one."""
-        self.progress(f"{one.fit.model.effects[-1].name} and {other.name}", 0, 1)
+    def _both(self, one: Step | Tried, other: Effect) -> Tried:
+        """Try an effect on top of one model alone."""
+        self.progress(" and ".join(each.name for each in (*one.fit.model.effects[-1:], other)), 0, 1)
         return tried(self._trial(one, other))
 
     def _trial(self, smaller: Step | Tried, effect: Effect) -> Trial:

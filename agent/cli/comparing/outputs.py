@@ -10,6 +10,7 @@ from agent.cli.common.errors import complain
 if TYPE_CHECKING:
     from agent.workbench.comparison import Comparison
     from agent.workbench.session import Workbench
+    from agent.workbench.several.together import Together
 
 
 def mapping_of(path: Path) -> object:
@@ -42,6 +43,13 @@ def write_report(bench: Workbench, found: Comparison, path: Path) -> bool:
     from agent.plots.workbench.report import report_html
 
     return _write(path, report_html(found, comparison_figures(bench, found)))
+
+
+def write_together(found: Together, path: Path) -> bool:
+    """Write the page of several recordings; return whether it could be written."""
+    from agent.plots.workbench.several_report import together_html
+
+    return _write(path, together_html(found))
 
 
 def _write(path: Path, text: str) -> bool:

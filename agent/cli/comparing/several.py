@@ -25,7 +25,10 @@ def refuse_options(options: Mapping[str, object]) -> None:
     """
     for name, value in options.items():
         if value:
-            words = "several recordings are compared by --auto, --base, --without, --effect, --own and --json"
+            words = (
+                "several recordings are compared by --auto, --base, --without, --effect, --own, --validate, "
+                "--json and --report"
+            )
             raise typer.BadParameter(words, param_hint=name)
 
 
@@ -39,6 +42,7 @@ def together(
     progress: Progress,
     *,
     auto: bool,
+    validate: LoopWindow | None = None,
 ) -> Together:
     """Compare recordings of one loop, by their names, with one model; raises ValueError where it cannot."""
     from agent.workbench.session import Workbench
@@ -48,7 +52,7 @@ def together(
         name: Workbench(window, base, without=without, effects=effects, run=run, progress=progress)
         for name, window in windows.items()
     }
-    return compared_together(benches, own, auto=auto)
+    return compared_together(benches, own, auto=auto, validate=validate)
 
 
 def names_of(paths: Sequence[Path]) -> list[str]:
@@ -72,8 +76,9 @@ def together_json(found: Together) -> str:
                 "added": step.added,
                 "rmse_fit": dict(zip(found.recordings, step.rmse, strict=True)),
                 "rmse_held_out": dict(zip(found.recordings, step.rmse_held_out, strict=True)),
+                "rmse_validation": step.rmse_validation,
                 "parameters": _shared(step),
-                "own": dict(zip(found.recordings, _own(step), strict=True)),
+                "own": dict(zip(found.recordings, step.fitted.own(), strict=True)),
             }
             for step in found.steps
         ],
@@ -92,7 +97,9 @@ def together_json(found: Together) -> str:
             "effect": found.verdict.effect,
             "family": found.verdict.family,
             "indistinguishable": list(found.verdict.indistinguishable),
+            "lacks": list(found.verdict.lacks),
         },
+        "not_validated": found.not_validated,
     }
     return json.dumps(content, allow_nan=False)
 
@@ -101,26 +108,27 @@ def together_lines(found: Together) -> Iterator[str]:
     """Yield the answer in words."""
     for name, why in found.left_out.items():
         yield f"{name} is left out: {why}"
+    if found.not_validated is not None:
+        yield f"{found.not_validated}; the rest goes on without it"
     yield f"one model over {', '.join(found.recordings)}: RMSE in PV units"
     yield f"  {'model':28}{'recording':24}{'fit':>10}{'held out':>10}"
     for step in found.steps:
         for i, name in enumerate(found.recordings):
             model = ("base" if step.added is None else f"+ {step.added}") if i == 0 else ""
             yield f"  {model:28}{name:24}{step.rmse[i]:>10.4g}{step.rmse_held_out[i]:>10.4g}"
+        if step.rmse_validation is not None:
+            yield f"  {'':28}{'validation':24}{'':>10}{step.rmse_validation:>10.4g}"
     yield "what all recordings share, with 90 % intervals"
     for name, each in _shared(found.steps[-1]).items():
         yield f"  {name:28}{each['value']:>10.4g}  ({each['low']:.4g} to {each['high']:.4g})"
-    for name, own in zip(found.recordings, _own(found.steps[-1]), strict=True):
+    for name, own in zip(found.recordings, found.steps[-1].fitted.own(), strict=True):
         yield f"  {name:28}{', '.join(f'{key} {value:.4g}' for key, value in own.items())}"
     if found.candidates:
         yield "what would make them likelier, twice a logarithm, and lower the held-out squared error"
     for tried in found.candidates:
         reason = "" if tried.objection is None else f"  {tried.objection}"
         yield f"  {tried.effect:28}{tried.criterion:>9.1f}{tried.error_reduction_percent:>9.1f} %{reason}"
-    verdict = found.verdict
-    others = f", or {', '.join(verdict.indistinguishable)}" if verdict.indistinguishable else ""
-    effect = "" if verdict.effect is None else f": {verdict.effect}{others}"
-    yield f"verdict: {verdict.kind.replace('_', ' ')}{effect}"
+    yield f"verdict: {found.verdict_words}"
 
 
 def _shared(step: JointStep) -> dict[str, dict[str, float]]:
@@ -129,13 +137,3 @@ def _shared(step: JointStep) -> dict[str, dict[str, float]]:
         name: dict(zip(("value", "low", "high"), each, strict=True))
         for name, each in step.fitted.shared().items()
     }
-
-
-def _own(step: JointStep) -> list[dict[str, float]]:
-    """Return what each recording has for itself: its gain, PV units per OP unit, and its own numbers."""
-    joint = step.fitted.joint
-    names = [name for name, is_own in zip(joint.space.names, joint.own.tolist(), strict=True) if is_own]
-    return [
-        {"gain": float(fit.coefficients[0]), **dict(zip(names, row[joint.own].tolist(), strict=True))}
-        for fit, row in zip(step.fitted.fits, joint.values(step.fitted.at), strict=True)
-    ]

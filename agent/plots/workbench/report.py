@@ -88,10 +88,15 @@ def report_html(found: Comparison, figures: Mapping[str, Figure]) -> str:
     parts = [f"<h1>{title}</h1>", f'<p class="verdict">{escape(capital(headline(found)))}.</p>']
     if found.steps:
         parts += _text(found)
-    parts += [_picture(name, figure) for name, figure in figures.items()]
+    parts += [picture(name, figure) for name, figure in figures.items()]
     if found.unseen:
         parts.append("<h2>What could not have been seen</h2>")
         parts.append("<ul>" + "".join(f"<li>{escape(each)}</li>" for each in found.unseen) + "</ul>")
+    return page(title, parts)
+
+
+def page(title: str, parts: Iterable[str]) -> str:
+    """Return a whole page; ``title`` and ``parts`` are HTML already."""
     head = f'<meta charset="utf-8"><title>{title}</title><style>{STYLE}</style>'
     body = "\n".join(parts)
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{body}\n</body></html>\n'
@@ -105,28 +110,28 @@ def _text(found: Comparison) -> Iterable[str]:
     steps = [
         (
             step_name(step),
-            _number(step.rmse_fit),
-            _number(step.held_out.rmse),
-            _number(step.rmse_validation),
+            number(step.rmse_fit),
+            number(step.held_out.rmse),
+            number(step.rmse_validation),
             f"{step.fit_percent:.1f}",
         )
         for step in found.steps
     ]
-    yield _table(("model", "RMSE, fitted", "held out", "other recording", "fit %"), steps)
+    yield table(("model", "RMSE, fitted", "held out", "other recording", "fit %"), steps)
     if found.noise_floor is not None:
-        low, high = _number(found.noise_floor.low), _number(found.noise_floor.high)
+        low, high = number(found.noise_floor.low), number(found.noise_floor.high)
         floor = f"The noise floor is between {low} and {high}: no model can do better."
         yield f"<p>RMSE is in PV units. {floor}</p>"
-    for number, (step, evidence) in enumerate(zip(found.steps, found.evidence, strict=True)):
-        if number:
-            yield f"<h2>Step {number}: {escape(step_name(step))}</h2>"
+    for place, (step, evidence) in enumerate(zip(found.steps, found.evidence, strict=True)):
+        if place:
+            yield f"<h2>Step {place}: {escape(step_name(step))}</h2>"
             yield from _step(step, evidence)
     yield "<h2>Parameters of the last model</h2>"
     rows = [
-        (each.name, _number(each.value), f"{_number(each.low)} to {_number(each.high)}", each.unit)
+        (each.name, number(each.value), f"{number(each.low)} to {number(each.high)}", each.unit)
         for each in found.steps[-1].numbers
     ]
-    yield _table(("parameter", "value", "90 % interval", "unit"), rows)
+    yield table(("parameter", "value", "90 % interval", "unit"), rows)
 
 
 def _step(step: Step, evidence: StepEvidence) -> Iterable[str]:
@@ -153,18 +158,20 @@ def _step(step: Step, evidence: StepEvidence) -> Iterable[str]:
         for each in evidence.candidates[:CANDIDATES]
     ]
     if rows:
-        yield _table(("tried", "held-out squared error lower by, %", "90 % interval", BY_CHANCE), rows)
+        yield table(("tried", "held-out squared error lower by, %", "90 % interval", BY_CHANCE), rows)
     if step.verdict is not None:
         others = " or ".join(step.verdict.indistinguishable)
         beside = f"; this record cannot distinguish it from {others}" if others else ""
         yield f"<p>{escape(str(step.added))}: {KINDS[step.verdict.kind]}{escape(beside)}.</p>"
 
 
-def _number(value: float | None) -> str:
+def number(value: float | None) -> str:
+    """Return a number for a cell, empty where there is none."""
     return "" if value is None else f"{value:.4g}"
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table; cells are escaped."""
     lines = [
         "<tr>" + "".join(_cell(tag, cell, name) for cell, name in zip(row, head, strict=True)) + "</tr>"
         for tag, row in (("th", head), *(("td", row) for row in rows))
@@ -177,7 +184,8 @@ def _cell(tag: str, cell: str, column: str) -> str:
     return f"<{tag}{kind}>{escape(cell)}</{tag}>"
 
 
-def _picture(name: str, figure: Figure) -> str:
+def picture(name: str, figure: Figure) -> str:
+    """Return a picture with its caption, embedded."""
     file = BytesIO()
     figure.savefig(file, format="png", dpi=DPI)
     data = b64encode(file.getvalue()).decode("ascii")

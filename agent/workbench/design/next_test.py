@@ -63,7 +63,7 @@ class NextTest:
     @property
     def words(self) -> str:
         """What to do and why, as one sentence without its stop."""
-        pair = f"{self.first} from {self.second}"
+        pair = " from ".join(each.replace("_", " ") for each in (self.first, self.second))
         if self.plan is None:
             return f"no test with OP and PV alone distinguishes {pair}: measure the valve's position as well"
         often = "" if self.repeats == 1 else f"; do it {self.repeats} times"

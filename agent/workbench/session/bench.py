@@ -16,12 +16,11 @@ from agent.workbench.library import applies, effect_named, library, missing
 from agent.workbench.saved_model import saved
 from agent.workbench.session import views
 from agent.workbench.session.auto_base import based
-from agent.workbench.session.opening import other_record
+from agent.workbench.session.opening import validation
 from agent.workbench.step import Step, Verdict, step_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
-    from agent.physics.bases import Base
     from agent.physics.effect import Effect
     from agent.workbench.decision import Decision
     from agent.workbench.folds import Folds
@@ -82,7 +81,7 @@ class Bench:
         self._made: dict[tuple[object, ...], Step] = {}
         self._failures: dict[tuple[object, ...], tuple[Failure, ...]] = {}
         self._trials: Trials | None = None
-        self._validation, self.not_validated = _validation(validate, self.base)
+        self._validation, self.not_validated = validation(validate, self.base)
         lacking = [name for name in inputs if name not in other_inputs]
         if lacking and self._validation is not None:
             self._validation = None
@@ -271,11 +270,3 @@ class Bench:
             ValueError: The recording is not testable.
         """
         return saved(self.window.loop, self.step.fit.model, self.step.parameters)
-
-
-def _validation(window: LoopWindow | None, base: Base) -> tuple[Record | None, str | None]:
-    """Return another recording as a record, or in words why nothing can be scored on it; both may be None."""
-    try:
-        return (None if window is None else other_record(window, base)), None
-    except ValueError as error:
-        return None, str(error)

@@ -10,6 +10,7 @@ import numpy as np
 from agent.workbench.candidates import verdict_of
 from agent.workbench.comparison import Comparison, StepEvidence, not_testable
 from agent.workbench.design.next_test import next_test
+from agent.workbench.library import missing
 from agent.workbench.residual.power import smallest_reduction
 from agent.workbench.session.explained import explained_by_op, is_informative, not_informative_words
 from agent.workbench.session.unseen import unseen
@@ -17,7 +18,11 @@ from agent.workbench.session.views import floor
 from agent.workbench.step import Verdict
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from agent.workbench.decision import Candidate
     from agent.workbench.session.bench import Bench
+    from agent.workbench.shown.information import Shown
 
 
 def compared(bench: Bench) -> Comparison:
@@ -37,6 +42,7 @@ def compared(bench: Bench) -> Comparison:
     waves = spectrum is not None and bool(spectrum.certain)
     if verdict.effect is None and not waves and not is_informative(explained, fails):
         verdict, reason = Verdict("not_testable"), not_informative_words(explained)
+    shown = bench.trials.shown_on(bench.step, bench.library)
     return Comparison(
         loop=bench.window.loop,
         steps=bench.staircase(),
@@ -49,10 +55,19 @@ def compared(bench: Bench) -> Comparison:
         smallest_percent=smallest,
         reason=reason,
         unseen=unseen(bench, smallest),
-        shown=bench.trials.shown_on(bench.step, bench.library),
+        shown=shown,
+        not_fitted=_not_fitted(bench, candidates, shown),
         not_validated=bench.not_validated,
         next_test=next_test(bench.step, verdict, dict(tried.models)),
     )
+
+
+def _not_fitted(bench: Bench, candidates: Sequence[Candidate], shown: Sequence[Shown]) -> tuple[str, ...]:
+    """Return the effects that are neither in the table nor named with a reason, in the library's order."""
+    named = {each.effect for each in candidates} | {each.effect for each in shown if each.why_not is not None}
+    named |= bench.trials.left_out.keys()
+    possible = (each.name for each in missing(bench.step.fit.model, bench.library))
+    return tuple(name for name in possible if name not in named)
 
 
 def _evidence(bench: Bench) -> tuple[StepEvidence, ...]:

@@ -41,3 +41,11 @@ def other_record(window: LoopWindow, base: Base) -> Record:
     if closed is not None:
         raise ValueError(f"{window.loop} cannot validate anything: {closed}")
     return bare_record(window, from_start=not base.linear)
+
+
+def validation(window: LoopWindow | None, base: Base) -> tuple[Record | None, str | None]:
+    """Return ``other_record``, or in words why nothing can be scored on it; both None without a window."""
+    try:
+        return (None if window is None else other_record(window, base)), None
+    except ValueError as error:
+        return None, str(error)

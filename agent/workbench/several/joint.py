@@ -103,6 +103,15 @@ class JointFit:
             found[joint.space.names[column]] = (ends[0], ends[1], ends[2])
         return found
 
+    def own(self) -> list[dict[str, float]]:
+        """Return what each recording has for itself: its gain, PV units per OP unit, and its own numbers."""
+        joint, values = self.joint, self.joint.values(self.at)
+        names = [name for name, is_own in zip(joint.space.names, joint.own.tolist(), strict=True) if is_own]
+        return [
+            {"gain": float(fit.coefficients[0]), **dict(zip(names, row[joint.own].tolist(), strict=True))}
+            for fit, row in zip(self.fits, values, strict=True)
+        ]
+
     def spread(self) -> FloatArray:
         """Return the standard deviation of each shared number, parts of its range."""
         derivative = np.column_stack([self._derivative(i) for i in range(len(self.at))])

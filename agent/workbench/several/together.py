@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.workbench.candidates import WORSE_ELSEWHERE
 from agent.workbench.decision import LEAST_PERCENT
 from agent.workbench.doubts import STANDS_FOR_ANOTHER
 from agent.workbench.library import happens_once, missing
@@ -22,6 +23,7 @@ from agent.workbench.residual.state_dependence import fails, state_dependence, s
 from agent.workbench.residual.very_strong import very_strong
 from agent.workbench.session import Workbench
 from agent.workbench.session.automatic import MOST_EFFECTS
+from agent.workbench.session.opening import validation
 from agent.workbench.several.joint import JointFit, fitted_together
 from agent.workbench.shown.score import promising, scores_of
 from agent.workbench.step import Verdict
@@ -30,10 +32,11 @@ from agent.workbench.validation import rmse_on
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from agent.analysis.record.recording import FloatArray
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
     from agent.workbench.fit import Fit
     from agent.workbench.predictor import Predictor
+    from agent.workbench.record import Record
     from agent.workbench.trial import Tried
 
     Model = Sequence[tuple[Predictor, FloatArray]]
@@ -54,6 +57,8 @@ class JointStep:
     """Of the free run in each recording, PV units."""
     rmse_held_out: tuple[float, ...]
     """The same with what belongs to the loop fitted to the other recordings only."""
+    rmse_validation: float | None
+    """The same on another recording that no fit used; None without one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,9 +86,25 @@ class Together:
     candidates: tuple[JointCandidate, ...]
     """On top of the last step, the likeliest first."""
     verdict: Verdict
+    not_validated: str | None = None
+    """In plain words why nothing could be scored on the other recording; None where it could, or without."""
+
+    @property
+    def verdict_words(self) -> str:
+        """The verdict in words, without its stop."""
+        verdict = self.verdict
+        others = f", or {', '.join(verdict.indistinguishable)}" if verdict.indistinguishable else ""
+        effect = "" if verdict.effect is None else f": {verdict.effect}{others}"
+        return "; ".join((f"{verdict.kind.replace('_', ' ')}{effect}", *verdict.lacks))
 
 
-def compared_together(benches: Mapping[str, Workbench], own: Collection[str], *, auto: bool) -> Together:
+def compared_together(
+    benches: Mapping[str, Workbench],
+    own: Collection[str],
+    *,
+    auto: bool,
+    validate: LoopWindow | None = None,
+) -> Together:
     """Compare recordings of one loop with one model.
 
     What happened once belongs to one recording and is not tried here; nor are measured inputs.
@@ -92,6 +113,8 @@ def compared_together(benches: Mapping[str, Workbench], own: Collection[str], *,
         benches: By the name of the recording, each with its base fitted.
         own: Parameters that each recording has for itself.
         auto: Add what is confirmed until nothing more is.
+        validate: Another recording of the loop; every step is scored on it, nothing fitted. One on which
+            nothing can be scored does no harm: ``not_validated`` says why.
 
     Raises:
         ValueError: Fewer than two recordings can be used, or their base has no predictions.
@@ -102,13 +125,14 @@ def compared_together(benches: Mapping[str, Workbench], own: Collection[str], *,
     if len(used) < 2:
         words = "; ".join(f"{name}: {why}" for name, why in left_out.items())
         raise ValueError(f"two recordings at least are needed that can be compared ({words})")
-    several = _Several(tuple(used.values()), frozenset(own))
+    other, not_validated = validation(validate, next(iter(used.values())).base)
+    several = _Several(tuple(used.values()), frozenset(own), other)
     steps = [several.base()]
     while True:
         models, candidates, verdict = several.candidates(steps[-1])
         go_on = auto and verdict.kind in {"confirmed", "family"} and len(steps) <= MOST_EFFECTS
         if not go_on or verdict.effect is None:
-            return Together(tuple(used), left_out, tuple(steps), candidates, verdict)
+            return Together(tuple(used), left_out, tuple(steps), candidates, verdict, not_validated)
         steps.append(several.taken(models[verdict.effect], verdict.effect))
 
 
@@ -123,6 +147,8 @@ class _Tried:
 class _Several:
     benches: tuple[Workbench, ...]
     own: frozenset[str]
+    other: Record | None
+    """For validation."""
 
     def base(self) -> JointStep:
         found = self._step([_predictions(bench.step.predicts) for bench in self.benches], None)
@@ -163,7 +189,16 @@ class _Several:
             for each in candidates
         )
         visible = any(fails(bench.step.estimate.dependence) for bench in self.benches)
-        return tried, candidates, _verdict(candidates, visible=visible)
+        return tried, candidates, self._validated(_verdict(candidates, visible=visible), smaller, tried)
+
+    def _validated(self, verdict: Verdict, smaller: JointStep, tried: Mapping[str, _Tried]) -> Verdict:
+        """Return a verdict, lowered to a suggestion where validation is worse with its effect."""
+        if verdict.effect is None:
+            return verdict
+        before, after = smaller.rmse_validation, tried[verdict.effect].step.rmse_validation
+        if before is None or after is None or after <= before:
+            return verdict
+        return replace(verdict, kind="suggested", lacks=(WORSE_ELSEWHERE,))
 
     def _tried(self, effect: Effect) -> _Tried | None:
         alone = []
@@ -186,13 +221,14 @@ class _Several:
             rest = fitted_together(others, self.own, shared[i])
             if rest is None:
                 return None
-            held_out.append(rmse_on(_mean_gain(rest.fits), bench.record))
+            held_out.append(rmse_on(_mean(rest.fits), bench.record))
         rmse = [
             math.sqrt(fit.error / max(float(bench.record.weight.sum()), 1.0))
             for fit, bench in zip(whole.fits, self.benches, strict=True)
         ]
         effects = tuple(each.name for each in whole.fits[0].model.effects)
-        return JointStep(added, effects, whole, tuple(rmse), tuple(held_out))
+        validated = None if self.other is None else rmse_on(_mean(whole.fits), self.other)
+        return JointStep(added, effects, whole, tuple(rmse), tuple(held_out), validated)
 
     def _judged(self, smaller: JointStep, found: _Tried) -> JointCandidate:
         effect = found.step.fitted.fits[0].model.effects[-1]
@@ -237,11 +273,12 @@ def _why_not(bench: Workbench) -> str | None:
     return "its base predicts nothing" if bench.step.predicts is None else None
 
 
-def _mean_gain(fits: Sequence[Fit]) -> Fit:
-    """Return a model with the mean coefficients of some recordings."""
-    first = fits[0]
-    coefficients = np.mean([each.coefficients for each in fits], axis=0)
-    return replace(first, coefficients=coefficients)
+def _mean(fits: Sequence[Fit]) -> Fit:
+    """Return a model with the mean of what some recordings have for themselves."""
+    values, coefficients = (
+        np.mean([getattr(each, name) for each in fits], axis=0) for name in ("values", "coefficients")
+    )
+    return replace(fits[0], values=values, coefficients=coefficients)
 
 
 def _predictions(found: tuple[Predictor, FloatArray] | None) -> tuple[Predictor, FloatArray]:

@@ -5,12 +5,16 @@ from types import SimpleNamespace
 import numpy as np
 from loops import slack
 
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.effect import Parameter
+from agent.physics.effects import EFFECTS
 from agent.workbench import trials
 from agent.workbench.checks.lacking import dominates, lacks_words, larger_dynamics
 from agent.workbench.checks.own_cycle import keeps_time_of_loop
+from agent.workbench.checks.unnamed import AS_LIKELY
 from agent.workbench.session import Workbench
 from agent.workbench.space import Space
+from simulators.draws.open_records import open_record
 
 T = np.arange(1500.0)
 EVEN = 50 + 5 * np.sin(2 * np.pi * T / 50)
@@ -74,3 +78,21 @@ def test_what_makes_the_other_recording_worse_is_no_more_than_suggested(monkeypa
     assert "less well" in decision.lacks[0]
     monkeypatch.undo()
     assert Workbench(slack(), without=FEW, validate=slack(seed=5)).candidates().kind == "confirmed"
+
+
+def test_an_effect_must_beat_linear_dynamics_that_have_no_name():
+    record = open_record(60002, "prbs", "second_order")
+    window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
+    families = {each.family for each in EFFECTS} - {"valve_speed"}
+    decision = Workbench(window, without=families).candidates()
+    assert (decision.kind, decision.effect) == ("suggested", "rate_limit")
+    assert AS_LIKELY in decision.lacks
+    named = Workbench(window, without=families - {"extra_lag"}).candidates()
+    assert (named.kind, named.family) == ("family", "extra_lag")
+
+
+def test_a_rate_limit_that_is_there_beats_them():
+    record = open_record(60002, "prbs", "rate_limit")
+    window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
+    decision = Workbench(window, without={each.family for each in EFFECTS} - {"valve_speed"}).candidates()
+    assert (decision.kind, decision.effect, decision.lacks) == ("confirmed", "rate_limit", ())

@@ -55,7 +55,7 @@ def test_bands_before_and_behind_the_lag_are_distinguished_by_a_move_and_back(pl
     assert found.difference >= NEEDED
     assert found.plan.kind in {"bump", "back_in_steps", "staircase"}
     assert np.ptp(found.plan.op) == pytest.approx(found.plan.size)
-    assert found.words.startswith("to distinguish deadband from sensor_deadband: in manual, hold OP at ")
+    assert found.words.startswith("to distinguish deadband from sensor deadband: in manual, hold OP at ")
     figure = next_test_figure("made", found)
     assert [each.get_label() for each in figure.axes[1].lines] == [
         "PV with deadband",

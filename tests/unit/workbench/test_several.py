@@ -11,6 +11,8 @@ from agent.cli.comparing.several import names_of, together_json, together_lines
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.loop_model import LoopModel
+from agent.plots.workbench.several_report import together_html
+from agent.workbench.candidates import WORSE_ELSEWHERE
 from agent.workbench.record import bare_record
 from agent.workbench.session import Workbench
 from agent.workbench.several.together import compared_together
@@ -39,7 +41,9 @@ def benches(**windows):
 
 @pytest.fixture(scope="module")
 def found():
-    return compared_together(benches(a=swinging(5.0, 1), b=swinging(2.0, 2)), (), auto=True)
+    return compared_together(
+        benches(a=swinging(5.0, 1), b=swinging(2.0, 2)), (), auto=True, validate=swinging(3.5, 6)
+    )
 
 
 @pytest.mark.parametrize(("amplitude", "seed"), [(5.0, 1), (2.0, 2)])
@@ -76,7 +80,9 @@ def test_where_nothing_is_missing_nothing_is_named():
 def test_a_parameter_may_be_each_recordings_own_and_one_that_cannot_serve_is_named():
     still = LoopWindow("loop", 0.0, 1.0, np.full(500, 50.0), swinging(5.0, 5).pv)
     windows = benches(a=swinging(5.0, 1), b=swinging(2.0, 2), still=still)
-    own = compared_together(windows, ("tau",), auto=False)
+    own = compared_together(windows, ("tau",), auto=False, validate=still)
+    assert own.not_validated.startswith("loop cannot validate anything")
+    assert own.steps[0].rmse_validation is None
     assert own.recordings == ("a", "b")
     assert set(own.left_out) == {"still"}
     content = json.loads(together_json(own))
@@ -88,3 +94,35 @@ def test_a_parameter_may_be_each_recordings_own_and_one_that_cannot_serve_is_nam
 
 def test_names_of_files_differ(tmp_path):
     assert names_of([tmp_path / "x.csv", tmp_path / "sub" / "x.csv"]) == ["x.csv", "x.csv (2)"]
+
+
+def test_every_step_is_scored_on_another_recording_that_no_fit_used(found):
+    base, step = (each.rmse_validation for each in found.steps)
+    assert step < base
+    assert step == pytest.approx(NOISE, rel=0.1)
+    assert "validation" in "\n".join(together_lines(found))
+
+
+def test_an_effect_that_another_recording_contradicts_is_suggested_at_most():
+    windows = {"a": swinging(5.0, 1), "b": swinging(2.0, 2)}
+    sound = swinging(2.0, 7, band=0.0)
+    doubted = compared_together(benches(**windows), (), auto=True, validate=sound)
+    assert [each.effects for each in doubted.steps] == [()]
+    assert (doubted.verdict.kind, doubted.verdict.effect) == ("suggested", "deadband")
+    assert WORSE_ELSEWHERE in doubted.verdict.lacks
+    assert WORSE_ELSEWHERE in "\n".join(together_lines(doubted))
+
+
+def test_the_page_has_the_verdict_each_recording_and_no_address(found):
+    page = together_html(found)
+    assert "No failure visible." in page
+    assert "+ deadband" in page
+    assert page.count("<img ") == len(found.recordings)
+    assert all(f"the models on {name}" in page for name in found.recordings)
+    assert "http" not in page
+
+
+def test_a_band_in_one_recording_only_is_not_confirmed_for_the_loop():
+    mixed = compared_together(benches(a=swinging(5.0, 1), b=swinging(5.0, 2, 0.0)), (), auto=True)
+    assert mixed.verdict.kind not in {"confirmed", "family"}
+    assert [each.effects for each in mixed.steps] == [()]

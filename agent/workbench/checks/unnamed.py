@@ -1,0 +1,62 @@
+"""The nearest rival that nobody named: a linear process with more dynamics than any effect of the library.
+
+A true cause need not be in the library. What is there then often goes along with it: a rate limit with a
+missing lag, a load step with a first move the wrong way. So an effect must also beat a rival without a name:
+two lags and a zero, each number paid by Schwarz's criterion. Effects that are linear dynamics are parts of
+the rival and have none in it. Where it is still needed beside an effect, that is not all that is missing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from agent.physics.effect import Facts, Parameter, Stage
+from agent.physics.effects.inverse_response import MOST_LEAD
+from agent.workbench.residual.very_strong import VERY_STRONG
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from agent.physics.bases.linear_process import LinearProcess
+
+    FloatArray = NDArray[np.float64]
+
+LINEAR = frozenset({"extra_lag", "process_dynamics"})
+"""Families whose effects are parts of the rival."""
+AS_LIKELY = "linear dynamics that have no name here make the record as likely"
+MORE_DYNAMICS = "with it linear dynamics are still missing"
+
+
+@dataclass(frozen=True, slots=True)
+class LinearDynamics:
+    """Two lags and a zero in the right half plane; a rival only, no effect that is named."""
+
+    name: str = "linear_dynamics"
+    family: str = "linear_dynamics"
+    stage: Stage = "process"
+    bases: tuple[str, ...] = ()
+
+    def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
+        """Return both time constants and that of the zero."""
+        return (
+            Parameter("first", "s", 0.0, facts.period, null=0.0),
+            Parameter("second", "s", 0.0, facts.period, null=0.0),
+            Parameter("lead", "s", 0.0, MOST_LEAD * facts.period, null=0.0),
+        )
+
+    def change(self, process: LinearProcess, values: FloatArray) -> LinearProcess:
+        """Return the process with them."""
+        first, second, lead = values.tolist()
+        return replace(process, lags=(*process.lags, first, second), lead=process.lead + lead)
+
+
+def beats(criterion: float, unnamed: float) -> bool:
+    """Return whether the record is very much likelier with an effect than with the rival without a name.
+
+    Args:
+        criterion: ``Evidence.criterion`` of the effect.
+        unnamed: Of ``LinearDynamics`` on the same model.
+    """
+    return criterion - unnamed > VERY_STRONG
