@@ -97,8 +97,7 @@ class SampleRecorder:
         self._over.append(minute)
         if len(self._over) > LIMIT:
             lost = float(self._over.popleft().number * MINUTE)
-            gap = self._gap or SampleGap(lost, lost, 0)
-            self._gap = SampleGap(min(gap.since, lost), max(gap.until, lost), gap.minutes + 1)
+            self._gap = _joined(SampleGap(lost, lost, 1), self._gap)
 
     async def _flush(self) -> None:
         # A task of its own: a caller cancelled during the wait would not know what was written.

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from uuid import uuid4
 
 from agent.runtime.samples.minute import Minute, OpenMinute
 from agent.runtime.store.database import Database, Format
 
 TABLES = """
-CREATE TABLE origin (id TEXT NOT NULL);
 CREATE TABLE sample (
     number INTEGER PRIMARY KEY AUTOINCREMENT,
     loop TEXT NOT NULL,
@@ -79,7 +77,7 @@ class SampleFile:
 
     def forget(self, max_bytes: float) -> None:
         """While the file is too large, put one gap in place of the oldest minutes."""
-        while self._used() > max_bytes:
+        while self._database.used() > max_bytes:
             with self._database.transaction("IMMEDIATE") as database:
                 count = database.execute("SELECT count(*) FROM sample").fetchone()[0]
                 if count <= 1:
@@ -93,17 +91,11 @@ class SampleFile:
                 database.execute(
                     "INSERT INTO sample VALUES (?, '', ?, ?, ?, x'')", (last, since, until, missing)
                 )
-        with self._database.reading() as database:
-            database.execute("PRAGMA incremental_vacuum").fetchall()
+        self._database.give_back()
 
     def origin(self) -> str:
         """Return the identity of this file: its numbers mean nothing in another one."""
-        with self._database.transaction("IMMEDIATE") as database:
-            held = database.execute("SELECT id FROM origin").fetchone()
-            if held is None:
-                held = (str(uuid4()),)
-                database.execute("INSERT INTO origin VALUES (?)", held)
-        return str(held[0])
+        return self._database.origin()
 
     def after(self, number: int, limit: int) -> tuple[NumberedMinute, ...]:
         """Return the next minutes and gaps behind a number, in the order of their writing."""
@@ -127,12 +119,3 @@ class SampleFile:
         """Drop what the database has; numbers go on rising."""
         with self._database.transaction("IMMEDIATE") as database:
             database.execute("DELETE FROM sample WHERE number <= ?", (number,))
-
-    def _used(self) -> int:
-        """Bytes of the file that hold something."""
-        with self._database.reading() as database:
-            pages, free, size = (
-                database.execute(f"PRAGMA {name}").fetchone()[0]
-                for name in ("page_count", "freelist_count", "page_size")
-            )
-        return int((pages - free) * size)

@@ -11,6 +11,7 @@ from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
+from uuid import uuid4
 
 LOG = logging.getLogger(__name__)
 BUSY = 1.0
@@ -76,6 +77,30 @@ class Database:
     def close(self) -> None:
         """Let go of the file."""
         self._database.close()
+
+    def used(self) -> int:
+        """Return how many bytes of the file hold something."""
+        with self.reading() as database:
+            pages, free, size = (
+                database.execute(f"PRAGMA {name}").fetchone()[0]
+                for name in ("page_count", "freelist_count", "page_size")
+            )
+        return int((pages - free) * size)
+
+    def give_back(self) -> None:
+        """Return to the disk what holds nothing any more."""
+        with self.reading() as database:
+            database.execute("PRAGMA incremental_vacuum").fetchall()
+
+    def origin(self) -> str:
+        """Return the identity of this file, made at need: its numbers mean nothing in another one."""
+        with self.transaction("IMMEDIATE") as database:
+            database.execute("CREATE TABLE IF NOT EXISTS origin (id TEXT NOT NULL)")
+            held = database.execute("SELECT id FROM origin").fetchone()
+            if held is None:
+                held = (str(uuid4()),)
+                database.execute("INSERT INTO origin VALUES (?)", held)
+        return str(held[0])
 
     def is_foreign(self) -> bool:
         """Return whether the file was removed, replaced or overwritten since it was opened.

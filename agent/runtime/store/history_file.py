@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
-from uuid import uuid4
 
 from agent.runtime.store.database import Database, Format
 from agent.runtime.store.kept_window import KeptWindow, ListedWindow
@@ -121,7 +120,7 @@ class HistoryFile:
             database.execute(
                 "DELETE FROM entry WHERE written < ? AND number < (SELECT max(number) FROM entry)", (before,)
             )
-        while self._used() > max_bytes:
+        while self._database.used() > max_bytes:
             with self._database.transaction("IMMEDIATE") as database:
                 windows = database.execute("SELECT count(*) FROM window WHERE samples > 0").fetchone()[0]
                 if windows:
@@ -138,8 +137,7 @@ class HistoryFile:
                     "DELETE FROM entry WHERE number IN (SELECT number FROM entry ORDER BY number LIMIT ?)",
                     (max(1, int(AT_ONCE * count)),),
                 )
-        with self._database.reading() as database:
-            database.execute("PRAGMA incremental_vacuum").fetchall()
+        self._database.give_back()
 
     def read(
         self, loop: str | None = None, since: float | None = None, limit: int | None = None
@@ -155,13 +153,7 @@ class HistoryFile:
 
     def origin(self) -> str:
         """Return the identity of this file: its numbers mean nothing in another one."""
-        with self._database.transaction("IMMEDIATE") as database:
-            database.execute("CREATE TABLE IF NOT EXISTS origin (id TEXT NOT NULL)")
-            held = database.execute("SELECT id FROM origin").fetchone()
-            if held is None:
-                held = (str(uuid4()),)
-                database.execute("INSERT INTO origin VALUES (?)", held)
-        return str(held[0])
+        return self._database.origin()
 
     def after(self, number: int, limit: int) -> tuple[NumberedEntry, ...]:
         """Return the next entries behind a number, with their windows, in the order of their writing.
@@ -223,12 +215,3 @@ class HistoryFile:
                 "SELECT time, loop, content FROM entry WHERE kind = 'note' ORDER BY time, number"
             ).fetchall()
         return tuple(Entry(time, name, "note", json.loads(text)) for time, name, text in rows)
-
-    def _used(self) -> int:
-        """Bytes of the file that hold something."""
-        with self._database.reading() as database:
-            pages, free, size = (
-                database.execute(f"PRAGMA {name}").fetchone()[0]
-                for name in ("page_count", "freelist_count", "page_size")
-            )
-        return int((pages - free) * size)

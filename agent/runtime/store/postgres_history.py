@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, LiteralString
 from uuid import UUID
 
 import numpy as np
@@ -83,15 +83,7 @@ class PostgresHistory(PostgresDatabase):
         self, loop: str | None = None, since: float | None = None, limit: int | None = None
     ) -> tuple[Entry, ...]:
         """Return the newest ``limit`` entries, the oldest first: of one loop, from a time on (s UTC)."""
-        start = None if since is None else moment(since)
-        with named(self.settings):
-            rows = self.connection.execute(
-                "SELECT time, loop, kind, content FROM slipjump_entry "
-                "WHERE (%(loop)s::text IS NULL OR loop = %(loop)s) "
-                "AND (%(start)s::timestamptz IS NULL OR time >= %(start)s) "
-                "ORDER BY time DESC, number DESC LIMIT %(limit)s",
-                {"loop": loop, "start": start, "limit": limit},
-            ).fetchall()
+        rows = self._newest("SELECT time, loop, kind, content FROM slipjump_entry", loop, since, limit)
         return tuple(
             Entry(time.timestamp(), name, kind, content) for time, name, kind, content in reversed(rows)
         )
@@ -100,19 +92,25 @@ class PostgresHistory(PostgresDatabase):
         self, loop: str | None = None, since: float | None = None, limit: int | None = None
     ) -> tuple[ListedWindow, ...]:
         """Return the newest ``limit`` windows, the oldest first: of one loop, from a time on (s UTC)."""
-        start = None if since is None else moment(since)
-        with named(self.settings):
-            rows = self.connection.execute(
-                "SELECT loop, time, start, ts, array_length(pv, 1) FROM slipjump_window "
-                "WHERE (%(loop)s::text IS NULL OR loop = %(loop)s) "
-                "AND (%(start)s::timestamptz IS NULL OR time >= %(start)s) "
-                "ORDER BY time DESC, number DESC LIMIT %(limit)s",
-                {"loop": loop, "start": start, "limit": limit},
-            ).fetchall()
+        rows = self._newest(
+            "SELECT loop, time, start, ts, array_length(pv, 1) FROM slipjump_window", loop, since, limit
+        )
         return tuple(
             ListedWindow(name, time.timestamp(), first.timestamp(), ts, samples)
             for name, time, first, ts, samples in reversed(rows)
         )
+
+    def _newest(
+        self, select: LiteralString, loop: str | None, since: float | None, limit: int | None
+    ) -> list[tuple[Any, ...]]:
+        """Return the newest ``limit`` rows, the newest first: of one loop, from a time on (s UTC)."""
+        with named(self.settings):
+            return self.connection.execute(
+                f"{select} WHERE (%(loop)s::text IS NULL OR loop = %(loop)s) "
+                "AND (%(start)s::timestamptz IS NULL OR time >= %(start)s) "
+                "ORDER BY time DESC, number DESC LIMIT %(limit)s",
+                {"loop": loop, "start": None if since is None else moment(since), "limit": limit},
+            ).fetchall()
 
     def window(self, loop: str, start: float, before: float) -> KeptWindow | None:
         """Return the newest window of a loop that ended from ``start`` to before ``before``, s UTC."""

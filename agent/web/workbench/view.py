@@ -10,8 +10,8 @@ from agent.report.comparison_text import causes_words, chance_words, step_name, 
 from agent.report.headline import capital, headline
 from agent.web.rows import numbers, plain
 from agent.web.workbench.same_lines import command_of, python_of
-from agent.workbench.library import missing
 from agent.workbench.residual.axes import UNITS
+from agent.workbench.session.compared import unfitted
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -52,7 +52,8 @@ def tree_json(tree: StepTree, source: ReadSource, columns: dict[str, str]) -> di
         "model": _model(node),
         "found": None
         if node.comparison is None
-        else _found(node.comparison) | {"not_fitted": _not_fitted(node)},
+        else _found(node.comparison)
+        | {"not_fitted": list(unfitted(node.bench, node.step, node.comparison.candidates))},
         "command": command_of(source, node),
         "python": python_of(source, node),
     }
@@ -156,14 +157,6 @@ def _model(node: TreeNode) -> dict[str, Any]:
         "fit_percent": plain(step.fit_percent),
         "left_out": [list(each) for each in node.left_out],
     }
-
-
-def _not_fitted(node: TreeNode) -> list[str]:
-    """Return the effects that the model may get and that nothing in its residual hints at, by name."""
-    bench, found = node.bench, node.comparison
-    fitted = set() if found is None else {each.effect for each in found.candidates}
-    possible = (each.name for each in missing(node.step.fit.model, bench.library))
-    return [name for name in possible if name not in fitted and name not in bench.trials.left_out]
 
 
 def _found(found: Comparison) -> dict[str, Any]:
