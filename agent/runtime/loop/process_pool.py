@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import sys
@@ -98,6 +99,7 @@ def _begin(ready: Callable[..., object] | None, args: tuple[object, ...]) -> Non
     threading.Thread(target=_end_with_the_parent, name="watch the parent", daemon=True).start()
     if ready is not None:
         ready(*args)
+    gc.freeze()  # what was imported stays: a collection that searches it costs time and copies its pages
 
 
 def _end_with_the_parent() -> None:
