@@ -184,6 +184,13 @@ def process_response(
     return response
 
 
+@kernel
+def nuisance_rows(problem: Problem, begin: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the columns of the nuisance from a block on, each contiguous also for the compiler."""
+    rows = problem.basis.T
+    return rows[0, begin:], rows[1, begin:], rows[2, begin:]
+
+
 @summing_kernel
 def fit_gain(
     response: FloatArray, candidate: FloatArray, structure: int, problem: Problem
@@ -193,6 +200,7 @@ def fit_gain(
     startup_pole = 0.0 if structure == INTEGRATOR else math.exp(-problem.block / math.exp(candidate[LOG_TAU]))
     r0 = r1 = r2 = s0 = s1 = s2 = 0.0
     yy = rr = ss = rs = ry = sy = 0.0
+    level, slope, memory = nuisance_rows(problem, 0)
     startup = 0.0 if structure == INTEGRATOR else 1.0
     for t in range(m):
         y = problem.pv[t]
@@ -200,9 +208,9 @@ def fit_gain(
         yy += y * y
         rr += r * r
         ry += r * y
-        r0 += problem.basis[t, 0] * r
-        r1 += problem.basis[t, 1] * r
-        r2 += problem.basis[t, 2] * r
+        r0 += level[t] * r
+        r1 += slope[t] * r
+        r2 += memory[t] * r
     for t in range(m):
         if startup < 1e-9:
             break
@@ -210,9 +218,9 @@ def fit_gain(
             ss += startup * startup
             rs += response[t] * startup
             sy += startup * problem.pv[t]
-            s0 += problem.basis[t, 0] * startup
-            s1 += problem.basis[t, 1] * startup
-            s2 += problem.basis[t, 2] * startup
+            s0 += level[t] * startup
+            s1 += slope[t] * startup
+            s2 += memory[t] * startup
         startup *= startup_pole
     raw = rr
     rr -= r0 * r0 + r1 * r1 + r2 * r2

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agent.identify.arrays import FloatArray
-from agent.identify.objective import AT_ONCE, INTEGRATOR, LOG_TAU, LOG_TAU2, SOPDT, block_mean
+from agent.identify.objective import AT_ONCE, INTEGRATOR, LOG_TAU, LOG_TAU2, SOPDT, block_mean, nuisance_rows
 from agent.identify.problem import Problem
 from agent.jit import fused_kernel, kernel, summing_kernel
 
@@ -79,23 +79,41 @@ def fill_ways(passed: FloatArray, pole: float, pole2: float, ways: FloatArray) -
         start_up *= pole
 
 
+@fused_kernel
+def fill_response(passed: FloatArray, pole: float, pole2: float, ways: FloatArray) -> None:
+    """Fill the response of gain one and the start-up alone."""
+    first = second = 0.0
+    start_up = 1.0
+    for b in range(passed.size):
+        first = pole * first + passed[b]
+        second = pole2 * second + first
+        ways[0, b], ways[3, b] = second, start_up
+        start_up *= pole
+
+
 @summing_kernel
 def delayed_products(  # noqa: PLR0915 - one sum a line, so that each stays in a register
     ways: FloatArray, whole: int, part: float, problem: Problem, g: FloatArray
 ) -> None:
-    """Fill the products of the delayed columns with each other, with PV and with the nuisance."""
-    z, q1, q2 = ways[0], ways[1], ways[2]
-    pv, weight, basis = problem.pv, problem.weight, problem.basis
+    """Fill the products of the delayed columns with each other, with PV and with the nuisance.
+
+    Each array is cut to where the columns are known, for an index that might be negative keeps the compiler
+    from taking several samples at once.
+    """
+    begin = whole + 1
+    n = problem.pv.size - begin
+    z, q1, q2 = ways[0, 1 : n + 1], ways[1, 1 : n + 1], ways[2, 1 : n + 1]
+    older_z, older_q1, older_q2 = ways[0, :n], ways[1, :n], ways[2, :n]
+    pv, weight = problem.pv[begin:], problem.weight[begin:]
     a00 = a01 = a02 = a03 = a11 = a12 = a13 = a22 = a23 = a33 = 0.0
     y0 = y1 = y2 = y3 = 0.0
     here = 1.0 - part
-    begin = whole + 1
-    for t in range(begin, pv.size):
+    for t in range(n):
         k = weight[t]
-        c0 = (here * z[t - whole] + part * z[t - begin]) * k
-        c1 = (here * q1[t - whole] + part * q1[t - begin]) * k
-        c2 = (here * q2[t - whole] + part * q2[t - begin]) * k
-        c3 = (z[t - begin] - z[t - whole]) * k
+        c0 = (here * z[t] + part * older_z[t]) * k
+        c1 = (here * q1[t] + part * older_q1[t]) * k
+        c2 = (here * q2[t] + part * older_q2[t]) * k
+        c3 = (older_z[t] - z[t]) * k
         a00 += c0 * c0
         a01 += c0 * c1
         a02 += c0 * c2
@@ -116,13 +134,14 @@ def delayed_products(  # noqa: PLR0915 - one sum a line, so that each stays in a
     g[0, PV], g[1, PV], g[2, PV], g[3, PV] = y0, y1, y2, y3
     b00 = b01 = b02 = b10 = b11 = b12 = b20 = b21 = b22 = b30 = b31 = b32 = 0.0
     # A second loop: the sums of the first fill the registers.
-    for t in range(begin, pv.size):
+    level, slope, memory = nuisance_rows(problem, begin)
+    for t in range(n):
         k = weight[t]
-        c0 = (here * z[t - whole] + part * z[t - begin]) * k
-        c1 = (here * q1[t - whole] + part * q1[t - begin]) * k
-        c2 = (here * q2[t - whole] + part * q2[t - begin]) * k
-        c3 = (z[t - begin] - z[t - whole]) * k
-        e0, e1, e2 = basis[t, 0], basis[t, 1], basis[t, 2]
+        c0 = (here * z[t] + part * older_z[t]) * k
+        c1 = (here * q1[t] + part * older_q1[t]) * k
+        c2 = (here * q2[t] + part * older_q2[t]) * k
+        c3 = (older_z[t] - z[t]) * k
+        e0, e1, e2 = level[t], slope[t], memory[t]
         b00 += c0 * e0
         b01 += c0 * e1
         b02 += c0 * e2
@@ -142,29 +161,68 @@ def delayed_products(  # noqa: PLR0915 - one sum a line, so that each stays in a
 
 
 @summing_kernel
+def response_products(ways: FloatArray, whole: int, part: float, problem: Problem, g: FloatArray) -> None:
+    """Fill the products of the delayed response alone with itself, with PV and with the nuisance."""
+    begin = whole + 1
+    n = problem.pv.size - begin
+    z, older = ways[0, 1 : n + 1], ways[0, :n]
+    pv, weight = problem.pv[begin:], problem.weight[begin:]
+    level, slope, memory = nuisance_rows(problem, begin)
+    here = 1.0 - part
+    square = with_pv = b0 = b1 = b2 = 0.0
+    for t in range(n):
+        c = (here * z[t] + part * older[t]) * weight[t]
+        square += c * c
+        with_pv += c * pv[t]
+        b0 += c * level[t]
+        b1 += c * slope[t]
+        b2 += c * memory[t]
+    g[0, 0], g[0, PV], g[0, 6], g[0, 7], g[0, 8] = square, with_pv, b0, b1, b2
+
+
+@summing_kernel
 def start_up_products(ways: FloatArray, whole: int, part: float, problem: Problem, g: FloatArray) -> None:
     """Fill the products of the start-up with all columns, with PV and with the nuisance."""
-    z, q1, q2, u = ways[0], ways[1], ways[2], ways[3]
-    pv, weight, basis = problem.pv, problem.weight, problem.basis
-    end = faded(u)
-    uu = uy = u0 = u1 = u2 = 0.0
-    for t in range(end):
-        v = u[t] * weight[t]
-        uu += v * v
-        uy += v * pv[t]
-        u0 += v * basis[t, 0]
-        u1 += v * basis[t, 1]
-        u2 += v * basis[t, 2]
+    z, q1, q2 = ways[0], ways[1], ways[2]
     c0 = c1 = c2 = c3 = 0.0
     here = 1.0 - part
     begin = whole + 1
-    for t in range(begin, end):
+    u, weight = ways[3], problem.weight
+    for t in range(begin, faded(u)):
         v = u[t] * weight[t]
         c0 += v * (here * z[t - whole] + part * z[t - begin])
         c1 += v * (here * q1[t - whole] + part * q1[t - begin])
         c2 += v * (here * q2[t - whole] + part * q2[t - begin])
         c3 += v * (z[t - begin] - z[t - whole])
     g[0, START_UP], g[1, START_UP], g[2, START_UP], g[3, START_UP] = c0, c1, c2, c3
+    start_up_alone(ways, problem, g)
+
+
+@summing_kernel
+def start_up_and_response(ways: FloatArray, whole: int, part: float, problem: Problem, g: FloatArray) -> None:
+    """Fill the products of the start-up with the response, with itself, with PV and with the nuisance."""
+    u, weight, z = ways[3], problem.weight, ways[0]
+    here, begin = 1.0 - part, whole + 1
+    product = 0.0
+    for t in range(begin, faded(u)):
+        product += u[t] * weight[t] * (here * z[t - whole] + part * z[t - begin])
+    g[0, START_UP] = product
+    start_up_alone(ways, problem, g)
+
+
+@summing_kernel
+def start_up_alone(ways: FloatArray, problem: Problem, g: FloatArray) -> None:
+    """Fill the products of the start-up with itself, with PV and with the nuisance."""
+    u, pv, weight = ways[3], problem.pv, problem.weight
+    level, slope, memory = nuisance_rows(problem, 0)
+    uu = uy = u0 = u1 = u2 = 0.0
+    for t in range(faded(u)):
+        v = u[t] * weight[t]
+        uu += v * v
+        uy += v * pv[t]
+        u0 += v * level[t]
+        u1 += v * slope[t]
+        u2 += v * memory[t]
     g[START_UP, START_UP], g[START_UP, PV] = uu, uy
     g[START_UP, 6], g[START_UP, 7], g[START_UP, 8] = u0, u1, u2
 

@@ -37,10 +37,11 @@ def wild(values: FloatArray) -> NDArray[np.bool_]:
     finite = np.isfinite(values)
     if np.count_nonzero(finite) < 4 * BESIDE:
         return none
-    apart = np.abs(values - _beside(values))
     steps = np.abs(np.diff(values[finite]))
     typical = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-    suspect = finite & (apart > SUDDEN * typical)
+    suspect = np.zeros(len(values), np.bool_)
+    places = _near_large_steps(np.flatnonzero(finite), steps, SUDDEN * typical / BESIDE)
+    suspect[places] = np.abs(values[places] - _beside(values, places)) > SUDDEN * typical
     suspect &= _short_runs(suspect)
     rest = values[finite & ~suspect]
     if not suspect.any() or not rest.size or np.ptp(rest) <= 0:
@@ -61,16 +62,31 @@ def wild(values: FloatArray) -> NDArray[np.bool_]:
     return found if np.count_nonzero(found) <= max(1.0, MOST * np.count_nonzero(finite)) else none
 
 
-def _beside(values: FloatArray) -> FloatArray:
-    """Return the median of the samples on both sides of each, shape (n,)."""
+def _near_large_steps(finite: NDArray[np.intp], steps: FloatArray, large: float) -> NDArray[np.intp]:
+    """Return the samples that have a step above ``large`` among those to the samples they are compared with.
+
+    Others are at most ``BESIDE`` times as far from their neighbours.
+
+    Args:
+        finite: Samples that are not missing, (f,).
+        steps: Sizes of the steps between these, (f - 1,).
+        large: Unit of the signal.
+    """
+    near = np.zeros(len(finite), np.bool_)
+    for k in np.flatnonzero(steps > large).tolist():
+        near[max(k + 1 - BESIDE, 0) : k + 1 + BESIDE] = True
+    return finite[near]
+
+
+def _beside(values: FloatArray, places: NDArray[np.intp]) -> FloatArray:
+    """Return the median of the samples on both sides of some, (k,); NaN where there are none."""
     padded = np.concatenate([np.full(BESIDE, np.nan), values, np.full(BESIDE, np.nan)])
-    n = len(values)
-    shifts = [k for k in range(2 * BESIDE + 1) if k != BESIDE]
-    around = np.sort(np.stack([padded[k : k + n] for k in shifts]), axis=0)  # NaN last
-    middle: FloatArray = (around[BESIDE - 1] + around[BESIDE]) / 2
-    some = np.flatnonzero(np.isnan(around[-1]) & np.isfinite(around[0]))  # nanmedian is ten times slower
-    middle[some] = np.nanmedian(around[:, some], axis=0)
-    return middle
+    shifts = np.array([k for k in range(2 * BESIDE + 1) if k != BESIDE])
+    around = np.sort(padded[places[:, None] + shifts], axis=1)  # NaN last
+    count = np.count_nonzero(np.isfinite(around), axis=1)
+    row = np.arange(len(places))
+    middle = (around[row, (count - 1) // 2] + around[row, count // 2]) / 2
+    return np.where(count > 0, middle, np.nan)
 
 
 def _short_runs(marked: NDArray[np.bool_]) -> NDArray[np.bool_]:

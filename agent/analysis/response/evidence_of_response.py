@@ -61,7 +61,11 @@ NOTHING = ResponseEvidence(-math.inf, 0.0, 0.0)
 
 
 def evidence_of_response(
-    op: FloatArray, pv: FloatArray, tried: Sequence[LikelyProcess], parts: Sequence[slice] = ()
+    op: FloatArray,
+    pv: FloatArray,
+    tried: Sequence[LikelyProcess],
+    parts: Sequence[slice] = (),
+    enough: float = -math.inf,
 ) -> ResponseEvidence:
     """Compare both models on a record without gaps; of the processes tried the likeliest counts.
 
@@ -70,9 +74,15 @@ def evidence_of_response(
         pv: Shape (n,), PV units.
         tried: Processes that the loop may have, one at least.
         parts: Stretches that are compared, more than ``ORDER`` samples each; empty: the whole record.
+        enough: Log ratio that is needed; the first process that falls short of it ends the comparison.
     """
     these = parts or (slice(0, len(pv)),)
-    return min((_compared(op, pv, each, these) for each in tried), key=lambda found: found.log_ratio)
+    least = _compared(op, pv, tried[0], these)
+    for process in tried[1:]:
+        if least.log_ratio < enough:
+            break
+        least = min(least, _compared(op, pv, process, these), key=lambda found: found.log_ratio)
+    return least
 
 
 def filtered(op: FloatArray, tau: float | None, delay: int) -> FloatArray:

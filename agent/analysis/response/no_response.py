@@ -196,7 +196,7 @@ def _by_likelihood(window: LoopWindow, span: float, known: KnownProcess | None) 
             begin, end = whole.start + parts[0].start, whole.start + parts[0].stop
             if travelled(op[parts[0]]) < FAR * span:
                 continue
-            says = evidence_of_response(op, pv, tried, parts)
+            says = evidence_of_response(op, pv, tried, parts, ENOUGH - BEFORE + price)
             log_odds = min(BEFORE + says.log_ratio - price, -BEFORE)
             if log_odds >= ENOUGH:
                 return _Found(begin, end, False, log_odds, says.expected, says.deviations, tried)
