@@ -80,7 +80,7 @@ class Shown:
             found + beside,
             fell,
             fit if self.effects else f"{self.fit_percent[0]:.0f}",
-            self.words.replace("_", " "),
+            self.words,
         )
 
 

@@ -31,15 +31,18 @@ def comparison_json(found: Comparison, recording: str) -> dict[str, object]:
             "low": None if floor is None else _number(floor.low),
             "high": None if floor is None else _number(floor.high),
         },
-        "not_shown": [
-            {"effect": each.effect, "why": each.why_not} for each in found.shown if each.why_not is not None
-        ],
+        "not_shown": not_shown_json(found),
         "not_fitted": list(found.not_fitted),
         "not_validated": found.not_validated,
         "next_test": None if found.next_test is None else _test(found.next_test),
         "smallest_visible_percent": _number(found.smallest_percent),
         "reason": found.reason,
     }
+
+
+def not_shown_json(found: Comparison) -> list[dict[str, str]]:
+    """Return each effect that the record cannot show, and why."""
+    return [{"effect": each.effect, "why": each.why_not} for each in found.shown if each.why_not is not None]
 
 
 def _test(test: NextTest) -> dict[str, object]:

@@ -104,23 +104,31 @@ def step_name(step: Step) -> str:
     return " ".join((step.fit.model.base.name, *step.effects))
 
 
+def in_words(name: str) -> str:
+    """Return a name of the program as words: ``load_step.tau`` is the tau of load step."""
+    effect, _, parameter = name.rpartition(".")
+    words = f"{parameter} of {effect}" if effect else parameter
+    return words.replace("_", " ")
+
+
 def verdict_words(verdict: Verdict, found: Comparison) -> str:
     """Return a verdict on the newest model as a sentence without its stop."""
-    others = " or ".join(verdict.indistinguishable)
+    effect, family = in_words(verdict.effect or ""), in_words(verdict.family or "")
+    others = " or ".join(in_words(each) for each in verdict.indistinguishable)
     if verdict.kind == "not_testable":
         return str(found.reason)
     lacks = "".join(f"; {each}" for each in verdict.lacks)
     if verdict.kind == "confirmed":
-        return f"{verdict.effect} is missing{', and something else' if lacks else ''}{lacks}"
+        return f"{effect} is missing{', and something else' if lacks else ''}{lacks}"
     if verdict.kind == "family":
-        one = f"{verdict.family} is missing: this record cannot distinguish {verdict.effect} from {others}"
+        one = f"{family} is missing: this record cannot distinguish {effect} from {others}"
         return f"{one}{'; something else is missing too' if lacks else ''}{lacks}"
     if verdict.kind == "suggested":
         beside = f"; {others} would explain it as well" if others else ""
         beside += lacks
         for name in verdict.at_bound:
-            beside += f"; {name} ran into the bound of its search"
-        return f"perhaps {verdict.effect} is missing, but that is not certain{beside}"
+            beside += f"; {in_words(name)} ran into the bound of its search"
+        return f"perhaps {effect} is missing, but that is not certain{beside}"
     if not found.candidates:
         shown = "no further effect was tried"
     elif found.smallest_percent is None:
@@ -143,6 +151,6 @@ def _where(verdict: Verdict, found: Comparison) -> str:
     if found.lines:
         return f"a wave of {1 / found.lines[0].frequency:.4g} s from outside is left in the residual"
     if verdict.at_bound:
-        slow = " and ".join(verdict.at_bound)
+        slow = " and ".join(in_words(each) for each in verdict.at_bound)
         return f"{slow} ran into the bound of its search, as of a process that integrates"
     return "a wave in step with OP is left in the residual"

@@ -11,7 +11,7 @@ from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, MORE_DYNAMICS, Lin
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
-from agent.workbench.likeliest import likelier_otherwise
+from agent.workbench.likeliest import comparable, likelier_otherwise
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.state_dependence import LEVEL as FOLLOWED
 from agent.workbench.residual.state_dependence import fails, resolves, state_dependence
@@ -53,6 +53,11 @@ def no_other_record(smaller: Fit, larger: Fit) -> bool:  # noqa: ARG001
     return False
 
 
+def nothing_near(decision: Decision, models: Mapping[str, Tried]) -> Mapping[str, Tried]:  # noqa: ARG001
+    """Return that nothing more could pass for an effect."""
+    return {}
+
+
 def judged(
     smaller: Step,
     models: Mapping[str, Tried],
@@ -60,6 +65,7 @@ def judged(
     event_p: Mapping[str, float],
     together: Callable[[Step | Tried, Effect], Tried],
     worse: Callable[[Fit, Fit], bool] = no_other_record,
+    near: Callable[[Decision, Mapping[str, Tried]], Mapping[str, Tried]] = nothing_near,
 ) -> AllTried:
     """Judge effects by their held-out errors, and by what the innovations say of each.
 
@@ -75,6 +81,7 @@ def judged(
             nothing happened.
         together: Tries an effect on top of one of the models, or of the smaller one.
         worse: Whether a larger model, the second, follows another recording less well than a smaller one.
+        near: Fits what could pass for an effect that would be confirmed and was not fitted (``neighbours``).
     """
 
     def both_needed(name: str, other: str) -> bool:
@@ -94,14 +101,9 @@ def judged(
     found = {name: evidence_of(smaller, each, record, len(models)) for name, each in models.items()}
     doubts = Doubts(smaller, models, found, both_needed, beside_dynamics)
     by_chance = {name: each.by_chance for name, each in found.items()}
-    objections = doubts.objections
-    for name, each in found.items():
-        if (each.once and each.by_chance >= 1) or event_p.get(name, 0.0) >= LEVEL:
-            objections[name] = BY_CHANCE
-        if not each.explains:
-            objections[name] = ANSWERS
+    doubts.objections.update(_at_once(found, event_p))
     if smaller.predicts is not None:
-        objections.update(dict.fromkeys(likelier_otherwise(found), UNLIKELY))
+        doubts.objections.update(dict.fromkeys(likelier_otherwise(found), UNLIKELY))
     judge_by = partial(
         judge,
         smaller.held_out.losses,
@@ -112,12 +114,27 @@ def judged(
         event_p=event_p,
         once={name for name, each in found.items() if each.once},
         likelier={name: each.criterion for name, each in found.items()},
+        comparable=() if smaller.predicts is None else comparable(found),
     )
     decision = _undoubted(judge_by, doubts)
     if smaller.predicts is not None and _is_weak(decision, found):
         decision = replace(decision, kind="suggested")
     decision = _lowered(decision, doubts, smaller, models, worse)
+    more = near(decision, models)
+    if more:
+        return judged(smaller, {**models, **more}, record, event_p, together, worse, near)
     return AllTried(_beside_unnamed(decision, smaller, models, found, together, record), models)
+
+
+def _at_once(found: Mapping[str, Evidence], event_p: Mapping[str, float]) -> dict[str, str]:
+    """Return what rejects effects by themselves, in words."""
+    objections = {}
+    for name, each in found.items():
+        if (each.once and each.by_chance >= 1) or event_p.get(name, 0.0) >= LEVEL:
+            objections[name] = BY_CHANCE
+        if not each.explains:
+            objections[name] = ANSWERS
+    return objections
 
 
 def _beside_unnamed(

@@ -13,6 +13,7 @@ import numpy as np
 from agent.workbench.likeliest import less_likely
 from agent.workbench.paired_blocks import reduction, sign_flip_p
 from agent.workbench.residual.holm import LEVEL, holm
+from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -83,6 +84,7 @@ def judge(
     event_p: Mapping[str, float] | None = None,
     once: Collection[str] = (),
     likelier: Mapping[str, float] | None = None,
+    comparable: Collection[str] = (),
     objections: Mapping[str, str] | None = None,
     rng: np.random.Generator | None = None,
 ) -> Decision:
@@ -108,6 +110,9 @@ def judge(
         once: Candidates of what happened once. Refits know when, so that their blocks are not blind: p of
             their signs does not count, only ``by_chance``.
         likelier: How much likelier the record is with a candidate (``Evidence.criterion``).
+        comparable: Candidates that act on OP all the time. One of another family with which the record is
+            not far less likely than with the best cannot be distinguished from it, whatever its error. Not if
+            the best is a wave, which innovations hardly show.
         objections: Candidates that something rejects whatever their p, and what; none is confirmed.
         rng: Of the bootstrap; None: always the same draws.
     """
@@ -139,6 +144,15 @@ def judge(
             if likely.get(each.effect, -np.inf) >= likely.get(best.effect, np.inf)
             or not _is_distinct(least, own[each.effect], draws)
         }
+        if best.effect in {*comparable, *once}:
+            alike |= {
+                each.effect
+                for each in ranked
+                if each.effect in comparable
+                and each.objection is None
+                and each.family != best.family
+                and likely[best.effect] - likely[each.effect] <= VERY_STRONG
+            }
         kin = {each for each in alike & likely.keys() if families[each] == best.family}
         poor = less_likely({each: likely[each] for each in kin})
         ordered = sorted((effect for effect in own if effect in alike), key=poor.__contains__)

@@ -25,13 +25,20 @@ def less_likely(criteria: Mapping[str, float]) -> list[str]:
     return [name for name, each in criteria.items() if best - each > VERY_STRONG]
 
 
+def comparable(found: Mapping[str, Evidence]) -> set[str]:
+    """Return the effects between which the likelihood decides: those that act on OP, and not once.
+
+    What happened once excludes nothing: under a load that wanders its likelihood is too kind.
+    """
+    return {name for name, each in found.items() if each.answers and not each.once}
+
+
 def likelier_otherwise(found: Mapping[str, Evidence]) -> set[str]:
     """Return the effects with which the record is far less likely than with one of another family.
 
-    Also where that one hardly lowers the free-run error. What happened once excludes nothing: under a load
-    that wanders its likelihood is too kind. What knows nothing of OP is not excluded.
+    Also where that one hardly lowers the free-run error. What knows nothing of OP is not excluded.
     """
-    able = [each for each in found.values() if each.answers and not each.once and each.explains]
+    able = [found[name] for name in comparable(found) if found[name].explains]
     return {
         name
         for name, each in found.items()

@@ -35,6 +35,8 @@ COARSE, SMOOTH = 1e-3, 1e-5
 """Step of derivatives, part of a parameter's range: over steps of the error, and where there are none."""
 STEPS = 12
 """Of Gauss and Newton, at most, on a linear base."""
+SAME = 0.1
+"""Difference of points of a simplex, twice a logarithm of their likelihoods, below which none is better."""
 STEP = 0.05
 """First step of a simplex, part of a parameter's range."""
 
@@ -53,6 +55,11 @@ class Objective:
     def facts(self) -> Facts:
         """Of the record."""
         return self.record.facts
+
+    @property
+    def count(self) -> int:
+        """Samples that count."""
+        return self.target.count
 
     def columns(self, at: FloatArray) -> FloatArray:
         """Return the columns of the model at a point of the unit cube, (k,)."""
@@ -106,6 +113,11 @@ class Pinned:
     def facts(self) -> Facts:
         """Of the objective's record."""
         return self.objective.facts
+
+    @property
+    def count(self) -> int:
+        """Samples of the objective that count."""
+        return self.objective.count
 
     def whole(self, free: FloatArray) -> FloatArray:
         """Return all coordinates, (k,), of those that move."""
@@ -208,8 +220,8 @@ def lowered(objective: Objective | Pinned, start: FloatArray, step: float, evalu
     found = lowest(lambda at: objective.solved(at).residual, start, steps, difference)
     if not linear or not is_rough(objective):
         return found
-    flat = 1e-7 * max(objective.error(found), 1e-300)
-    return lowered_by_simplex(objective.error, found, step, evaluations, near=1e-5, flat=flat)
+    flat = SAME / objective.count * max(objective.error(found), 1e-300)
+    return lowered_by_simplex(objective.error, found, step, evaluations, near=1.0, flat=flat)
 
 
 def is_rough(objective: Objective | Pinned) -> bool:

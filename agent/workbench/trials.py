@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -17,10 +17,11 @@ from agent.workbench.event_scan import course_p, instant_p, instants_seen
 from agent.workbench.evidence import far_likelier
 from agent.workbench.fit import contributions, fit
 from agent.workbench.inputs.measured_input import MeasuredInput
-from agent.workbench.library import happens_once, missing
+from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.shown.information import Shown, shown_by
+from agent.workbench.shown.neighbours import neighbours
 from agent.workbench.shown.score import worth_a_fit
 from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
@@ -30,6 +31,7 @@ from agent.workbench.valve_starts import ValveStart, valve_starts, with_valves
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
+    from agent.workbench.decision import Decision
     from agent.workbench.fit import Fit
     from agent.workbench.folds import Folds
     from agent.workbench.hooks import Map, Progress
@@ -75,7 +77,7 @@ class Trials:
         if step.effects not in self._done:
             hidden = {each.effect for each in self.shown_on(step, library) if each.why_not is not None}
             candidates = [each for each in missing(step.fit.model, library) if each.name not in hidden]
-            self._done[step.effects] = self.judged_on(step, self._worth_a_fit(step, candidates))
+            self._done[step.effects] = self.judged_on(step, self._worth_a_fit(step, candidates), candidates)
         return self._done[step.effects]
 
     def _worth_a_fit(self, step: Step, effects: Sequence[Effect]) -> list[Effect]:
@@ -95,11 +97,36 @@ class Trials:
             self._shown[step.effects] = shown_by(*step.predicts, missing(step.fit.model, library))
         return self._shown[step.effects]
 
-    def judged_on(self, step: Step, effects: Sequence[Effect]) -> AllTried:
-        """Try these effects on top of a model."""
+    def judged_on(self, step: Step, effects: Sequence[Effect], able: Sequence[Effect] = ()) -> AllTried:
+        """Try these effects on top of a model, and what of the ``able`` ones could pass for the best."""
+
+        def near(decision: Decision, models: Mapping[str, Tried]) -> Mapping[str, Tried]:
+            alike = self._neighbours(step, decision, models, able)
+            return self._tried(step, alike) if alike else {}
+
         event_p = {each.name: self.event_p(step, each) for each in effects}
         models = self._tried(step, effects)
-        return judged(step, models, self.record, event_p, self._both, self._is_worse)
+        return judged(step, models, self.record, event_p, self._both, self._is_worse, near)
+
+    def _neighbours(
+        self, step: Step, decision: Decision, models: Mapping[str, Tried], able: Sequence[Effect]
+    ) -> list[Effect]:
+        """Return the effects that act on OP, were not fitted and could pass for one to be confirmed."""
+        if decision.kind not in {"confirmed", "family"} or step.predicts is None:
+            return []
+        larger, facts = models[str(decision.effect)], self.record.facts
+        effect = larger.fit.model.effects[-1]
+        if larger.predicts is None or not (acts_on_op(effect, facts) or happens_once(effect, facts)):
+            return []
+        left = [
+            each
+            for each in able
+            if each.name not in models
+            and each.name not in self.left_out
+            and acts_on_op(each, facts)
+            and not happens_once(each, facts)
+        ]
+        return neighbours(step.predicts, larger.predicts, left)
 
     def event_p(self, smaller: Step | Tried, effect: Effect) -> float:
         """Return how likely as much is explained where nothing happened; 0 of what is no event and no input.

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from agent.report.comparison_json import not_shown_json
 from agent.report.comparison_text import causes_words, chance_words, step_name, verdict_words
 from agent.report.headline import capital, headline
 from agent.web.rows import numbers, plain
 from agent.web.workbench.same_lines import command_of, python_of
 from agent.workbench.residual.axes import UNITS
-from agent.workbench.session.compared import unfitted
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -50,10 +50,7 @@ def tree_json(tree: StepTree, source: ReadSource, columns: dict[str, str]) -> di
         "current": tree.current,
         "path": _path(tree),
         "model": _model(node),
-        "found": None
-        if node.comparison is None
-        else _found(node.comparison)
-        | {"not_fitted": list(unfitted(node.bench, node.step, node.comparison.candidates))},
+        "found": None if node.comparison is None else _found(node.comparison),
         "command": command_of(source, node),
         "python": python_of(source, node),
     }
@@ -193,6 +190,8 @@ def _found(found: Comparison) -> dict[str, Any]:
             }
             for each in found.candidates
         ],
+        "not_fitted": list(found.not_fitted),
+        "not_shown": not_shown_json(found),
         "floor": None if floor is None else {"low": plain(floor.low), "high": plain(floor.high)},
         "unseen": list(found.unseen),
     }

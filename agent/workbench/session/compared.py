@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from agent.workbench.decision import Candidate
     from agent.workbench.session.bench import Bench
     from agent.workbench.shown.information import Shown
-    from agent.workbench.step import Step
 
 
 def compared(bench: Bench) -> Comparison:
@@ -63,17 +62,12 @@ def compared(bench: Bench) -> Comparison:
     )
 
 
-def unfitted(bench: Bench, step: Step, candidates: Sequence[Candidate]) -> tuple[str, ...]:
-    """Return the effects that may be added to a step and were neither fitted nor left out, by the library."""
-    named = {each.effect for each in candidates} | bench.trials.left_out.keys()
-    possible = (each.name for each in missing(step.fit.model, bench.library))
-    return tuple(name for name in possible if name not in named)
-
-
 def _not_fitted(bench: Bench, candidates: Sequence[Candidate], shown: Sequence[Shown]) -> tuple[str, ...]:
     """Return the effects that are neither in the table nor named with a reason, in the library's order."""
-    explained = {each.effect for each in shown if each.why_not is not None}
-    return tuple(name for name in unfitted(bench, bench.step, candidates) if name not in explained)
+    named = {each.effect for each in candidates} | bench.trials.left_out.keys()
+    named |= {each.effect for each in shown if each.why_not is not None}
+    possible = (each.name for each in missing(bench.step.fit.model, bench.library))
+    return tuple(name for name in possible if name not in named)
 
 
 def _evidence(bench: Bench) -> tuple[StepEvidence, ...]:

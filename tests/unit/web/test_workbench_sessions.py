@@ -76,7 +76,9 @@ async def test_a_session_from_the_upload_to_its_end(served):
     assert found["candidates"]
     tried = {each["effect"] for each in found["candidates"]}
     assert found["not_fitted"]
-    assert not tried & set(found["not_fitted"])
+    reasons = {each["effect"]: each["why"] for each in found["not_shown"]}
+    assert all(reasons.values())
+    assert not set(found["not_fitted"]) & (tried | reasons.keys())
     assert found["verdict"]["words"]
     panel = (await web.get(f"{base}/axis/op_level")).json()
     assert len(panel["edges"]) == len(panel["means"]) + 1

@@ -178,3 +178,12 @@ def test_a_process_that_integrates_is_none_of_the_known_where_none_may():
 def test_a_failure_on_no_axis_is_reported_in_words(told, words):
     verdict = Verdict("none_of_the_known", at_bound=told)
     assert words in verdict_words(verdict, not_testable("loop", ""))
+
+
+def test_a_verdict_names_effects_in_words():
+    verdict = Verdict("suggested", "load_step", "disturbance", ("sensor_deadband",), ("load_step.tau",))
+    words = verdict_words(verdict, not_testable("loop", ""))
+    assert words == (
+        "perhaps load step is missing, but that is not certain; sensor deadband would explain it as well; "
+        "tau of load step ran into the bound of its search"
+    )

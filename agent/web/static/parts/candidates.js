@@ -22,10 +22,11 @@ export function Candidates({ state, busy, tick, untick }) {
       ${verdict.test && html`<p class="quiet"><strong>The test that would:</strong> ${verdict.test}</p>`}</div>`}
     ${others.map(row)}
     ${found && found.not_fitted.map((each) => html`<${Row} key=${each} effect=${each} on=${false} busy=${busy} change=${() => tick(each)} note="not fitted: no hint" />`)}
+    ${found && found.not_shown.map((each) => html`<${Row} key=${each.effect} effect=${each.effect} on=${false} busy=${busy} change=${() => tick(each.effect)} why=${`This record cannot show it: ${each.why}`} />`)}
     ${found && !verdict.effect && html`<p class="quiet">Nothing more is confirmed.</p>`}</section>`;
 }
 
-function Row({ effect, on, busy, change, each, note, loud }) {
+function Row({ effect, on, busy, change, each, note, why, loud }) {
   const place = (value) => `${Math.min(Math.max(value, 0), 100)}%`;
   const idle = each && each.percent < SEEN;
   return html`<label class=${`wb-effect ${loud ? "loud" : ""} ${idle ? "idle" : ""}`} data-effect=${effect}>
@@ -34,7 +35,7 @@ function Row({ effect, on, busy, change, each, note, loud }) {
     ${each ? html`<span class="wb-gain">${fall(each.percent)}${!idle && html`<small>${fall(each.low)} to ${fall(each.high)}${beside(each) && `, ${each.chance}`}</small>`}</span>
       ${!idle && html`<svg class="wb-bar" height="8" width="100%" role="img" aria-label=${`Error falls by ${fall(each.percent)}, ${fall(each.low)} to ${fall(each.high)}`}><line x1="0" x2="100%" y1="4" y2="4" class="scale" />
         <line x1=${place(each.low)} x2=${place(each.high)} y1="4" y2="4" class="interval" /><line x1=${place(each.percent)} x2=${place(each.percent)} y1="0" y2="8" class="value" /></svg>`}
-      ${!idle && !beside(each) && html`<small class="wb-why">${sentence(plainly(each.chance))}</small>`}` : html`<span class="quiet">${note}</span>`}
+      ${!idle && !beside(each) && html`<small class="wb-why">${sentence(plainly(each.chance))}</small>`}` : html`${note && html`<span class="quiet">${note}</span>`}${why && html`<small class="wb-why">${sentence(plainly(why))}</small>`}`}
   </label>`;
 }
 
