@@ -3,8 +3,8 @@
 Half of the valves move seldom, as in a plant. How many of those with an outcome stick is counted, together
 with what the log odds of a window mean on the 346 loops of ``evidence_weights``: those move in each window,
 and few valves of the weeks have the rarer outcomes. How alike the windows of a valve are, the sum of each
-distribution, is the most likely one. A sound valve that looks like one that sticks in all its windows is one
-of ``MIMICS``, by its likelihood, and does not count for the mean rates of the others (expectation,
+distribution, is the mean of its posterior. A sound valve that looks like one that sticks in all its windows
+is one of ``MIMICS``, by its likelihood, and does not count for the mean rates of the others (expectation,
 maximisation); for how alike windows are it counts, or a few sound valves would make many windows certain.
 The seeds are used for nothing else.
 """

@@ -62,7 +62,8 @@ def run(options: Options) -> None:
     rows.append(_row("all", judged))
     columns = ("roots", "plants", "groups right", "roots found", "named first", "with diagnoses")
     print(table("### Plants of coupled loops", columns, rows))
-    print(f"One look of the agent at {MOST_LOOPS} loops of {MOST_SAMPLES} samples: {look_cost():.1f} s of CPU\n")
+    cost = look_cost()
+    print(f"One look of the agent at {MOST_LOOPS} loops of {MOST_SAMPLES} samples: {cost:.1f} s of CPU\n")
 
 
 def look_cost(loops: int = MOST_LOOPS, samples: int = MOST_SAMPLES) -> float:

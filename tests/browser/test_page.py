@@ -161,7 +161,9 @@ def test_filter_search_and_hostile_name(plant, open_page):
 
 def group_of(period, loops, path):
     """A group whose first loop is the likeliest root; all else of a wave is not shown."""
-    suspects = tuple(Suspect(loop, Wave(k, period, 0.5), p, {"drives": 1.0}) for k, (loop, p) in enumerate(loops))
+    suspects = tuple(
+        Suspect(loop, Wave(k, period, 0.5), p, {"drives": 1.0}) for k, (loop, p) in enumerate(loops)
+    )
     return PlantGroup(period, suspects, path)
 
 
@@ -194,7 +196,8 @@ def test_groups_of_loops_with_root_and_path_and_a_hostile_name(plant, open_page)
     # The path: each loop is a list item within that of the loop it follows.
     assert first.locator(".path > li > ul > li > ul > li > a").inner_text() == last
     assert first.locator(".path > li > ul > li > a").inner_text() == HOSTILE
-    assert first.locator(".path > li > a").get_attribute("href") == "/loops/11-PIC%2F1%20%3Cb%3Ebold%3C%2Fb%3E"
+    address = first.locator(".path > li > a").get_attribute("href")
+    assert address == "/loops/11-PIC%2F1%20%3Cb%3Ebold%3C%2Fb%3E"
     assert seen.locator("b, script").count() == 0
     assert wider(page) <= 0
     assert serious(page) == []
