@@ -3,8 +3,8 @@
 Half of the valves move seldom, as in a plant. How many of those with an outcome stick is counted, together
 with what the log odds of a window mean on the 346 loops of ``evidence_weights``: those move in each window,
 and few valves of the weeks have the rarer outcomes. How alike the windows of a valve are, the sum of each
-distribution, is the most likely one. A sound valve that looks like one that sticks in all its windows is one
-of ``MIMICS``, by its likelihood, and does not count for the mean rates of the others (expectation,
+distribution, is the mean of its posterior. A sound valve that looks like one that sticks in all its windows
+is one of ``MIMICS``, by its likelihood, and does not count for the mean rates of the others (expectation,
 maximisation); for how alike windows are it counts, or a few sound valves would make many windows certain.
 The seeds are used for nothing else.
 """
@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from rich.console import Console
 from rich.progress import track
-from scipy.optimize import minimize
 from scipy.special import gammaln
 
 from agent.analysis.memory.outcome import OUTCOMES, Outcome
@@ -58,8 +57,9 @@ LOG_ODDS: Mapping[Outcome, float] = {
 }
 """Middle of each outcome's log odds, where about half of the loops stick as in ``evidence_weights``. Of a
 valve that was stuck: ten to one, for none of 160 sound loops was called so (``no_response``)."""
-SPREAD = (0.5, 200.0)
-"""Range in which the sum of a distribution's parameters is searched."""
+ALIKE = np.linspace(0.0, 1.0, 201)[1:-1]
+"""Correlations of two windows of a valve that are tried. The likeliest one alone is at its bound wherever no
+valve of so few has mixed outcomes, and then one contrary window would count for many."""
 
 
 def run(options: Options) -> None:
@@ -117,19 +117,19 @@ def mean_rates(
 
 
 def dirichlet(counts: FloatArray, mean: FloatArray) -> FloatArray:
-    """Return the most likely parameters (k,), with this mean, of the rates of valves with ``counts``.
+    """Return the parameters (k,), with this mean, of the rates of valves with ``counts``.
+
+    How alike the windows of a valve are, rho = 1 / (1 + A) with A the sum of the parameters, is the mean of
+    its posterior, with each rho as probable as another before.
 
     Args:
         counts: Windows by outcome, (valves, k).
         mean: Adds up to one, (k,).
     """
-
-    def cost(log_spread: FloatArray) -> float:
-        return -float(log_likelihoods(counts, mean * np.exp(log_spread[0])).sum())
-
-    low, high = np.log(SPREAD)
-    found = minimize(cost, [np.log(4.0)], bounds=[(low, high)])
-    return np.asarray(mean * np.exp(found.x[0]))
+    found = np.array([log_likelihoods(counts, mean * (1 / rho - 1)).sum() for rho in ALIKE])
+    weight = np.exp(found - found.max())
+    alike = float(weight @ ALIKE / weight.sum())
+    return np.asarray(mean * (1 / alike - 1))
 
 
 def log_likelihoods(counts: FloatArray, alphas: FloatArray) -> FloatArray:

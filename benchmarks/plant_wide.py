@@ -7,6 +7,7 @@ a diagnosis of the loops the wave alone decides; with ``--full`` the diagnoses o
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -19,6 +20,7 @@ from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.plant.plant import PlantFinding, plant_finding
 from agent.analysis.record.recording import LoopWindow
 from agent.runtime.loop.process_pool import process_pool
+from agent.runtime.plant_wide import MOST_LOOPS, MOST_SAMPLES
 from benchmarks.cases.options import Options
 from benchmarks.tables.markdown import table
 from simulators.draws.coupled_plants import CASES, CoupledPlant, coupled_plant
@@ -26,6 +28,10 @@ from simulators.draws.coupled_plants import CASES, CoupledPlant, coupled_plant
 PLANTS, PLANTS_FULL = 14, 70
 SEED = 100
 """First of the plants; the weights of the clues were fitted on those below 14."""
+COST_SEED = 63900
+"""Of the noise of the loops whose comparison is timed."""
+WAVES, FIRST_PERIOD, RATIO = 10, 40.0, 1.27
+"""Of these loops: oscillations, each of several loops; the shortest period, s; and one over the next."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +62,24 @@ def run(options: Options) -> None:
     rows.append(_row("all", judged))
     columns = ("roots", "plants", "groups right", "roots found", "named first", "with diagnoses")
     print(table("### Plants of coupled loops", columns, rows))
+    cost = look_cost()
+    print(f"One look of the agent at {MOST_LOOPS} loops of {MOST_SAMPLES} samples: {cost:.1f} s of CPU\n")
+
+
+def look_cost(loops: int = MOST_LOOPS, samples: int = MOST_SAMPLES) -> float:
+    """Return the time of a core, s, that loops with several oscillations and with none take."""
+    rng, moments = np.random.default_rng(COST_SEED), np.arange(float(samples))
+    waves = [np.sign(np.sin(2 * np.pi * moments / (FIRST_PERIOD * RATIO**k))) for k in range(WAVES)]
+    waves += [np.zeros(samples)] * 2
+    windows = []
+    for k in range(loops):
+        slow = np.convolve(rng.normal(size=samples), np.full(20, 1 / 20), "same")
+        moved = waves[k % len(waves)] + slow
+        pv = 80 + moved + 0.2 * rng.normal(size=samples)
+        windows.append(LoopWindow(f"FIC{k}", 0.0, 1.0, 50 - moved, pv, np.full(samples, 80.0)))
+    started = time.process_time()
+    plant_finding(windows)
+    return time.process_time() - started
 
 
 def _row(name: str, judged: Sequence[JudgedPlant]) -> tuple[object, ...]:

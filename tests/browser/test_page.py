@@ -8,6 +8,11 @@ import paho.mqtt.client as mqtt
 import pytest
 from playwright.sync_api import expect
 
+from agent.analysis.plant.plant import PlantFinding, PlantGroup
+from agent.analysis.plant.root import Suspect
+from agent.analysis.plant.wave import Wave
+from agent.runtime.plant_wide import PlantLook
+from agent.web.screens.work_list import groups_of
 from tests.browser.plant import HOSTILE
 from tests.conftest import ROOT
 
@@ -152,6 +157,50 @@ def test_filter_search_and_hostile_name(plant, open_page):
     page.wait_for_selector("h1")
     assert page.locator("h1").inner_text() == HOSTILE
     assert page.title() == HOSTILE
+
+
+def group_of(period, loops, path):
+    """A group whose first loop is the likeliest root; all else of a wave is not shown."""
+    suspects = tuple(
+        Suspect(loop, Wave(k, period, 0.5), p, {"drives": 1.0}) for k, (loop, p) in enumerate(loops)
+    )
+    return PlantGroup(period, suspects, path)
+
+
+def test_groups_of_loops_with_root_and_path_and_a_hostile_name(plant, open_page):
+    page = open_page(390)
+    page.goto(plant.address)
+    before = page.locator("[data-testid=groups]")
+    assert "not yet since the start" in before.inner_text()  # the first look comes after an hour
+    root, last = "11-PIC/1 <b>bold</b>", "LIC9"
+    finding = PlantFinding(
+        (
+            group_of(612.0, ((root, 0.72), (HOSTILE, 0.2), (last, 0.08)), ((root, HOSTILE), (HOSTILE, last))),
+            group_of(61.5, (("FIC101", 0.9), (last, 0.1)), (("FIC101", last),)),
+        ),
+        (root, HOSTILE, last, "FIC101"),
+        7200.0,
+    )
+    answer = groups_of(PlantLook(1.7e9, finding, 3))
+    page.route("**/api/work-list/groups", lambda route: route.fulfill(json=answer))
+    page.goto(plant.address)
+    page.wait_for_selector(STICKS)
+    seen = page.locator("details[data-testid=groups]")
+    assert seen.locator("summary").inner_text().startswith("4 loops oscillate together, in 2 groups")
+    assert ", 3 not (" in seen.locator("summary").inner_text()
+    page.click("[data-testid=groups] summary")
+    first = seen.locator("[data-group-root]").first
+    assert first.get_attribute("data-group-root") == root
+    text = first.locator("p").inner_text()
+    assert text.startswith(f"Period 612 s, 3 loops. Likeliest root {root}, 72 %: its past says more")
+    # The path: each loop is a list item within that of the loop it follows.
+    assert first.locator(".path > li > ul > li > ul > li > a").inner_text() == last
+    assert first.locator(".path > li > ul > li > a").inner_text() == HOSTILE
+    address = first.locator(".path > li > a").get_attribute("href")
+    assert address == "/loops/11-PIC%2F1%20%3Cb%3Ebold%3C%2Fb%3E"
+    assert seen.locator("b, script").count() == 0
+    assert wider(page) <= 0
+    assert serious(page) == []
 
 
 def test_filters_that_an_engineer_looks_for_are_always_there_and_the_map_dims_the_others(plant, open_page):

@@ -14,6 +14,8 @@ from agent.report.advice import advice
 from agent.report.diagnosis_json import diagnosis_json
 from agent.report.no_response_words import no_response_words
 from agent.report.reasons import reasons
+from simulators.draws.random_cascades import random_cascade
+from simulators.plant import simulate
 from tests.unit.analysis.diagnoses import HEALTHY, Told
 
 N = 1200
@@ -188,3 +190,16 @@ def test_a_plug_that_jams_in_the_middle_of_a_quiet_record_is_found():
     found = no_response(window(op, pv + 0.2 * rng.normal(size=N)))
     assert found is not None
     assert found.cause == "unknown"
+
+
+def test_a_sticking_valve_that_is_called_stuck_stood_while_op_travelled_and_then_slipped():
+    """The only one of 24 sticking loops that `docs/methods/no_response.md` speaks of."""
+    scenario = random_cascade(62001, "cascade_stiction")
+    record = simulate(scenario)
+    found = no_response(LoopWindow("TIC1", 0.0, scenario.ts, record.op, record.pv, record.sp))
+    assert found is not None
+    assert found.cause == "stuck_valve"
+    stem = record.mv[found.begin : found.end - 1]  # the last sample is that of the slip
+    assert np.ptp(stem) < 0.01
+    assert np.ptp(record.op[found.begin : found.end]) > 7
+    assert abs(record.mv[found.end + 2] - stem[-1]) > 3

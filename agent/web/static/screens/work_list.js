@@ -5,6 +5,7 @@ import { html, useEffect, useState } from "../parts/html.js";
 import { AlarmMark, GROUPS, Shape } from "../parts/marks.js";
 import { navigate } from "../parts/router.js";
 import { useStream } from "../parts/stream.js";
+import { PlantGroups } from "../parts/plant_groups.js";
 import { PlantMap } from "../parts/plant_map.js";
 
 const FILTERS = ["sticks", "suspected", "tight_tuning", "disturbance", "undecided", "not_testable", "healthy", "waiting", "stale"];
@@ -52,6 +53,7 @@ export default function WorkList({ address }) {
       ${view === "list" && html`<label class="inline">Order <select value=${query.get("sort") ?? "next"} onChange=${(event) => go({ sort: event.target.value === "next" ? "" : event.target.value })}>
         ${Object.entries(SORTS).map(([value, text]) => html`<option value=${value} selected=${value === (query.get("sort") ?? "next")}>${text}</option>`)}</select></label>`}
     </div>
+    <${PlantGroups} />
     ${view === "map" ? html`<${PlantMap} choose=${(area) => go({ area, view: "" })} shown=${fits(query)} />` : html`<${List} parts=${parts} />`}
     ${view === "list" && parts && html`<${Pages} plant=${parts.plant} page=${Number(query.get("page") ?? 0)} go=${go} />`}`;
 }
