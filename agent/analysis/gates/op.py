@@ -18,6 +18,7 @@ MIN_SPAN_OF_RANGE = 0.002
 """Smallest movement of OP that counts, as a part of its range: the usual resolution of a positioner."""
 LIMIT_MARGIN = 0.002
 """OP within this part of its range (or span) of a limit stands at the limit."""
+FEW_REVERSALS = "op_few_reversals"
 FEWEST_REVERSALS = 2
 """A stick band is visible only where the valve reverses; one reversal each way is the least."""
 
@@ -32,8 +33,9 @@ def op_faults(window: LoopWindow) -> list[GateFault]:
         return [fault]
     reversals = significant_reversals(op)
     if reversals < FEWEST_REVERSALS:
-        reason = f"OP reverses only {reversals} times, at least {FEWEST_REVERSALS} reversals are needed"
-        return [GateFault("op_few_reversals", reason, SHAPE)]
+        seen = f"OP reverses only {reversals} time" if reversals else "OP does not reverse"
+        reason = f"{seen}, at least {FEWEST_REVERSALS} reversals are needed"
+        return [GateFault(FEW_REVERSALS, reason, SHAPE)]
     return []
 
 

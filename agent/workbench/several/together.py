@@ -95,7 +95,7 @@ class Together:
         verdict = self.verdict
         others = f", or {', '.join(verdict.indistinguishable)}" if verdict.indistinguishable else ""
         effect = "" if verdict.effect is None else f": {verdict.effect}{others}"
-        return "; ".join((f"{verdict.kind.replace('_', ' ')}{effect}", *verdict.lacks))
+        return "; ".join((f"{verdict.kind}{effect}".replace("_", " "), *verdict.lacks))
 
 
 def compared_together(
