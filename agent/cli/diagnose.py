@@ -165,9 +165,9 @@ def diagnose(
             failed |= bool(answer.faults)
             for fault in answer.faults:
                 complain(fault)
+            fleet.add(place, answer)
             if answer.diagnosis is not None:
                 _say(answer.diagnosis, answer.task.path, as_json=as_json)
-                fleet.add(place, answer)
                 if whole is not None:
                     whole.add(answer)
     if not as_json:

@@ -6,10 +6,10 @@ Source: reference ``methods.md`` sections 3 (preparation) and 5 (pitfalls). One 
 from __future__ import annotations
 
 from agent.analysis.gates.fault import ALL_KINDS, GateFault, closed_kinds
-from agent.analysis.gates.op import FEW_REVERSALS, op_faults
+from agent.analysis.gates.op import op_faults
 from agent.analysis.gates.pv import pv_faults
 from agent.analysis.gates.record import different_clocks, record_faults, too_short
-from agent.analysis.gates.rhythm import COARSE, rhythm_faults
+from agent.analysis.gates.rhythm import rhythm_faults
 from agent.analysis.gates.skew import skew_faults
 from agent.analysis.gates.transmission import transmission_faults
 from agent.analysis.record.recording import LoopWindow
@@ -31,12 +31,9 @@ def gates(window: LoopWindow, oscillation: Oscillation) -> tuple[GateFault, ...]
     faults = (*record_faults(window), *op_faults(window), *pv_faults(window))
     if closed_kinds(faults) == ALL_KINDS:
         return faults
-    rhythm = rhythm_faults(window, oscillation)
-    if any(fault.name == COARSE for fault in rhythm):  # there a movement from scan to scan looks like noise
-        faults = tuple(fault for fault in faults if fault.name != FEW_REVERSALS)
     return (
         *faults,
         *transmission_faults(window, oscillation),
         *skew_faults(window, oscillation),
-        *rhythm,
+        *rhythm_faults(window, oscillation),
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from agent.analysis.gates.fault import SHAPE, GateFault
 from agent.analysis.gates.values import constant, quantised
-from agent.analysis.record.reversals import significant_reversals
+from agent.analysis.record.reversals import noise_hides_reversals, significant_reversals
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
@@ -18,7 +18,6 @@ MIN_SPAN_OF_RANGE = 0.002
 """Smallest movement of OP that counts, as a part of its range: the usual resolution of a positioner."""
 LIMIT_MARGIN = 0.002
 """OP within this part of its range (or span) of a limit stands at the limit."""
-FEW_REVERSALS = "op_few_reversals"
 FEWEST_REVERSALS = 2
 """A stick band is visible only where the valve reverses; one reversal each way is the least."""
 
@@ -32,10 +31,10 @@ def op_faults(window: LoopWindow) -> list[GateFault]:
     if fault is not None:
         return [fault]
     reversals = significant_reversals(op)
-    if reversals < FEWEST_REVERSALS:
+    if reversals < FEWEST_REVERSALS and not noise_hides_reversals(op):
         seen = f"OP reverses only {reversals} time" if reversals else "OP does not reverse"
         reason = f"{seen}, at least {FEWEST_REVERSALS} reversals are needed"
-        return [GateFault(FEW_REVERSALS, reason, SHAPE)]
+        return [GateFault("op_few_reversals", reason, SHAPE)]
     return []
 
 

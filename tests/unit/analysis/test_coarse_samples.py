@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from agent.analysis.indices.movement import Reversals
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.record.reversals import significant_reversals
 from agent.report.reasons import reasons
@@ -31,6 +32,7 @@ def test_a_coarse_op_is_not_said_to_stand():
     saw = 50 + np.abs((T / 2.15) % 2 - 1)
     window = LoopWindow("x", 0.0, 10.0, op=saw, pv=np.sin(np.pi * T / 2.15))
     assert significant_reversals(saw) < 2
+    assert Reversals().of(window, None) is None
     found = reasons(judged(window, STICKING))
     assert any("at least 12 are needed" in each for each in found)
     assert not any("revers" in each for each in found)
