@@ -65,7 +65,7 @@ def diagnose(
     ] = False,
     each: Annotated[
         bool,
-        typer.Option("--each", help="Judge every recording alone, also those that are named for one valve."),
+        typer.Option("--each", help="Every recording alone, also those that are named for one valve."),
     ] = False,
     one_valve: Annotated[
         bool,
@@ -75,7 +75,7 @@ def diagnose(
         bool,
         typer.Option(
             "--plant",
-            help="The recordings are loops of one plant: say which of them oscillate together, where that "
+            help="The recordings are loops of one plant: report which of them oscillate together, where that "
             "begins most probably, and the way it takes. With --plot a picture, DIR/plant.png.",
         ),
     ] = False,
@@ -115,10 +115,10 @@ def diagnose(
 ) -> None:
     """Report from recordings whether the valve sticks, and by how much.
 
-    Recordings of one valve are judged together: those of one folder named by
+    Recordings of one valve are diagnosed together: those of one folder named by
     the same tag with a number or a date behind, as FIC101_1.csv, FIC101_2.csv.
     What is undecided alone may so be decided; what is firm alone stays. What
-    they say together is the first reason of each.
+    they show together is the first reason of each.
     """
     files = option.in_folders(recordings)
     get_ready(len(files), pictures=plot is not None)  # first: it goes on beside what follows
@@ -165,9 +165,9 @@ def diagnose(
             failed |= bool(answer.faults)
             for fault in answer.faults:
                 complain(fault)
+            fleet.add(place, answer)
             if answer.diagnosis is not None:
                 _say(answer.diagnosis, answer.task.path, as_json=as_json)
-                fleet.add(place, answer)
                 if whole is not None:
                     whole.add(answer)
     if not as_json:

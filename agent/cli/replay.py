@@ -73,7 +73,7 @@ def replay(
 ) -> None:
     """Play recordings on a bus to the agent, and see on that bus whether it raises an alarm.
 
-    The agent judges each recording as one window, and one window raises the alarm.
+    Each recording is one window of the agent, and one window raises the alarm.
     """
     from agent.runtime.capabilities import run_event_loop
     from connectors.recording import Columns

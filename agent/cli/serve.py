@@ -58,7 +58,7 @@ def serve(
     """Serve simulated loops on OPC UA, Modbus or MQTT, for training and acceptance tests.
 
     Each loop has OP, PV, SP and the valve position; alarms may be written back. What is hidden in the
-    scenarios that ship is in config/scenarios/truth.yaml.
+    scenarios that ship is in a file that --list names.
     """
     if list_them:
         _print_list()
@@ -209,14 +209,15 @@ def _write(path: Path, content: Mapping[str, Any]) -> None:
 def _print_list() -> None:
     """Print the scenarios that ship, without what is hidden in them."""
     from agent.cli.common.config_folder import config_folder
-    from simulators.hidden_faults import shipped
+    from simulators.hidden_faults import TRUTH, shipped
     from simulators.scenario import load_scenario
 
+    folder = config_folder() / "scenarios"
     rows = [["SCENARIO", "LOOP", "TS", "LASTS"]]
-    for name, path in shipped(config_folder() / "scenarios").items():
+    for name, path in shipped(folder).items():
         scenario = load_scenario(path)
         ends = scenario.set_points or scenario.load_steps or scenario.gain_steps
         lasts = f"{scenario.duration:g} s, then anew" if ends else "goes on"
         rows.append([name, scenario.loop, f"{scenario.ts:g} s", lasts])
-    for line in aligned(rows):
+    for line in (*aligned(rows), f"what is hidden in them: {folder / TRUTH}"):
         typer.echo(line)

@@ -96,7 +96,7 @@ def step_from(
         for j in range(i, 5):
             a[i, j] = a[j, i] = beside_nuisance(g, i, j) if lags or j < START_UP else 0.0
         a[i, PV] = g[i, PV] if lags or i < START_UP else 0.0
-    error, gain, starts = least_error(g, lags, problem.gain_sign, squares)
+    error, gain, starts = least_error(g, structure, problem.gain_sign, squares)
     if gain == 0.0:
         return ProcessStep(error, error, 0.0, 0.0, 0.0)
     used = (
@@ -124,10 +124,9 @@ def error_at(candidate: FloatArray, structure: int, problem: Problem, squares: f
     fill_response(room.passed, pole, pole2, room.ways)
     whole, part = delay_of(candidate, problem)
     response_products(room.ways, whole, part, problem, room.products)
-    lags = structure != INTEGRATOR
-    if lags:
+    if structure != INTEGRATOR:
         start_up_and_response(room.ways, whole, part, problem, room.products)
-    return float(least_error(room.products, lags, problem.gain_sign, squares)[0])
+    return float(least_error(room.products, structure, problem.gain_sign, squares)[0])
 
 
 @kernel
@@ -147,9 +146,9 @@ def beside_nuisance(g: FloatArray, i: int, j: int) -> float:
 @kernel
 def least_error(
     g: FloatArray,
-    lags: bool,
+    structure: int,
     gain_sign: int,
-    squares: float,  # noqa: FBT001 - numba has no keywords only
+    squares: float,
 ) -> tuple[float, float, bool]:
     """Return the least sum of squares of response, start-up and nuisance, the gain, and whether it starts up.
 
@@ -158,7 +157,7 @@ def least_error(
     response = beside_nuisance(g, 0, 0)
     if response <= SEEN * g[0, 0] or g[0, 0] == 0.0:
         return squares, 0.0, False
-    if lags:
+    if structure != INTEGRATOR:
         start_up, both = beside_nuisance(g, START_UP, START_UP), beside_nuisance(g, 0, START_UP)
         determinant = response * start_up - both**2
         if start_up > START_UP_SEEN * g[START_UP, START_UP] and determinant > SEEN * response * start_up:

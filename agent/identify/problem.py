@@ -206,10 +206,27 @@ def after_gaps(signal: FloatArray, period: float) -> NDArray[np.bool_]:
 
 def nuisance_basis(weight: FloatArray, keep: float) -> FloatArray:
     """Orthonormal columns for level, slope and the end of the filter's memory, (m, 3)."""
-    at = np.arange(len(weight), dtype=np.float64)
-    columns = np.stack([np.ones_like(at), at / len(at), keep**at], axis=1) * weight[:, None]
-    orthonormal, _ = np.linalg.qr(columns)
+    orthonormal, _ = np.linalg.qr(_nuisance(len(weight), keep) * weight[:, None])
     return np.asfortranarray(orthonormal)
+
+
+def nuisance_of(passed: FloatArray, counts: NDArray[np.bool_], keep: float) -> FloatArray:
+    """Return level, slope and the end of the filter's memory of a filtered signal, its unit, (n,).
+
+    Args:
+        passed: Behind ``high_pass``, (n,).
+        counts: Samples from which they are estimated, (n,).
+        keep: Pole of the filter.
+    """
+    columns = _nuisance(len(passed), keep, first=int(np.argmax(counts)))
+    solved, *_ = np.linalg.lstsq(columns[counts], passed[counts], rcond=None)
+    return columns @ solved
+
+
+def _nuisance(n: int, keep: float, first: int = 0) -> FloatArray:
+    """Return the columns, (n, 3); the memory ends from ``first`` on and is not drawn back before it."""
+    at = np.arange(n, dtype=np.float64)
+    return np.stack([np.ones_like(at), at / n, keep ** np.maximum(at - first, 0.0)], axis=1)
 
 
 def dominant_period(op: FloatArray) -> float:

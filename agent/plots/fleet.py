@@ -25,14 +25,17 @@ ROWS = 6
 """Valves on a page."""
 LETTERS = 62
 """Characters of a line of text beside a picture."""
+LINES, PAGE_LETTERS = 50, 190
+"""Lines of a page of text, and characters of each."""
 
 
-def fleet_pages(rows: Sequence[ValveRow], title: str) -> Iterator[Figure]:
+def fleet_pages(rows: Sequence[ValveRow], title: str, not_read: Sequence[str] = ()) -> Iterator[Figure]:
     """Yield the pages, the most urgent valve first.
 
     Args:
         rows: At least one.
         title: At the top of each page.
+        not_read: What could not be read, a line each; on a page of its own.
     """
     pages = -(-len(rows) // ROWS)
     for page in range(pages):
@@ -45,6 +48,12 @@ def fleet_pages(rows: Sequence[ValveRow], title: str) -> Iterator[Figure]:
                 axes.set_axis_off()
             if number < len(rows):
                 _draw(number + 1, rows[number], text, pv, op)
+        yield figure
+    for first in range(0, len(not_read), LINES):
+        figure = Figure(figsize=A4)
+        figure.suptitle(f"{title}: not read", x=0.01, ha="left", fontsize=12)
+        words = "\n".join(textwrap.shorten(each, PAGE_LETTERS) for each in not_read[first : first + LINES])
+        figure.text(0.01, 0.93, words, va="top", fontsize=7)
         yield figure
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from agent.report.numbers import p_words
+from agent.report.numbers import p_words, share_words, tenths
 from agent.workbench.decision import SUGGESTED
 from agent.workbench.residual.axis_effects import FAMILIES_ON
 from agent.workbench.residual.state_dependence import LEVEL
@@ -53,8 +53,8 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     if found.candidates:
         yield "what would lower the held-out squared error"
     for tried in found.candidates[:CANDIDATES]:
-        interval = f"({tried.low:.1f} to {tried.high:.1f})"
-        percent = f"{tried.error_reduction_percent:>9.1f} %"
+        interval = f"({tenths(tried.low)} to {tenths(tried.high)})"
+        percent = f"{tenths(tried.error_reduction_percent):>9} %"
         yield f"  {tried.effect:28}{percent}  {interval}  {chance_words(tried)}"
     yield from _ends(found)
 
@@ -92,7 +92,7 @@ def _not_shown(found: Comparison) -> Iterator[str]:
 
 def causes_words(axis: str) -> str:
     """Return the families of effects that make a residual follow an axis, in words."""
-    return ", ".join(each.replace("_", " ") for each in FAMILIES_ON[axis])
+    return ", ".join(map(in_words, FAMILIES_ON[axis]))
 
 
 def step_name(step: Step) -> str:
@@ -146,8 +146,8 @@ def _where(verdict: Verdict, found: Comparison) -> str:
     """Return where the newest model fails most clearly."""
     worst = found.where_it_fails[0] if found.where_it_fails else None
     if worst is not None and worst.p < LEVEL:
-        axis = worst.axis.replace("_", " ")
-        return f"the model fails with {axis} ({p_words(worst.p)}, {100 * worst.share:.0f} % of the residual)"
+        axis = in_words(worst.axis)
+        return f"the model fails with {axis} ({p_words(worst.p)}, {share_words(worst.share)} of the residual)"
     if found.lines:
         return f"a wave of {1 / found.lines[0].frequency:.4g} s from outside is left in the residual"
     if verdict.at_bound:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from agent.report.comparison_text import verdict_words
+from agent.report.comparison_text import in_words, verdict_words
 
 if TYPE_CHECKING:
     from agent.workbench.comparison import Comparison
@@ -32,9 +32,9 @@ def effect_words(step: Step, effect: str) -> str:
     numbers = []
     for each in lasting[:NUMBERS]:
         unit = "" if each.unit == "1" else f" {each.unit}"
-        name = each.name.partition(".")[2].replace("_", " ")
-        numbers.append(f"{name} {each.value:.3g}{unit} ({each.low:.3g} to {each.high:.3g})")
-    return " ".join((effect.replace("_", " "), ", ".join(numbers))).rstrip()
+        name = "" if len(lasting) == 1 else f"{in_words(each.name.partition('.')[2])} "
+        numbers.append(f"{name}{each.value:.4g}{unit} ({each.low:.4g} to {each.high:.4g})")
+    return " ".join((in_words(effect), ", ".join(numbers))).rstrip()
 
 
 def error_change(found: Comparison) -> float:

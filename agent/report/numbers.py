@@ -16,6 +16,16 @@ def percent_words(value: float) -> str:
     return f"{value:.3g} %"
 
 
+def tenths(value: float) -> str:
+    """Return a number with one decimal; what rounds to zero has no sign."""
+    return f"{round(value, 1) + 0.0:.1f}"
+
+
+def share_words(share: float) -> str:
+    """Return a share, 0 to 1, in whole per cent; one below a per cent with its first digit."""
+    return f"{100 * share:.0f} %" if share >= 0.01 or share == 0 else f"{100 * share:.1g} %"
+
+
 def p_words(p: float) -> str:
     """Return a probability by chance; smaller ones than a thousandth are no better evidence to a reader."""
     return "p < 0.001" if p < SMALLEST_P else f"p = {p:.2g}"

@@ -13,9 +13,9 @@ from connectors.exports.cells.calendar_times import moment_of
 from connectors.exports.cells.tag_roles import (
     ROLE,
     TAG_WORDS,
-    TIME_WORDS,
     VALUE_WORDS,
     TagRole,
+    is_time,
     plain,
 )
 
@@ -50,6 +50,8 @@ class ColumnLayout:
     value: int | None = None
     quality: int | None = None
     time: int | None = None
+    unused: tuple[str, ...] = ()
+    """A line for each column of a role that its loop has already."""
 
 
 def time_columns(sheet: Sheet) -> list[int]:
@@ -57,7 +59,7 @@ def time_columns(sheet: Sheet) -> list[int]:
     typed = [k for k, column in enumerate(sheet.columns) if column.moments]
     if typed:
         return typed
-    named = [k for k, column in enumerate(sheet.columns) if plain(column.name) in TIME_WORDS]
+    named = [k for k, column in enumerate(sheet.columns) if is_time(column.name)]
     if named:
         return named
     return [k for k, column in enumerate(sheet.columns) if _holds_times(column)]
@@ -86,6 +88,7 @@ def wide_layout(sheet: Sheet, times: Sequence[int], tagger: Tagger) -> ColumnLay
     values: dict[str, dict[str, Placed]] = defaultdict(dict)
     qualities: dict[tuple[str, str], int] = {}
     last: tuple[str, TagRole, int] | None = None
+    unused: list[str] = []
     interleaved = len(times) > 1
     for k, column in enumerate(sheet.columns):
         if k in times or not column.name:
@@ -100,15 +103,25 @@ def wide_layout(sheet: Sheet, times: Sequence[int], tagger: Tagger) -> ColumnLay
             qualities[found.loop, found.role] = k
             continue
         time = max((each for each in times if each < k), default=times[0] if times else None)
-        values[found.loop].setdefault(found.role, Placed(k, time))
         last = (found.loop, found, k)
+        if found.role in values[found.loop]:
+            taken = sheet.columns[values[found.loop][found.role].values].name
+            unused.append(left_out(column.name, taken, found))
+            continue
+        values[found.loop][found.role] = Placed(k, time)
     loops = {
         loop: {
             role: Placed(each.values, each.time, qualities.get((loop, role))) for role, each in roles.items()
         }
         for loop, roles in values.items()
     }
-    return ColumnLayout("interleaved" if interleaved else "wide", loops)
+    return ColumnLayout("interleaved" if interleaved else "wide", loops, unused=tuple(unused))
+
+
+def left_out(name: str, taken: str, found: TagRole) -> str:
+    """Return a line for a column or tag whose role its loop has already."""
+    role = found.role if found.role == "mode" else found.role.upper()
+    return f"{name}: was left out, {taken} was taken for {role} of {found.loop}; --mapping takes another"
 
 
 def usable_roles(roles: Mapping[str, Placed]) -> dict[str, Placed]:

@@ -42,6 +42,7 @@ def loops_of_columns(sheet: Sheet, layout: ColumnLayout, options: ReadOptions) -
     problems = [
         f"{sheet.place} {line}: has another number of cells, it is a gap" for line in sheet.bad_lines[:20]
     ]
+    problems += layout.unused
     for loop, roles in layout.loops.items():
         found = usable_roles(roles)
         lacking = [role.upper() for role in ("pv", "op") if role not in found]
@@ -57,7 +58,7 @@ def loops_of_columns(sheet: Sheet, layout: ColumnLayout, options: ReadOptions) -
     if not loops:
         raise no_loops(sheet, problems)
     used = next((each for each in times.values() if each is not None), None)
-    problems += dict.fromkeys(each.note for each in times.values() if each is not None and each.note)
+    problems += dict.fromkeys(note for each in times.values() if each is not None for note in each.notes)
     zone, form = ("", "samples") if used is None else (used.zone, used.form)
     return Export(
         sheet.path, layout.format, sheet.kind, zone, form, style.decimal, tuple(loops), tuple(problems)
@@ -128,7 +129,7 @@ def _loop(
         time, rows = _rows(sheet, times[placed.time], options)
         values, words, rejected = _values(sheet, placed, role, rows, style, layout, problems)
         bad += rejected
-        series[role] = Series(time, values, words)
+        series[role] = Series(time, values, words, rows)
     tags = {_label(role): sheet.columns[placed.values].name for role, placed in roles.items()}
     return merged(sheet, name, series, tags, bad, times[roles["pv"].time])
 

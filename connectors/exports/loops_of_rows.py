@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from connectors.exports.cells.quality_words import usable
 from connectors.exports.cells.times import times_of
 from connectors.exports.fault import RecordingError, shown
-from connectors.exports.layout import ColumnLayout, Placed, short_names, usable_roles
+from connectors.exports.layout import ColumnLayout, Placed, left_out, short_names, usable_roles
 from connectors.exports.loops_of_columns import MOST_WRONG, no_loops, number_style
 from connectors.exports.merged import merged
 from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
@@ -43,7 +43,7 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
         allowed = np.ones(len(numbers), np.bool_)
     rows = _rows_of_tags(sheet.text(sheet.columns[layout.tag]))
     tags, problems = _tags(rows, tagger)
-    problems += [times.note] if times.note else []
+    problems += times.notes
     names = short_names(list(tags))
     loops: list[RecordedLoop] = []
     words = sheet.text(sheet.columns[layout.value])
@@ -62,11 +62,11 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
         bad = 0
         for role, tag in renamed.items():
             mine = rows[tag][good[rows[tag]]]
-            time, mine = _in_order(times.utc(mine), mine)
+            time, mine = rising(times.utc(mine), mine)
             if role == "mode":
-                series[role] = Series(time, *words_as_numbers([words[k] for k in mine]))
+                series[role] = Series(time, *words_as_numbers([words[k] for k in mine]), mine)
                 continue
-            series[role] = Series(time, numbers[mine])
+            series[role] = Series(time, numbers[mine], rows=mine)
             lost = sorted(wrong.intersection(mine.tolist()))
             if lost:
                 problems.append(_no_number(sheet, tag, words, lost, len(mine)))
@@ -109,16 +109,14 @@ def _tags(rows: dict[str, NDArray[np.intp]], tagger: Tagger) -> tuple[dict[str, 
     """Return loop -> role -> tag, and a line for the tags that are of no loop."""
     tags: dict[str, dict[str, str]] = defaultdict(dict)
     others: list[str] = []
+    unused: list[str] = []
     for tag in rows:
         found = tagger(tag)
         if found is None or not found.loop or found.of_quality:
             others.append(tag)
+        elif found.role in tags[found.loop]:
+            unused.append(left_out(tag, tags[found.loop][found.role], found))
         else:
-            tags[found.loop].setdefault(found.role, tag)
+            tags[found.loop][found.role] = tag
     problems = [f"tags of no loop were left out: {', '.join(others[:10])}"] if others else []
-    return dict(tags), problems
-
-
-def _in_order(time: FloatArray, rows: NDArray[np.intp]) -> tuple[FloatArray, NDArray[np.intp]]:
-    """Return times and rows oldest first."""
-    return rising(time, rows)
+    return dict(tags), problems + unused

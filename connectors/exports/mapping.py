@@ -40,13 +40,15 @@ class _Mapping(BaseModel):
 def mapping_text(export: Export, options: ReadOptions) -> str:
     """Return the mapping of a file as YAML."""
     counted = export.time_form if export.time_form in CLOCKS else None
+    tags = [tag for loop in export.loops for tag in loop.tags.values()]
+    named = len(tags) == len(set(tags))  # else each table of an archive has the same names
     known = {
         "zone": options.times.zone or (export.zone if export.zone not in {"", "as written"} else None),
         "time_format": options.times.form or counted,
         "date_order": options.times.order,
-        "decimal": options.decimal or export.decimal,
+        "decimal": options.decimal or (export.decimal if len(export.decimal) == 1 else None),
         "ts": options.columns.ts,
-        "loops": {loop.name: dict(loop.tags) for loop in export.loops},
+        "loops": {loop.name: dict(loop.tags) for loop in export.loops} if named else None,
         "modes": {word: "automatic" if means else "manual" for word, means in options.modes.items()} or None,
     }
     stated = {key: value for key, value in known.items() if value is not None}

@@ -38,7 +38,7 @@ def merged(
         RecordingError: Times of a role run backward.
     """
     for role, each in series.items():
-        _rises(sheet, role, each.time, times)
+        _rises(sheet, role, each, times)
     values = on_common_times(series)
     time = series["pv"].time
     if not time.size:
@@ -84,17 +84,15 @@ def _word(words: tuple[str, ...], index: float) -> str:
     return "" if index != index else words[int(index)]  # noqa: PLR0124 - NaN
 
 
-def _rises(sheet: Sheet, role: str, time: FloatArray, times: Times | None) -> None:
+def _rises(sheet: Sheet, role: str, series: Series, times: Times | None) -> None:
+    time = series.time
     backward = np.flatnonzero(np.diff(time) < 0)
     if not backward.size:
         return
     row = int(backward[0]) + 1
     step = time[row - 1] - time[row]
-    where = (
-        sheet.where(row)
-        if len(sheet.lines) == len(time)
-        else f"{sheet.path}, sample {row + 1} of {role.upper()}"
-    )
+    place = None if series.rows is None else int(series.rows[row])
+    where = f"{sheet.path}, sample {row + 1} of {role.upper()}" if place is None else sheet.where(place)
     hint = ""
     if times is not None and not times.stated and times.zone and SUMMER_TIME[0] <= step <= SUMMER_TIME[1]:
         hint = "; it looks like the end of summer time: name the zone by --zone"

@@ -21,6 +21,7 @@ from connectors.exports.tables.joined_times import with_joined_times
 from connectors.exports.tables.parquet import is_parquet, sheet_of_parquet
 from connectors.exports.tables.unpacked import GZIP, ZIP, is_workbook, unpacked
 from connectors.exports.tables.workbook import rows_of_workbook
+from connectors.exports.together import together
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -56,11 +57,14 @@ def names_of_loops(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> tuple
     Raises:
         RecordingError: As ``read_export``, for any other table.
     """
-    sheet = with_joined_times(_head(path) or sheet_of_file(path))
-    plain = plain_layout(sheet, time_columns(sheet), options)
-    if plain is None:
-        return tuple(each.name for each in read_export(path, options).loops)
-    return tuple(short_names(list(plain.loops)).values())
+    head = _head(path)
+    tables = () if head is not None else unpacked(path)
+    if len(tables) < 2:
+        sheet = with_joined_times(head or _sheet(*tables[0]))
+        plain = plain_layout(sheet, time_columns(sheet), options)
+        if plain is not None:
+            return tuple(short_names(list(plain.loops)).values())
+    return tuple(each.name for each in read_export(path, options).loops)
 
 
 def _head(path: Path) -> Sheet | None:
@@ -79,7 +83,23 @@ def _head(path: Path) -> Sheet | None:
 
 
 def _export(path: Path, options: ReadOptions) -> Export:
-    sheet = with_joined_times(sheet_of_file(path))
+    tables = unpacked(path)
+    if len(tables) == 1:
+        return _of_sheet(_sheet(*tables[0]), options)
+    exports: list[Export] = []
+    faults: list[str] = []
+    for place, content in tables:
+        try:
+            exports.append(_of_sheet(_sheet(place, content), options))
+        except RecordingError as error:
+            faults += error.faults
+    if not exports:
+        raise RecordingError(faults[0])
+    return together(path, exports, faults)
+
+
+def _of_sheet(sheet: Sheet, options: ReadOptions) -> Export:
+    path, sheet = sheet.path, with_joined_times(sheet)
     times = time_columns(sheet)
     plain = plain_layout(sheet, times, options)
     if plain is not None:
@@ -91,9 +111,12 @@ def _export(path: Path, options: ReadOptions) -> Export:
     return loops_of_columns(sheet, wide_layout(sheet, times, tagger), options)
 
 
-def sheet_of_file(path: Path) -> Sheet:
-    """Return the table of a file of any kind; raises RecordingError."""
-    content = unpacked(path)
+def sheets_of_file(path: Path) -> tuple[Sheet, ...]:
+    """Return the tables of a file of any kind: one, or those of an archive; raises RecordingError."""
+    return tuple(_sheet(place, content) for place, content in unpacked(path))
+
+
+def _sheet(path: Path, content: bytes) -> Sheet:
     if is_parquet(path, content[:4]):
         return sheet_of_parquet(path, content)
     if is_workbook(path, content):

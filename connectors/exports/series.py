@@ -24,6 +24,8 @@ class Series:
     """Shape (n,); NaN is a gap. For a mode the index into ``words``."""
     words: tuple[str, ...] = ()
     """Words of a mode; empty for numbers."""
+    rows: NDArray[np.intp] | None = None
+    """Row of the table that each value came from; None where it came from no table."""
 
     def at(self, times: FloatArray) -> FloatArray:
         """Return the values at other times, each held until the next one comes; NaN before the first."""
@@ -60,10 +62,17 @@ def on_common_times(series: Mapping[str, Series]) -> dict[str, FloatArray]:
 
 
 def rising(time: FloatArray, rows: NDArray[np.intp]) -> tuple[FloatArray, NDArray[np.intp]]:
-    """Return times and rows oldest first: exports with the newest row first are turned round."""
-    if time.size > 1 and time[-1] < time[0] and not (np.diff(time) > 0).any():
-        return time[::-1], rows[::-1]
-    return time, rows
+    """Return times and rows oldest first: exports with the newest row first are turned round.
+
+    Most steps decide, for an hour that comes twice is one step the other way.
+    """
+    return (time[::-1], rows[::-1]) if falls(time) else (time, rows)
+
+
+def falls(time: FloatArray) -> bool:
+    """Return whether most steps of some times, in the order of the file, are backward."""
+    steps = np.diff(time[np.isfinite(time)])
+    return bool(np.count_nonzero(steps < 0) > np.count_nonzero(steps > 0))
 
 
 def words_as_numbers(cells: Sequence[str]) -> tuple[FloatArray, tuple[str, ...]]:

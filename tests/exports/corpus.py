@@ -5,6 +5,7 @@ and, where a file can be read in two ways, the option that settles it.
 """
 
 import gzip
+from dataclasses import replace
 from datetime import timedelta
 
 import numpy as np
@@ -15,6 +16,7 @@ from tests.exports.layouts import (
     Case,
     comma,
     error_numbers,
+    experion,
     fixed_width,
     header_repeated,
     interleaved,
@@ -25,13 +27,16 @@ from tests.exports.layouts import (
     one_bad_row,
     parquet,
     plain,
+    signs_and_status_names,
     stamps,
     status_columns,
     strf,
     table,
     two_lines,
     wide,
+    wincc,
     with_quality,
+    words_behind_tags,
     zipped,
 )
 from tests.exports.office import datalink, german_words, two_lines_of_times, units_in_cells, xlsx
@@ -39,6 +44,7 @@ from tests.exports.truth import LOOPS, START, TIME, TS, N
 from tests.exports.unclear import UNCLEAR
 
 ONE, ALL = LOOPS[:1], LOOPS
+HYPHENS = tuple(replace(each, name=f"20-{each.name}") for each in LOOPS)
 ISO = stamps(iso)
 
 
@@ -174,6 +180,24 @@ CASES = (
     Case("cp1252.csv", plain(ISO, units=("", "%", "m³/h")).decode().encode("cp1252"), ONE, single=True),
     Case("gzipped.csv.gz", gzip.compress(plain(ISO)), ONE, single=True),
     Case("zipped.zip", zipped(wide(ISO)), ALL),
+    Case(
+        "a_table_a_loop.zip",
+        zipped(
+            **{f"export/{each.name}.csv": plain(ISO, each) for each in ALL}, **{"export/readme.txt": b"PI\n"}
+        ),
+        ALL,
+    ),
+    Case("experion_blocks.csv", experion(ISO), ONE),
+    Case("wincc.csv", wincc(), ONE, gaps=True),
+    Case(
+        "unit_behind_time.csv",
+        plain([f"{each * 1e6:.0f}" for each in TIME], names=("timestamp_us", "OP", "PV")),
+        ONE,
+        single=True,
+    ),
+    Case("words_behind_tags.csv", words_behind_tags(ISO), ONE),
+    Case("hyphens_in_tags.csv", wide(ISO, form="20-{loop} {role}", loops=LOOPS), HYPHENS),
+    Case("signs_and_status_names.csv", signs_and_status_names(ISO), ONE, gaps=True),
     Case("wide_dots.csv", wide(ISO, roles=("PV", "OP", "SP")), ALL, sp=True),
     Case("wide_slashes.csv", wide(ISO, form="Area1/{loop}/{role}"), ALL),
     Case("wide_underscores.csv", wide(ISO, form="{loop}_{role}"), ALL),

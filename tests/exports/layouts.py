@@ -154,10 +154,11 @@ def parquet(kind):
     return target.getvalue()
 
 
-def zipped(content):
+def zipped(content=b"", **members):
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("export.csv", content)
+        for name, each in (members or {"export.csv": content}).items():
+            archive.writestr(name, each)
     return target.getvalue()
 
 
@@ -239,3 +240,35 @@ def status_columns():
         ],
         before="Honeywell Experion PKS\nReport: Trend\n\n",
     )
+
+
+def experion(time):
+    """PV from the block of the measurement, OP from that of the controller."""
+    loop = LOOPS[0]
+    names = ("Time", "FIC101.DACA.PV", "FIC101.PIDA.OP", "FIC101.PIDA.MODE")
+    return table(names, [time, num(loop.pv), num(loop.op), ["AUTO"] * N], units=("", "t/h", "%", ""))
+
+
+def wincc():
+    """A row a value, days of 1899 times a million beside the date."""
+    loop = LOOPS[0]
+    rows = ['"VarName";"TimeString";"VarValue";"Validity";"Time_ms"']
+    for k, moment in enumerate(stamps(strf("%d.%m.%Y %H:%M:%S"))):
+        days = comma([(TIME[k] / 86400 + 25569) * 1e6], "{:.4f}")[0]
+        for role, values in (("PV", loop.pv_with_gaps), ("LMN", loop.op)):
+            valid = int(values[k] == values[k])
+            value = comma([values[k]])[0] or "0"
+            rows.append(f'"FIC101_{role}";"{moment}";{value};{valid};{days}')
+    return ("\r\n".join(rows) + "\r\n").encode()
+
+
+def words_behind_tags(time):
+    loop = LOOPS[0]
+    names = ("Timestamp", "FIC101 Process Value", "FIC101 Controller Output")
+    return table(names, [time, num(loop.pv), num(loop.op)])
+
+
+def signs_and_status_names(time):
+    lost = iter(("BadWaitingForInitialData", "---.--", "?"))
+    pv = [next(lost) if value != value else f"{value:.2f}" for value in LOOPS[0].pv_with_gaps]
+    return table(("time", "FIC101.PV", "FIC101.OP"), [time, pv, num(LOOPS[0].op)])

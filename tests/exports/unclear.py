@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tests.exports.layouts import BERLIN, Case, autumn, comma, iso, plain, stamps, strf
+from tests.exports.layouts import BERLIN, Case, autumn, comma, iso, newest_first, plain, stamps, strf
 from tests.exports.truth import LOOPS, TS, N
 
 ONE = LOOPS[:1]
@@ -15,6 +15,15 @@ UNCLEAR = (
     Case(
         "end_of_summer_time.csv",
         plain(AUTUMN_LOCAL),
+        ONE,
+        time=AUTUMN,
+        settles={"zone": "Europe/Berlin"},
+        names_option="--zone",
+        single=True,
+    ),
+    Case(
+        "end_of_summer_time_newest_first.csv",
+        newest_first(plain(AUTUMN_LOCAL)),
         ONE,
         time=AUTUMN,
         settles={"zone": "Europe/Berlin"},

@@ -8,7 +8,7 @@ import numpy as np
 
 from agent.analysis.gates.fault import SHAPE, GateFault
 from agent.analysis.gates.values import constant, quantised
-from agent.analysis.record.reversals import significant_reversals
+from agent.analysis.record.reversals import noise_hides_reversals, significant_reversals
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
@@ -31,8 +31,9 @@ def op_faults(window: LoopWindow) -> list[GateFault]:
     if fault is not None:
         return [fault]
     reversals = significant_reversals(op)
-    if reversals < FEWEST_REVERSALS:
-        reason = f"OP reverses only {reversals} times, at least {FEWEST_REVERSALS} reversals are needed"
+    if reversals < FEWEST_REVERSALS and not noise_hides_reversals(op):
+        seen = f"OP reverses only {reversals} time" if reversals else "OP does not reverse"
+        reason = f"{seen}, at least {FEWEST_REVERSALS} reversals are needed"
         return [GateFault("op_few_reversals", reason, SHAPE)]
     return []
 

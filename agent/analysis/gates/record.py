@@ -59,7 +59,7 @@ def _manual(window: LoopWindow) -> GateFault | None:
         return None
     only = f"in automatic for only {100 * automatic:.0f} % of the record"
     share = "never in automatic" if automatic == 0 else only
-    return GateFault("manual", f"the loop was {share}; OP is judged only where the controller moves it")
+    return GateFault("manual", f"the loop was {share}; OP shows the valve only where the controller moves it")
 
 
 def _words(seconds: float) -> str:

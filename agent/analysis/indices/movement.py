@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.indices.index import HOUR
-from agent.analysis.record.reversals import significant_reversals
+from agent.analysis.record.reversals import noise_hides_reversals, significant_reversals
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
@@ -44,9 +44,10 @@ class Reversals:
     meaning: str = "reversals of OP an hour, those of its noise left out"
 
     def of(self, window: LoopWindow, delay: float | None) -> float | None:
-        """Return the reversals an hour."""
+        """Return the reversals an hour; None where noise may hide them, as at few samples a period."""
         del delay
-        return significant_reversals(window.op) / hours(window) if len(window) > 2 else None
+        known = np.count_nonzero(np.isfinite(window.op)) > 2 and not noise_hides_reversals(window.op)
+        return significant_reversals(window.op) / hours(window) if known else None
 
 
 @dataclass(frozen=True, slots=True)

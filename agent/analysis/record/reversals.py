@@ -34,6 +34,15 @@ def noise_range(n: int) -> float:
     return 2 * math.sqrt(2 * math.log(max(n, 2)))
 
 
+def noise_hides_reversals(op: FloatArray, noises: float = NOISES) -> bool:
+    """Return whether ``op`` (n,), NaN left out, moves no farther than its noise may: none can be seen.
+
+    So it is where OP moves from one sample to the next as far as in all: at few samples a period.
+    """
+    finite = op[np.isfinite(op)]
+    return finite.size >= 3 and 0 < float(np.ptp(finite)) <= noises * op_noise(finite)
+
+
 def significant_reversals(op: FloatArray, noises: float = NOISES) -> int:
     """Count the turning points of ``op`` (n,) that its noise cannot explain; NaN is left out.
 

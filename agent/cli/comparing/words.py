@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from agent.report.comparison_text import causes_words, chance_words, verdict_words
+from agent.report.comparison_text import causes_words, chance_words, in_words, verdict_words
 from agent.report.headline import headline
-from agent.report.numbers import p_words
+from agent.report.numbers import p_words, share_words, tenths
 from agent.report.terminal_pictures import residual_lines, staircase_lines
 from agent.workbench.residual.state_dependence import LEVEL
 
@@ -54,7 +54,7 @@ def lines_of(view: View) -> Iterator[str]:
     if view.numbered:
         yield "what would lower the held-out squared error, with 90 % interval"
     for number, each in enumerate(view.numbered, 1):
-        gain = f"{each.error_reduction_percent:>6.1f} %  ({each.low:.1f} to {each.high:.1f})"
+        gain = f"{tenths(each.error_reduction_percent):>6} %  ({tenths(each.low)} to {tenths(each.high)})"
         yield f"  {number}  {each.effect:22}{gain}  {chance_words(each)}"
     if found.verdict.kind != "not_testable":
         yield f"verdict: {verdict_words(found.verdict, found)}"
@@ -75,9 +75,9 @@ def _failure_lines(found: Comparison) -> Iterator[str]:
         yield "the residual follows no axis beyond chance"
         return
     worst = failing[0]
-    axis = worst.axis.replace("_", " ")
     yield (
-        f"the model fails with {axis}: {100 * worst.share:.0f} % of the residual, {p_words(worst.p)}. "
+        f"the model fails with {in_words(worst.axis)}: {share_words(worst.share)} of the residual, "
+        f"{p_words(worst.p)}. "
         f"Such a pattern is made by: {causes_words(worst.axis)}"
     )
     yield from residual_lines(worst)

@@ -40,11 +40,14 @@ class Fleet:
             raise typer.BadParameter(f"{report}: is one of the recordings", param_hint="'--report'")
         self._names, self._valve, self._report = names, valve, report
         self._findings: list[tuple[int, RecordFinding]] = []
+        self._not_read: list[str] = []
 
     def add(self, place: int, answer: Answer) -> None:
-        """Add the answer of a recording that could be read."""
+        """Add the answer of a recording; of one that could not be read the report lists the fault."""
         from agent.report.fleet.rows import finding_of
 
+        if answer.diagnosis is None:
+            self._not_read += answer.faults
         if answer.diagnosis is not None and answer.quality is not None:
             name = answer.task.path.name
             found = finding_of(name, answer.diagnosis, answer.quality, answer.small_picture)
@@ -75,7 +78,7 @@ class Fleet:
             complain(f"{self._report}: not written: no recording could be read")
             return False
         try:
-            _write(self._report, self.rows())
+            _write(self._report, self.rows(), self._not_read)
         except OSError as error:
             complain(f"{self._report}: cannot be written: {error.strerror}")
             return False
@@ -88,13 +91,13 @@ class Fleet:
         return finding.loop if alone or tag is None else tag[1]
 
 
-def _write(path: Path, rows: Sequence[ValveRow]) -> None:
+def _write(path: Path, rows: Sequence[ValveRow], not_read: Sequence[str]) -> None:
     title = f"Control valves: {path.stem}"
     match path.suffix.lower():
         case ".html":
             from agent.report.fleet.page import fleet_html
 
-            path.write_text(fleet_html(rows, title), encoding="utf-8")
+            path.write_text(fleet_html(rows, title, not_read), encoding="utf-8")
         case ".csv":
             from agent.report.fleet.table import fleet_csv
 
@@ -105,5 +108,5 @@ def _write(path: Path, rows: Sequence[ValveRow]) -> None:
             from agent.plots.fleet import fleet_pages
 
             with PdfPages(path) as pages:
-                for figure in fleet_pages(rows, title):
+                for figure in fleet_pages(rows, title, not_read):
                     pages.savefig(figure)

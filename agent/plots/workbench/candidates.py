@@ -22,7 +22,7 @@ SHOWN = -20.0
 
 
 def candidates_figure(loop: str, tried: Sequence[Candidate]) -> Figure:
-    """Draw the reductions with their intervals; red where significant and large enough.
+    """Draw the reductions with their intervals; red where significant, large enough and not rejected.
 
     Args:
         loop: Name for the title.
@@ -36,7 +36,11 @@ def candidates_figure(loop: str, tried: Sequence[Candidate]) -> Figure:
         for name in ("error_reduction_percent", "low", "high")
     )
     found = [
-        each.p < LEVEL and each.error_reduction_percent >= LEAST_PERCENT and each.low > 0 for each in tried
+        each.p < LEVEL
+        and each.error_reduction_percent >= LEAST_PERCENT
+        and each.low > 0
+        and not each.surprises
+        for each in tried
     ]
     axes.barh(at, value, color=[MODEL if each else SET_POINT for each in found], height=0.6)
     axes.errorbar(value, at, xerr=(value - low, high - value), fmt="none", ecolor=MEASURED, capsize=3)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from agent.plots.axes import MEASURED, legend_above, tidy
 from agent.plots.time_units import time_of
 from agent.plots.workbench.palette import COLOURS, HELD_OUT
+from agent.report.comparison_text import in_words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -42,7 +43,7 @@ def overlay_figure(
     time, unit = time_of(len(pv), ts)
     upper.plot(time, pv, color=MEASURED, linewidth=1.1, label="PV measured")
     for colour, (name, model) in zip(cycle(COLOURS), models.items(), strict=False):
-        label = f"{name} (fit {fit_percent(pv, model):.1f} %)"
+        label = f"{in_words(name)} (fit {fit_percent(pv, model):.1f} %)"
         upper.plot(time, model, color=colour, linewidth=1.0, label=label)
         lower.plot(time, pv - model, color=colour, linewidth=0.8)
     if fold is not None:

@@ -8,9 +8,16 @@ from html import escape
 from io import BytesIO
 from typing import TYPE_CHECKING
 
-from agent.report.comparison_text import CANDIDATES, causes_words, chance_words, step_name, verdict_words
+from agent.report.comparison_text import (
+    CANDIDATES,
+    causes_words,
+    chance_words,
+    in_words,
+    step_name,
+    verdict_words,
+)
 from agent.report.headline import capital, headline
-from agent.report.numbers import p_words
+from agent.report.numbers import p_words, share_words, tenths
 from agent.workbench.residual.state_dependence import LEVEL
 
 if TYPE_CHECKING:
@@ -107,24 +114,26 @@ def _text(found: Comparison) -> Iterable[str]:
     if found.next_test is not None:
         yield f"<p>The next test, {escape(found.next_test.words)}.</p>"
     yield "<h2>How far the error falls</h2>"
+    validated = any(step.rmse_validation is not None for step in found.steps)
     steps = [
         (
-            step_name(step),
+            in_words(step_name(step)),
             number(step.rmse_fit),
             number(step.held_out.rmse),
-            number(step.rmse_validation),
+            *((number(step.rmse_validation),) if validated else ()),
             f"{step.fit_percent:.1f}",
         )
         for step in found.steps
     ]
-    yield table(("model", "RMSE, fitted", "held out", "other recording", "fit %"), steps)
+    other = ("other recording",) if validated else ()
+    yield table(("model", "RMSE, fitted", "held out", *other, "fit %"), steps)
     if found.noise_floor is not None:
         low, high = number(found.noise_floor.low), number(found.noise_floor.high)
         floor = f"The noise floor is between {low} and {high}: no model can do better."
         yield f"<p>RMSE is in PV units. {floor}</p>"
     for place, (step, evidence) in enumerate(zip(found.steps, found.evidence, strict=True)):
         if place:
-            yield f"<h2>Step {place}: {escape(step_name(step))}</h2>"
+            yield f"<h2>Step {place}: {escape(in_words(step_name(step)))}</h2>"
             yield from _step(step, evidence)
     yield "<h2>Parameters of the last model</h2>"
     rows = [
@@ -137,22 +146,22 @@ def _text(found: Comparison) -> Iterable[str]:
 def _step(step: Step, evidence: StepEvidence) -> Iterable[str]:
     """Yield what led to a step."""
     if step.dropped is not None:
-        yield f"<p>{escape(step.dropped)} was taken out and everything fitted again.</p>"
+        yield f"<p>{escape(in_words(step.dropped))} was taken out and everything fitted again.</p>"
         return
     failing = [each for each in evidence.where_it_fails if each.p < LEVEL]
     if failing:
         worst = failing[0]
-        axis, share = escape(worst.axis.replace("_", " ")), f"{100 * worst.share:.0f}"
+        axis, share = escape(in_words(worst.axis)), share_words(worst.share)
         causes = escape(causes_words(worst.axis))
         yield (
-            f"<p>The model before failed with {axis}: {share} % of the residual, {p_words(worst.p)}. "
+            f"<p>The model before failed with {axis}: {share} of the residual, {p_words(worst.p)}. "
             f"Such a pattern is made by: {causes}.</p>"
         )
     rows = [
         (
-            each.effect,
-            f"{each.error_reduction_percent:.1f}",
-            f"{each.low:.1f} to {each.high:.1f}",
+            in_words(each.effect),
+            tenths(each.error_reduction_percent),
+            f"{tenths(each.low)} to {tenths(each.high)}",
             chance_words(each),
         )
         for each in evidence.candidates[:CANDIDATES]
@@ -160,9 +169,9 @@ def _step(step: Step, evidence: StepEvidence) -> Iterable[str]:
     if rows:
         yield table(("tried", "held-out squared error lower by, %", "90 % interval", BY_CHANCE), rows)
     if step.verdict is not None:
-        others = " or ".join(step.verdict.indistinguishable)
+        others = " or ".join(map(in_words, step.verdict.indistinguishable))
         beside = f"; this record cannot distinguish it from {others}" if others else ""
-        yield f"<p>{escape(str(step.added))}: {KINDS[step.verdict.kind]}{escape(beside)}.</p>"
+        yield f"<p>{escape(in_words(str(step.added)))}: {KINDS[step.verdict.kind]}{escape(beside)}.</p>"
 
 
 def number(value: float | None) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import ceil
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 from agent.plots.axes import MEASURED, tidy
 from agent.plots.workbench.palette import BAND, FAILS
 from agent.report.comparison_text import causes_words
-from agent.report.numbers import p_words
+from agent.report.numbers import p_words, share_words
 from agent.workbench.residual.axes import UNITS
 from agent.workbench.residual.state_dependence import LEVEL
 
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from agent.workbench.residual.where import Failure
 
 COLUMNS = 3
+TITLE_WIDTH = 52
+"""Characters of a line of a title that fit above one panel."""
 
 
 def residual_panels_figure(loop: str, panels: Sequence[Failure]) -> Figure:
@@ -60,7 +63,7 @@ def _draw(axes: Axes, panel: Failure) -> None:
         panel.bin_means, panel.bin_edges, baseline=None, color=FAILS if fails else MEASURED, linewidth=1.4
     )
     chance = p_words(panel.p) if fails else f"{p_words(panel.p)}, no failure"
-    made_by = f"\nmade by: {causes_words(panel.axis)}" if fails else ""
-    axes.set_title(f"{100 * panel.share:.0f} % of the variance, {chance}{made_by}", fontsize=9, loc="left")
+    made_by = f"\n{fill('made by: ' + causes_words(panel.axis), TITLE_WIDTH)}" if fails else ""
+    axes.set_title(f"{share_words(panel.share)} of the variance, {chance}{made_by}", fontsize=9, loc="left")
     axes.set_xlabel(f"{panel.axis.replace('_', ' ')} ({UNITS[panel.axis]})")
     tidy(axes)

@@ -50,13 +50,9 @@ def staircase_figure(loop: str, stairs: Sequence[Stair], floor: NoiseFloor | Non
     validation = [(k, each.validation) for k, each in enumerate(stairs) if each.validation is not None]
     if validation:
         axes.plot(*zip(*validation, strict=True), "s", color=VALVE, label="another recording")
-    axes.annotate(
-        f"{100 * (error[-1] / error[0] - 1):+.0f} %",
-        (at[-1], error[-1]),
-        (8, 8),
-        textcoords="offset points",
-        color=MODEL,
-    )
+    if len(stairs) > 1:
+        change = f"{100 * (error[-1] / error[0] - 1):+.0f} %"
+        axes.annotate(change, (at[-1], error[-1]), (8, 8), textcoords="offset points", color=MODEL)
     axes.set_xticks(at, [each.name.replace("_", " ") for each in stairs])
     axes.set_xlim(-0.5, len(stairs) - 0.5)
     axes.set_ylim(0, 1.1 * max(each.high for each in stairs))

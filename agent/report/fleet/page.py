@@ -78,7 +78,7 @@ def fleet_html(rows: Sequence[ValveRow], title: str, not_read: Sequence[str] = (
 
 def _summary(rows: Sequence[ValveRow]) -> Iterator[str]:
     counts = Counter(row.group for row in rows)
-    words = ", ".join(f"{counts[group]} {name.lower()}" for group, name in GROUPS.items() if counts[group])
+    words = ", ".join(f"{name.lower()} {counts[group]}" for group, name in GROUPS.items() if counts[group])
     yield f'<p class="muted">{size_words(rows)}: {escape(words)}.</p>'
     flawed = [row for row in rows if row.lead.quality.flaws]
     if flawed:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from agent.report.numbers import percent_words
+
 if TYPE_CHECKING:
     from agent.analysis.data_quality import DataQuality, Flaw
 
@@ -13,15 +15,15 @@ UNITS = ((2 * 86400.0, 86400.0, "days"), (2 * 3600.0, 3600.0, "h"), (120.0, 60.0
 FLAWS: Mapping[Flaw, Callable[[DataQuality], str]] = {
     "coarse": lambda each: f"only {each.samples_per_period:.1f} samples a period",
     "compressed": lambda each: f"compressed by the historian by about {each.compression:.0f}",
-    "gaps": lambda each: f"{each.gaps_percent:.1f} % gaps",
-    "manual": lambda each: f"{each.manual_percent:.1f} % not in automatic",
+    "gaps": lambda each: f"{percent_words(each.gaps_percent)} gaps",
+    "manual": lambda each: f"{percent_words(each.manual_percent or 0.0)} not in automatic",
     "saturated": lambda each: f"OP at a limit{_share(each.at_limit_percent)}",
     "short": lambda each: f"only {duration_words(each.duration)} long",
 }
 
 
 def _share(percent: float | None) -> str:
-    return "" if percent is None else f" for {percent:.1f} % of the time"
+    return "" if percent is None else f" for {percent_words(percent)} of the time"
 
 
 def quality_words(quality: DataQuality) -> str:

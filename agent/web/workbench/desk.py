@@ -159,10 +159,10 @@ def _read(opening: Opening) -> tuple[Any, dict[str, str]]:
 
 def _names(opening: Opening) -> list[str]:
     """Return the columns of a file, to choose from; none where it is no table."""
-    from connectors.exports.reading import sheet_of_file  # noqa: PLC0415
+    from connectors.exports.reading import sheets_of_file  # noqa: PLC0415
 
     try:
-        columns = sheet_of_file(opening.file).columns
+        columns = sheets_of_file(opening.file)[0].columns
     except (ConfigError, ValueError):
         return []
     return [each.name for each in columns if each.name][:MOST_NAMES]

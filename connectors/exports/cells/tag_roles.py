@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -14,7 +15,7 @@ ROLES = {
     "sp": "sp sv setpoint spt setpointvalue sollwert wsp lsp setvalue",
     "mv": "mv valveposition position pos stem zt feedback travel readback valve",
     "mode": "mode md actualmode modeactual betriebsart automan auto_man",
-    "quality": "quality status qual sts q statuscode opcquality confidence dataintegrity",
+    "quality": "quality status qual sts q statuscode opcquality confidence dataintegrity validity",
 }
 """Role -> words for it, lower case, without blanks and underscores."""
 ROLE = {word.replace("_", "").casefold(): role for role, words in ROLES.items() for word in words.split()}
@@ -22,11 +23,17 @@ VALUES = frozenset(
     {"cv", "value", "val", "fcv", "readvalue", "currentvalue", "act", "actual", "presentvalue", "v"}
 )
 """Words behind a role that say no more than that its value is meant."""
-BLOCK = re.compile(r"(?:PID|PIDA|AI|AO|FB|BLK|CTRL|LOOP|CTL)_?\d*", re.IGNORECASE)
-"""Function blocks between tag and role."""
+BLOCK = re.compile(r"(?:PIDA?|DACA|DATAACQA?|AI|AO|FB|BLK|CTRL|LOOP|CTL)_?\d*", re.IGNORECASE)
+"""Function blocks between tag and role; Experion has PV in DACA and OP in PIDA."""
 SERVER = re.compile(r"^(?:\\\\[^\\]+\\|\[[^\]]*\]|[A-Za-z]\w*://[^/]+/)")
 """``\\\\PISRV\\``, ``[default]`` before a tag."""
+LONGEST_ROLE = 2
+"""Words of a role: Controller Output."""
 UNIT = re.compile(r"\s*[\[(]([^\])]*)[\])]\s*$")
+TIME_ENDING = re.compile(
+    r"(?<=\w{4})[_ \-]?(s|sec|seconds|ms|us|µs|ns|min|minutes|utc|local)$", re.IGNORECASE
+)
+"""Unit or zone behind a word for time; behind a short one it is part of another name, such as ``T_s``."""
 TIME_WORDS = frozenset(
     [
         "time",
@@ -42,24 +49,18 @@ TIME_WORDS = frozenset(
         "fecha",
         "hora",
         "tijd",
-        "datetimeutc",
-        "timeutc",
         "ts",
         "localtime",
         "utctime",
         "sampletime",
         "datumuhrzeit",
-        "datetimelocal",
-        "timelocal",
         "date/time",
         "elapsed",
         "elapsedtime",
         "epoch",
-        "epochms",
         "eventtime",
         "readtime",
-        "timestampms",
-        "timestamputc",
+        "timestring",
         "tstamp",
         "unixtime",
     ]
@@ -81,6 +82,7 @@ TAG_WORDS = frozenset(
         "path",
         "browsepath",
         "tagpath",
+        "varname",
     ]
 )
 VALUE_WORDS = frozenset(
@@ -95,6 +97,7 @@ VALUE_WORDS = frozenset(
         "tagvalue",
         "pointvalue",
         "numericvalue",
+        "varvalue",
         "floatvalue",
         "avg",
         "average",
@@ -121,9 +124,14 @@ def plain(name: str) -> str:
     return re.sub(r"[\s_\-%]+", "", UNIT.sub("", name)).casefold()
 
 
+def is_time(name: str) -> bool:
+    """Whether a name is a word for time, alone or with a unit or a zone behind it: ``timestamp_us``."""
+    return plain(name) in TIME_WORDS or plain(TIME_ENDING.sub("", name)) in TIME_WORDS
+
+
 def unit_of(name: str) -> str:
-    """Return the unit in brackets behind a name, or an empty text."""
-    found = UNIT.search(name)
+    """Return the unit in brackets behind a name, or behind a word for time; else an empty text."""
+    found = UNIT.search(name) or (TIME_ENDING.search(name) if is_time(name) else None)
     return found[1] if found else ""
 
 
@@ -154,17 +162,31 @@ def tag_role(name: str) -> TagRole | None:
 
 
 def _within(part: str) -> tuple[str, str, bool] | None:
-    """Return loop, word of the role and whether quality is meant, of ``FIC101_PV`` or ``PV FIC101``."""
-    words = [word for word in re.split(r"[\s_\-]+", part) if word]
-    quality = len(words) > 1 and ROLE.get(plain(words[-1])) == "quality"
-    if quality and len(words) == 2 and ROLE.get(plain(words[0]), "quality") != "quality":
-        return "", plain(words[0]), True  # PV Status behind the loop of a path
-    if (quality and len(words) > 2) or (len(words) > 2 and plain(words[-1]) in VALUES):
-        words.pop()
-    if len(words) < 2:
-        return None
-    for k, rest in ((-1, words[:-1]), (0, words[1:])):
-        if ROLE.get(plain(words[k]), "quality") != "quality":
-            mark = "-" if "-" in part and "_" not in part and " " not in part else "_"
-            return mark.join(rest), plain(words[k]), quality
+    """Return loop, word of the role and whether quality is meant, of ``FIC101_PV`` or ``PV FIC101``.
+
+    The first mark that has a role at its end separates it: ``20-FIC-101 PV`` is the PV of ``20-FIC-101``.
+    """
+    for marks in (r"\s", "_", "-", r"[\s_-]"):
+        words = [word for word in re.split(marks + "+", part) if word]
+        found = _at_an_end(words, marks if len(marks) == 1 else "_")
+        if found is not None:
+            return found
     return None
+
+
+def _at_an_end(words: Sequence[str], mark: str) -> tuple[str, str, bool] | None:
+    """Return as ``_within``, of words; the role may have several, such as ``Controller Output``."""
+    quality = len(words) > 1 and ROLE.get(plain(words[-1])) == "quality"
+    if quality and len(words) == 2 and _is_value(words[0]):
+        return "", plain(words[0]), True  # PV Status behind the loop of a path
+    shorter = words[:-1] if len(words) > 2 and (quality or plain(words[-1]) in VALUES) else None
+    for some in (words, shorter) if shorter is not None and not quality else (shorter or words,):
+        for count in range(min(LONGEST_ROLE, len(some) - 1), 0, -1):
+            for ending, rest in ((some[-count:], some[:-count]), (some[:count], some[count:])):
+                if _is_value("".join(ending)):
+                    return "_".join(mark.join(rest).split()), plain("".join(ending)), quality
+    return None
+
+
+def _is_value(word: str) -> bool:
+    return ROLE.get(plain(word), "quality") != "quality"

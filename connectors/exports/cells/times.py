@@ -16,7 +16,9 @@ from connectors.exports.cells.clock_numbers import CLOCKS, FORMATS, UnclearTimeE
 from connectors.exports.cells.date_order import Order, month_first, orders_of
 from connectors.exports.cells.day_clock import days_and_clock, over_midnight
 from connectors.exports.cells.number_style import NumberStyle
+from connectors.exports.cells.tag_roles import unit_of
 from connectors.exports.fault import RecordingError, shown
+from connectors.exports.series import falls
 from connectors.historian import is_gap
 
 if TYPE_CHECKING:
@@ -53,8 +55,8 @@ class Times:
     """Zone in which ``read`` is local time; None: UTC, or a count from an unknown start."""
     stated: bool = False
     """Whether file or user states the zone; else times count as UTC."""
-    note: str = ""
-    """What was taken for granted, and the option that says otherwise; empty where nothing was."""
+    notes: tuple[str, ...] = ()
+    """What was taken for granted, with the option that says otherwise, and which rows have no time."""
 
     def utc(self, rows: NDArray[np.intp]) -> FloatArray:
         """Return the times of some rows of one series, s UTC, in the order of the rows."""
@@ -124,7 +126,11 @@ def _counted(
         raise _missing_time(sheet, column, 0)
     _refuse_words(sheet, column, bad)
     try:
-        clock = CLOCKS[options.form] if options.form in CLOCKS else clock_of(finite, _unit(column))
+        clock = (
+            CLOCKS[options.form]
+            if options.form in CLOCKS
+            else clock_of(finite, unit_of(column.name) or column.unit)
+        )
     except UnclearTimeError as error:
         raise RecordingError(f"{sheet.where(0)}: {column.name}: {error}") from error
     local = clock.name in {"excel", "matlab"}  # spreadsheets have local time; epochs are UTC by definition
@@ -132,17 +138,6 @@ def _counted(
     name = (options.zone or "UTC") if local else "UTC" * clock.absolute
     stated = not local or options.zone is not None
     return _complete(sheet, column, Times(clock.seconds(values), clock.name, name, place, stated))
-
-
-def _unit(column: Column) -> str:
-    from connectors.exports.cells.tag_roles import plain, unit_of  # noqa: PLC0415 - a small helper of the header
-
-    ending = plain(column.name)
-    return (
-        unit_of(column.name)
-        or column.unit
-        or next((u for u in ("ms", "us", "min") if ending == f"time{u}"), "")
-    )
 
 
 def _refuse_words(sheet: Sheet, column: Column, bad: Sequence[int]) -> None:
@@ -179,14 +174,14 @@ def _calendar(
         return _of_day(sheet, column, cells, days)
     moments = [moment_of(cell, options.order) for cell in cells]
     open_ones = [each for each in moments if each is not None and each.numbers is not None]
-    note = ""
+    notes: tuple[str, ...] = ()
     if open_ones and options.order is None:
         row = next(k for k, each in enumerate(moments) if each is not None)
         written = (each.numbers for each in open_ones if each.numbers is not None)
         orders = orders_of(written, dotted=any(each.dotted for each in open_ones))
         if len(orders) > 1 and "ymd" not in orders and month_first(cells[:100]):
             taken = "the month is taken to be first; --date-order dmy if not"
-            note = f"{column.name} is {shown(cells[row])}: {taken}"
+            notes = (f"{column.name} is {shown(cells[row])}: {taken}",)
             orders = ("mdy",)
         if len(orders) > 1:
             raise RecordingError(
@@ -194,7 +189,8 @@ def _calendar(
                 f"year? give --date-order {' or '.join(orders)}"
             )
         moments = [moment_of(cell, orders[0] if orders else None) for cell in cells]
-    return replace(_from_moments(sheet, column, cells, moments, options, zone), note=note)
+    found = _from_moments(sheet, column, cells, moments, options, zone)
+    return replace(found, notes=(*notes, *found.notes))
 
 
 def _of_day(sheet: Sheet, column: Column, cells: Sequence[str], days: Sequence[float | None]) -> Times:
@@ -203,7 +199,7 @@ def _of_day(sheet: Sheet, column: Column, cells: Sequence[str], days: Sequence[f
     lost = _lost(read)
     if len(lost) > MOST_LOST * len(days):
         raise _no_time(sheet, column, cells, lost[0])
-    return Times(over_midnight(read), "time of day", "")
+    return _complete(sheet, column, Times(over_midnight(read), "time of day", ""))
 
 
 def _from_moments(
@@ -226,7 +222,7 @@ def _from_moments(
 
 def _in_zone(local: FloatArray, zone: ZoneInfo | None) -> FloatArray:
     """Return UTC of local times, s; the hour that comes twice is taken in the order of the rows."""
-    falling = _is_falling(local)
+    falling = falls(local)
     rows = local[::-1] if falling else local
     seconds = np.full(len(rows), np.nan)
     previous = -np.inf
@@ -241,16 +237,17 @@ def _in_zone(local: FloatArray, zone: ZoneInfo | None) -> FloatArray:
     return seconds[::-1] if falling else seconds
 
 
-def _is_falling(times: FloatArray) -> bool:
-    steps = np.diff(times[np.isfinite(times)])
-    return bool(np.count_nonzero(steps < 0) > np.count_nonzero(steps > 0))
-
-
 def _complete(sheet: Sheet, column: Column, times: Times) -> Times:
     lost = _lost(times.read)
     if len(lost) > MOST_LOST * len(times.read):
         raise _missing_time(sheet, column, lost[0])
-    return times
+    if not lost:
+        return times
+    first = sheet.text(column)[lost[0]]
+    what = f"is {shown(first)}, no time that can be read" if first else "is missing"
+    more = f" ({len(lost) - 1} more)" if len(lost) > 1 else ""
+    line = f"{sheet.place} {sheet.lines[lost[0]]}: {column.name} {what}; the row is a gap{more}"
+    return replace(times, notes=(*times.notes, line))
 
 
 def _lost(read: FloatArray) -> list[int]:

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 
 from connectors.exports.cells.calendar_times import moment_of
 from connectors.exports.cells.number_style import is_number
-from connectors.exports.cells.tag_roles import ROLE, TIME_WORDS, VALUE_WORDS, plain, tag_role
+from connectors.exports.cells.tag_roles import ROLE, VALUE_WORDS, is_time, plain, tag_role
 from connectors.exports.fault import RecordingError
 from connectors.exports.tables.sheet import Column, Sheet
-from connectors.historian import is_gap
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -112,7 +111,8 @@ def sheet_of(path: Path, rows: Sequence[Row], place: str, kind: str) -> Sheet:
         names.pop()
     good, bad = _fitting(path, rows[first:], names, place)
     if not good and not bad:
-        raise RecordingError(f"{path}: has column names but no samples")
+        no_table = f"{path}: expected a line of column names as time,OP,PV and one {place} a sample"
+        raise RecordingError(f"{path}: has column names but no samples" if _known(names) else no_table)
     columns = tuple(
         Column(name, [cells[k] for _, cells in good], units[k] if k < len(units) else "")
         for k, name in enumerate(names)
@@ -132,9 +132,7 @@ def _without_comment(row: Row) -> Row:
 
 def _known(cells: Sequence[str]) -> int:
     """Return how many cells name a time or a role, alone or within a tag."""
-    return sum(
-        1 for cell in cells if cell and (plain(cell) in TIME_WORDS or tag_role(cell) or plain(cell) in ROLE)
-    )
+    return sum(1 for cell in cells if cell and (is_time(cell) or tag_role(cell) or plain(cell) in ROLE))
 
 
 def _is_sample(cells: Sequence[str]) -> bool:
@@ -185,7 +183,7 @@ def _names(above: Sequence[Row], width: int) -> tuple[int, list[str], list[str]]
 def _are_units(cells: Sequence[str]) -> bool:
     filled = [cell for cell in cells if cell]
     return bool(filled) and all(
-        cell.strip("[]()").casefold() in UNITS or UNIT_FORM.fullmatch(cell) or plain(cell) in TIME_WORDS
+        cell.strip("[]()").casefold() in UNITS or UNIT_FORM.fullmatch(cell) or is_time(cell)
         for cell in filled
     )
 
@@ -195,9 +193,7 @@ def _of_two_lines(tags: Sequence[str], roles: Sequence[str]) -> list[str]:
     names, tag = [], ""
     for k, role in enumerate(roles):
         tag = (tags[k] if k < len(tags) else "") or tag
-        names.append(
-            f"{tag}.{role}" if tag and plain(role) in ROLE and plain(tag) not in TIME_WORDS else role
-        )
+        names.append(f"{tag}.{role}" if tag and plain(role) in ROLE and not is_time(tag) else role)
     return names
 
 
@@ -237,8 +233,3 @@ def _fitting(
 def _footer(bad: Sequence[int], good: Sequence[Row]) -> bool:
     """Whether all rows that do not fit stand behind the samples, as notes of a report do."""
     return bool(good) and len(bad) <= 5 and bad[0] > good[-1][0]
-
-
-def is_gap_row(cells: Sequence[str]) -> bool:
-    """Whether no cell of a row holds a value."""
-    return all(is_gap(cell) for cell in cells)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from connectors.exports.cells.tag_roles import TIME_WORDS, plain
+from connectors.exports.cells.tag_roles import is_time
 from connectors.exports.tables.sheet import Column, Sheet
 
 CLOCK = re.compile(r"\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?(\s*[AaPp]\.?[Mm]\.?)?")
@@ -16,7 +16,7 @@ LOOKED_AT = 20
 
 def with_joined_times(sheet: Sheet) -> Sheet:
     """Return the sheet with date and time of day in one column, where they stand in two."""
-    named = [k for k, column in enumerate(sheet.columns) if plain(column.name) in TIME_WORDS]
+    named = [k for k, column in enumerate(sheet.columns) if is_time(column.name)]
     clocks = [k for k in named if _are(sheet.columns[k], clock=True)]
     dates = [k for k in named if k not in clocks and _are(sheet.columns[k], clock=False)]
     if len(clocks) != 1 or len(dates) != 1:

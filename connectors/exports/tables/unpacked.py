@@ -1,4 +1,4 @@
-"""The bytes of a file, unpacked within a bound: plain, gzip or one member of a zip archive."""
+"""The bytes of a file, unpacked within a bound: plain, gzip or the tables of a zip archive."""
 
 from __future__ import annotations
 
@@ -22,8 +22,10 @@ WORKBOOK = "xl/workbook.xml"
 """Member of a zip archive that is a spreadsheet."""
 
 
-def unpacked(path: Path) -> bytes:
-    """Return the content of a file, unpacked where it is gzip or a zip archive of one table.
+def unpacked(path: Path) -> tuple[tuple[Path, bytes], ...]:
+    """Return the tables of a file, each with its path: one, or those of a zip archive of several.
+
+    The path of one among several goes on within the archive: ``export.zip/area1/FIC101.csv``.
 
     Raises:
         RecordingError: It cannot be read, is no regular file, is packed wrongly, or is larger than
@@ -38,10 +40,10 @@ def unpacked(path: Path) -> bytes:
             file.seek(0)
             if head.startswith(GZIP):
                 with gzip.open(file) as content:
-                    return _bounded(path, content)
+                    return ((path, _bounded(path, content)),)
             if head == ZIP:
-                return _member(path, file)
-            return _bounded(path, file)
+                return _members(path, file)
+            return ((path, _bounded(path, file)),)
     except (OSError, EOFError, zlib.error, zipfile.BadZipFile) as error:
         raise RecordingError(f"{path}: cannot be read: {_words(error)}") from error
 
@@ -55,31 +57,35 @@ def is_workbook(path: Path, content: bytes) -> bool:
     return content.startswith(OLD_WORKBOOK) or path.suffix.lower() in WORKBOOK_SUFFIXES
 
 
-def _bounded(path: Path, file: IO[bytes] | gzip.GzipFile) -> bytes:
-    content = file.read(MOST_BYTES + 1)
-    if len(content) > MOST_BYTES:
+def _bounded(path: Path, file: IO[bytes] | gzip.GzipFile, there: int = 0) -> bytes:
+    """Return the content; ``there`` bytes of the same file are held already."""
+    content = file.read(MOST_BYTES - there + 1)
+    if len(content) + there > MOST_BYTES:
         raise RecordingError(
             f"{path}: is larger than {MOST_BYTES >> 20} MiB unpacked: split it by time or by loop"
         )
     return content
 
 
-def _member(path: Path, file: IO[bytes]) -> bytes:
+def _members(path: Path, file: IO[bytes]) -> tuple[tuple[Path, bytes], ...]:
     with zipfile.ZipFile(file) as archive:
         names = archive.namelist()
         if WORKBOOK in names or "content.xml" in names:
             file.seek(0)
-            return _bounded(path, file)
-        tables = [name for name in names if name.lower().endswith(TABLES) and not name.startswith("__MACOSX")]
-        if len(tables) != 1:
-            found = ", ".join(tables[:5]) or "none"
-            raise RecordingError(
-                f"{path}: expected one table ({', '.join(TABLES)}) in the archive, found {found}: unpack it"
-            )
-        if archive.getinfo(tables[0]).flag_bits & 1:
-            raise RecordingError(f"{path}: the archive is encrypted: unpack it")
-        with archive.open(tables[0]) as content:
-            return _bounded(path, content)
+            return ((path, _bounded(path, file)),)
+        tables = sorted(
+            name for name in names if name.lower().endswith(TABLES) and not name.startswith("__MACOSX")
+        )
+        if not tables:
+            raise RecordingError(f"{path}: expected a table ({', '.join(TABLES)}) in the archive, found none")
+        found: list[tuple[Path, bytes]] = []
+        for name in tables:
+            if archive.getinfo(name).flag_bits & 1:
+                raise RecordingError(f"{path}: the archive is encrypted: unpack it")
+            with archive.open(name) as content:
+                there = sum(len(each) for _, each in found)
+                found.append((path / name if len(tables) > 1 else path, _bounded(path, content, there)))
+        return tuple(found)
 
 
 def _words(error: Exception) -> str:

@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from agent.analysis.indices.movement import Reversals
 from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.reversals import significant_reversals
 from agent.report.reasons import reasons
 from tests.unit.analysis.diagnoses import CALM, HEALTHY, STICKING, WINDOW, N, T, judged
 
@@ -23,6 +25,17 @@ def test_coarse_samples_are_reported_and_too_coarse_ones_allow_no_verdict():
             assert found.verdict == "not_testable"
             assert found.samples_per_period == pytest.approx(samples, rel=0.02)
             assert any("at least 12 are needed" in reason for reason in reasons(found))
+
+
+def test_a_coarse_op_is_not_said_to_stand():
+    """Four samples a period: from scan to scan OP moves as far as in all, which looks like noise."""
+    saw = 50 + np.abs((T / 2.15) % 2 - 1)
+    window = LoopWindow("x", 0.0, 10.0, op=saw, pv=np.sin(np.pi * T / 2.15))
+    assert significant_reversals(saw) < 2
+    assert Reversals().of(window, None) is None
+    found = reasons(judged(window, STICKING))
+    assert any("at least 12 are needed" in each for each in found)
+    assert not any("revers" in each for each in found)
 
 
 def test_the_probability_is_given_also_where_the_verdict_is_undecided():

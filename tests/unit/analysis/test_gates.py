@@ -172,7 +172,10 @@ def test_several_faults_are_all_reported():
 
 def test_a_record_never_in_automatic_says_so():
     (fault,) = found(automatic=T < 0)
-    assert fault.reason == "the loop was never in automatic; OP is judged only where the controller moves it"
+    assert (
+        fault.reason
+        == "the loop was never in automatic; OP shows the valve only where the controller moves it"
+    )
     (fault,) = found(automatic=T < N / 4)
     assert "in automatic for only 25 % of the record" in fault.reason
 

@@ -184,6 +184,26 @@ def test_the_report_is_written_in_each_format(tmp_path, name):
     assert "FIC101" in list(own.table())[3]
 
 
+@pytest.mark.parametrize("name", ["plant.html", "plant.pdf"])
+def test_the_report_lists_what_could_not_be_read(tmp_path, name):
+    found = diagnosis("FIC101_1")
+    task = Task(tmp_path / "FIC101_1.csv", Columns(), window("FIC101_1").hints, None, None)
+    read = Answer(task, found, quality=data_quality(window("FIC101_1"), found))
+    refused = Answer(
+        replace(task, path=tmp_path / "FIC101_2.csv"), None, ("FIC101_2.csv, line 2: no <number>",)
+    )
+    own = fleet(tmp_path, name)
+    for place, answer in enumerate((read, refused)):
+        own.add(place, answer)
+    assert own.write()
+    content = (tmp_path / name).read_bytes()
+    if name.endswith(".pdf"):
+        assert content.count(b"/Type /Page ") == 2
+    else:
+        assert b"FIC101_2.csv, line 2: no &lt;number&gt;" in content
+        assert b"1 valve, 1 recording: sticks 1." in content
+
+
 def test_a_report_of_another_kind_or_over_a_recording_is_refused(tmp_path, capsys):
     with pytest.raises(typer.BadParameter, match=r"expected a name that ends with \.html, \.pdf, \.csv"):
         fleet(tmp_path, "plant.docx")

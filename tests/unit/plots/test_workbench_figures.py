@@ -2,9 +2,11 @@
 
 import re
 from html.parser import HTMLParser
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from scipy import signal
 
@@ -22,7 +24,7 @@ from agent.workbench.decision import Candidate
 from agent.workbench.residual.independence import independence
 from agent.workbench.residual.line_spectrum import line_spectrum
 from agent.workbench.residual.noise_floor import NoiseFloor
-from agent.workbench.residual.where import where_it_fails
+from agent.workbench.residual.where import Failure, where_it_fails
 from agent.workbench.residual.whiteness import whiteness
 
 N = 1000
@@ -65,6 +67,18 @@ def test_panels_say_which_axis_the_residual_follows():
     assert none.get_suptitle() == "FIC101: the residual depends on no axis beyond chance"
 
 
+def test_long_titles_of_panels_do_not_run_into_each_other():
+    flat = np.zeros(1), np.array([-1.0]), np.array([1.0])
+    axes = ("op_rate", "travel_since_reversal", "oscillation_phase")
+    figure = residual_panels_figure(
+        "FIC101", [Failure(each, 0.15, 0.001, np.array([0.0, 1.0]), *flat) for each in axes]
+    )
+    FigureCanvasAgg(figure).draw()
+    titles = [each._left_title.get_window_extent() for each in figure.axes]
+    assert all(one.x1 < other.x0 for one, other in pairwise(titles))
+    assert titles[-1].x1 < figure.bbox.x1
+
+
 def test_correlations_and_what_could_not_be_computed():
     figure = correlations_figure("FIC101", whiteness(RESIDUAL), independence(RESIDUAL, OP))
     assert "p < 0.001" in figure.axes[0].get_title(loc="left")
@@ -83,7 +97,19 @@ def test_the_staircase_falls_to_the_floor():
     (axes,) = staircase_figure("FIC101", stairs, NoiseFloor(0.3, 0.6)).axes
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["fopdt", "+ stiction"]
     assert [text.get_text() for text in axes.texts] == ["-75 %"]
+    (alone,) = staircase_figure("FIC101", stairs[:1], NoiseFloor(0.3, 0.6)).axes
+    assert not alone.texts
     assert set(labels(axes)) == {"noise floor interval", "held out, 90 % interval", "another recording"}
+
+
+def test_a_rejected_candidate_is_not_coloured_as_one_that_counts():
+    tried = [
+        Candidate("rate_limit", "valve_speed", 95.0, 87.0, 97.0, 0.0001),
+        Candidate("saturation", "valve_limits", 27.0, 10.0, 40.0, 0.01, "another effect is far more likely"),
+        Candidate("deadband", "valve_hysteresis", 0.1, -1.0, 1.0, 1.0),
+    ]
+    counts, rejected, small = candidates_figure("FIC101", tried).axes[0].patches
+    assert rejected.get_facecolor() == small.get_facecolor() != counts.get_facecolor()
 
 
 def test_candidates_are_coloured_where_they_count():

@@ -5,6 +5,7 @@ import pytest
 
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import LoopHints, LoopWindow
+from agent.identify.problem import high_pass
 from agent.physics.valves.damped_stem import damped_stem
 from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
@@ -113,6 +114,19 @@ def test_the_model_is_given_in_the_units_of_the_record():
     rest = np.sqrt(np.mean((found.model_pv - window.pv) ** 2)) / np.std(window.pv)
     # the fit counts high-passed blocks after the start, this every sample
     assert found.free_run_percent == pytest.approx(100 * (1 - rest), abs=1)
+
+
+def test_the_drawn_model_fits_as_printed_also_where_the_process_integrates():
+    """The drift of a process that integrates is no part of the fit, so it is none of the picture."""
+    _, window = plant("lic201_dead_band")
+    found = FREE_RUN.quantify(window.with_hints(LoopHints(integrating=True)))
+    problem = pose(window)
+    counts = slice(int(problem.period), None)
+    passed = high_pass(window.pv - window.pv.mean(), problem.keep ** (1 / problem.block))[counts]
+    rest = (found.model_pv - window.pv)[counts]
+    assert found.process.kind == "integrator"
+    assert 100 * (1 - np.std(rest) / np.std(passed)) == pytest.approx(found.free_run_percent, abs=2)
+    assert abs(np.mean(rest)) < 0.02 * np.std(passed)
 
 
 def test_a_record_that_is_the_model_gives_its_parameters_back():

@@ -45,7 +45,7 @@ from agent.identify.objective import (
     process_response,
     valve_position,
 )
-from agent.identify.problem import Problem, bridge, high_pass
+from agent.identify.problem import Problem, bridge, high_pass, nuisance_of
 from agent.identify.search.linear import best_linear
 
 if TYPE_CHECKING:
@@ -181,7 +181,8 @@ def process(
 def simulate(fitted: Fitted, problem: Problem, window: LoopWindow) -> tuple[FloatArray, FloatArray]:
     """Return PV (PV units) and the valve position (OP units), each (n,).
 
-    What is slower than the oscillation is not modelled and taken from the record.
+    What the fit does not count is taken from the record: what is slower than the oscillation, and level and
+    slope behind the filter, where the drift of a process that integrates stands.
     """
     position = valve_position(fitted.candidate, problem)
     no_filter = 1.0
@@ -189,7 +190,12 @@ def simulate(fitted: Fitted, problem: Problem, window: LoopWindow) -> tuple[Floa
         position, fitted.candidate, fitted.structure, 1, no_filter
     )
     rest = bridge(window.pv) - model
-    slow = rest - high_pass(rest, problem.keep ** (1 / problem.block))
+    keep = problem.keep ** (1 / problem.block)
+    counts = np.zeros(len(rest), dtype=np.bool_)
+    counted = np.repeat(problem.weight > 0, problem.block)
+    counts[: len(counted)] = counted
+    passed = high_pass(rest, keep)
+    slow = rest - passed + nuisance_of(passed, counts, keep)
     return model + slow, position
 
 
