@@ -163,10 +163,12 @@ def first_blocks(problem: Problem, periods: float, least: int) -> int:
     """Return how many blocks the first ``periods`` periods of the swinging loop end with, at least some.
 
     A valve that rests shows nothing, so that the first periods of a record that begins at rest would let the
-    search choose among valves none of which has moved.
+    search choose among valves none of which has moved. Nor does a part show anything whose blocks lie in gaps:
+    it goes on until ``LEAST_SAMPLES`` of them count.
     """
     end = math.ceil((problem.quiet + periods * problem.period) / problem.block)
-    return min(len(problem.pv), max(least, end))
+    shows = int(np.searchsorted(np.cumsum(problem.weight), LEAST_SAMPLES)) + 1
+    return min(len(problem.pv), max(least, end, shows))
 
 
 def bridge(signal: FloatArray) -> FloatArray:

@@ -7,7 +7,15 @@ import pytest
 
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import LoopWindow
-from agent.identify.problem import SHORT_GAP, after_gaps, bridge, first_periods, high_pass, quiet_start
+from agent.identify.problem import (
+    LEAST_SAMPLES,
+    SHORT_GAP,
+    after_gaps,
+    bridge,
+    first_periods,
+    high_pass,
+    quiet_start,
+)
 from agent.physics.processes.decimation import block_means
 from agent.physics.valves.damped_stem import damped_stem
 from tests.reference.free_run_twins import first_order
@@ -103,3 +111,12 @@ def test_the_first_periods_of_a_record_that_begins_at_rest_hold_as_many_swings()
     part = first_periods(problem, 4.0)
     assert problem.block == 1
     assert len(part.op) == problem.quiet + np.ceil(4 * problem.period)
+
+
+def test_the_first_part_of_a_record_that_begins_with_a_gap_goes_on_to_where_enough_counts():
+    _, window = plant("tic302_second_order")
+    pv = window.pv.copy()
+    pv[:400] = np.nan
+    whole = pose(replace(window, pv=pv))
+    part = first_periods(whole, 1.0)
+    assert part.weight.sum() == LEAST_SAMPLES
