@@ -61,7 +61,7 @@ def test_a_number_at_its_bound_leaves_a_remainder_so_that_a_wave_is_not_confirme
 def test_what_remains_may_be_another_effect_and_lowers_nothing_then():
     window = slack(noise=0.02)
     away = window.pv - window.pv.mean()
-    bent = replace(window, pv=window.pv + 0.5 * away**2 / np.ptp(window.pv))
+    bent = replace(window, pv=window.pv + 0.03 * away**2 / np.ptp(window.pv))
     trials, alone = opened(bent, Fopdt(), map, silent)
     base = step_of(alone, trials.record, None)
     alone = trials.judged_on(base, [NAMED["deadband"]]).decision
