@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, MORE_DYNAMICS, LinearDynamics, beats
+from agent.workbench.checks.adequate import adequate, nothing_else
+from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, LinearDynamics, beats
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
@@ -19,7 +20,7 @@ from agent.workbench.residual.very_strong import very_strong
 from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from agent.physics.effect import Effect, Facts
     from agent.workbench.evidence import Evidence
@@ -53,11 +54,6 @@ def no_other_record(smaller: Fit, larger: Fit) -> bool:  # noqa: ARG001
     return False
 
 
-def nothing_near(decision: Decision, models: Mapping[str, Tried]) -> Mapping[str, Tried]:  # noqa: ARG001
-    """Return that nothing more could pass for an effect."""
-    return {}
-
-
 def judged(
     smaller: Step,
     models: Mapping[str, Tried],
@@ -65,7 +61,7 @@ def judged(
     event_p: Mapping[str, float],
     together: Callable[[Step | Tried, Effect], Tried],
     worse: Callable[[Fit, Fit], bool] = no_other_record,
-    near: Callable[[Decision, Mapping[str, Tried]], Mapping[str, Tried]] = nothing_near,
+    also: Callable[[Tried], Iterable[Effect]] = nothing_else,
 ) -> AllTried:
     """Judge effects by their held-out errors, and by what the innovations say of each.
 
@@ -81,7 +77,7 @@ def judged(
             nothing happened.
         together: Tries an effect on top of one of the models, or of the smaller one.
         worse: Whether a larger model, the second, follows another recording less well than a smaller one.
-        near: Fits what could pass for an effect that would be confirmed and was not fitted (``neighbours``).
+        also: What of the library the innovations hint at beside an effect, the best first.
     """
 
     def both_needed(name: str, other: str) -> bool:
@@ -120,10 +116,11 @@ def judged(
     if smaller.predicts is not None and _is_weak(decision, found):
         decision = replace(decision, kind="suggested")
     decision = _lowered(decision, doubts, smaller, models, worse)
-    more = near(decision, models)
-    if more:
-        return judged(smaller, {**models, **more}, record, event_p, together, worse, near)
-    return AllTried(_beside_unnamed(decision, smaller, models, found, together, record), models)
+    if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
+        decision = _against_unnamed(decision, smaller, found, together, record)
+    if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
+        decision = adequate(decision, models, also, together, record)
+    return AllTried(decision, models)
 
 
 def _at_once(found: Mapping[str, Evidence], event_p: Mapping[str, float]) -> dict[str, str]:
@@ -137,31 +134,25 @@ def _at_once(found: Mapping[str, Evidence], event_p: Mapping[str, float]) -> dic
     return objections
 
 
-def _beside_unnamed(
+def _against_unnamed(
     decision: Decision,
     smaller: Step,
-    models: Mapping[str, Tried],
     found: Mapping[str, Evidence],
     together: Callable[[Step | Tried, Effect], Tried],
     record: Record,
 ) -> Decision:
-    """Return a decision as it stands against linear dynamics without a name, instead of it and beside it.
+    """Return a decision as it stands against linear dynamics without a name in the place of the effect.
 
     They could stand behind whatever acts on OP or happened once; a wave is no answer to OP.
     """
-    if decision.kind not in {"confirmed", "family"} or smaller.predicts is None:
-        return decision
     effect = str(decision.effect)
-    if not (found[effect].answers or found[effect].once):
+    if decision.family in LINEAR or not (found[effect].answers or found[effect].once):
         return decision
-    if decision.family not in LINEAR:
-        rival = evidence_of(smaller, together(smaller, LinearDynamics()), record, len(models)).criterion
-        alike = (effect, *decision.indistinguishable)
-        if not beats(max(found[each].criterion for each in alike), rival):
-            return replace(decision, kind="suggested", lacks=(*decision.lacks, AS_LIKELY))
-    if far_likelier(models[effect], together(models[effect], LinearDynamics()), record):
-        return replace(decision, lacks=(*decision.lacks, MORE_DYNAMICS))
-    return decision
+    rival = evidence_of(smaller, together(smaller, LinearDynamics()), record, len(found)).criterion
+    alike = (effect, *decision.indistinguishable)
+    if beats(max(found[each].criterion for each in alike), rival):
+        return decision
+    return replace(decision, kind="suggested", lacks=(*decision.lacks, AS_LIKELY))
 
 
 def _is_weak(decision: Decision, found: Mapping[str, Evidence]) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -17,12 +17,11 @@ from agent.workbench.event_scan import course_p, instant_p, instants_seen
 from agent.workbench.evidence import far_likelier
 from agent.workbench.fit import contributions, fit
 from agent.workbench.inputs.measured_input import MeasuredInput
-from agent.workbench.library import acts_on_op, happens_once, missing
+from agent.workbench.library import happens_once, missing
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.shown.information import Shown, shown_by
-from agent.workbench.shown.neighbours import neighbours
-from agent.workbench.shown.score import worth_a_fit
+from agent.workbench.shown.score import scores_of, worth_a_fit
 from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
 from agent.workbench.validation import rmse_on
@@ -31,7 +30,6 @@ from agent.workbench.valve_starts import ValveStart, valve_starts, with_valves
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
-    from agent.workbench.decision import Decision
     from agent.workbench.fit import Fit
     from agent.workbench.folds import Folds
     from agent.workbench.hooks import Map, Progress
@@ -39,6 +37,8 @@ if TYPE_CHECKING:
     from agent.workbench.step import Step
 
 
+BESIDE = 2
+"""Effects that are fitted beside one with which something remains, the best by their scores."""
 STEPS_AND_EVENTS = 10
 """How often one staircase looks for what happened once: a load step and another gain, five steps."""
 
@@ -98,35 +98,28 @@ class Trials:
         return self._shown[step.effects]
 
     def judged_on(self, step: Step, effects: Sequence[Effect], able: Sequence[Effect] = ()) -> AllTried:
-        """Try these effects on top of a model, and what of the ``able`` ones could pass for the best."""
+        """Try these effects on top of a model; beside one that leaves something also the ``able`` ones."""
 
-        def near(decision: Decision, models: Mapping[str, Tried]) -> Mapping[str, Tried]:
-            alike = self._neighbours(step, decision, models, able)
-            return self._tried(step, alike) if alike else {}
+        def also(found: Tried) -> list[Effect]:
+            return self._hinted(found, able or effects)
 
         event_p = {each.name: self.event_p(step, each) for each in effects}
         models = self._tried(step, effects)
-        return judged(step, models, self.record, event_p, self._both, self._is_worse, near)
+        return judged(step, models, self.record, event_p, self._both, self._is_worse, also)
 
-    def _neighbours(
-        self, step: Step, decision: Decision, models: Mapping[str, Tried], able: Sequence[Effect]
-    ) -> list[Effect]:
-        """Return the effects that act on OP, were not fitted and could pass for one to be confirmed."""
-        if decision.kind not in {"confirmed", "family"} or step.predicts is None:
+    def _hinted(self, found: Tried, able: Sequence[Effect]) -> list[Effect]:
+        """Return the effects that the innovations hint at most beside those of a model, none by chance."""
+        if found.predicts is None:
             return []
-        larger, facts = models[str(decision.effect)], self.record.facts
-        effect = larger.fit.model.effects[-1]
-        if larger.predicts is None or not (acts_on_op(effect, facts) or happens_once(effect, facts)):
-            return []
-        left = [
+        families = {each.family for each in found.fit.model.effects}
+        others = [
             each
-            for each in able
-            if each.name not in models
-            and each.name not in self.left_out
-            and acts_on_op(each, facts)
-            and not happens_once(each, facts)
+            for each in missing(found.fit.model, able)
+            if each.family not in families and each.name not in self.left_out
         ]
-        return neighbours(step.predicts, larger.predicts, left)
+        scores = scores_of(others, *found.predicts)
+        others = sorted((each for each in others if each.name in scores), key=lambda each: -scores[each.name])
+        return [each for each in others[:BESIDE] if self.event_p(found, each) < LEVEL]
 
     def event_p(self, smaller: Step | Tried, effect: Effect) -> float:
         """Return how likely as much is explained where nothing happened; 0 of what is no event and no input.

@@ -3,7 +3,7 @@
 A true cause need not be in the library. What is there then often goes along with it: a rate limit with a
 missing lag, a load step with a first move the wrong way. So an effect must also beat a rival without a name:
 two lags and a zero, each number paid by Schwarz's criterion. Effects that are linear dynamics are parts of
-the rival and have none in it. Where it is still needed beside an effect, that is not all that is missing.
+the rival and have none in it. What remains beside an effect: ``remainder.py``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 LINEAR = frozenset({"extra_lag", "process_dynamics"})
 """Families whose effects are parts of the rival."""
 AS_LIKELY = "linear dynamics that have no name here make the record as likely"
-MORE_DYNAMICS = "with it linear dynamics are still missing"
 
 
 @dataclass(frozen=True, slots=True)

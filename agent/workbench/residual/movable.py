@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.workbench.residual.state_dependence import directions, left_of_start
+from agent.workbench.space import AT_BOUND
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.predictor import Predictor
 
@@ -24,9 +27,18 @@ def movable(predicts: Predictor, best: FloatArray) -> FloatArray:
         predicts: Of the model, on a linear base.
         best: The point of the unit cube where its predictions are best, (k,).
     """
+    return _movable(predicts, best, np.ones(len(best), dtype=np.bool_))
+
+
+def movable_inside(predicts: Predictor, best: FloatArray) -> FloatArray:
+    """Return ``movable`` of a model whose numbers at a bound of their search stay there."""
+    return _movable(predicts, best, (best >= AT_BOUND) & (best <= 1 - AT_BOUND))
+
+
+def _movable(predicts: Predictor, best: FloatArray, free: NDArray[np.bool_]) -> FloatArray:
     own = np.column_stack((predicts.objective.columns(best), left_of_start(predicts.objective.record)))
     white = predicts.noise.filtered(own)[predicts.kept]
-    return directions(np.column_stack((predicts.derivative(best), white, predicts.basis)))
+    return directions(np.column_stack((predicts.derivative(best)[:, free], white, predicts.basis)))
 
 
 def beyond(columns: FloatArray, known: FloatArray) -> FloatArray:

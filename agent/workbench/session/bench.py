@@ -194,7 +194,8 @@ class Bench:
         if found is None or name not in found.models:
             model = self.step.fit.model
             family = [each for each in missing(model, self.library) if each.family == effect.family]
-            found = self.trials.judged_on(self.step, family if effect in family else [*family, effect])
+            tried = family if effect in family else [*family, effect]
+            found = self.trials.judged_on(self.step, tried, self.library)
         if name in self.trials.left_out:
             raise ValueError(self.trials.left_out[name])
         verdict = verdict_of(self.step, found, self.where_it_fails(), self.lines(), self.record.facts)

@@ -1,0 +1,85 @@
+"""An explanation must leave a residual that is as good as noise, or be confirmed together with what remains.
+
+What remains with an effect (``remainder.py``) may be another effect of the library: then both are needed, and
+nothing remains with both. Else the true cause may be one that is not in the library, which the effect stands
+for: it is suggested. One price for all effects, whether they act on OP, happened once, or go on all the time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from agent.workbench.checks.remainder import remainder
+from agent.workbench.evidence import far_likelier
+from agent.workbench.residual.very_strong import VERY_STRONG
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from agent.physics.effect import Effect
+    from agent.workbench.decision import Decision
+    from agent.workbench.record import Record
+    from agent.workbench.step import Step
+    from agent.workbench.trial import Tried
+
+NOT_IN_LIBRARY = "with it something remains that no effect of the library explains"
+
+
+MOST_BESIDE = 2
+"""Effects of the library that are tried beside it, one after the other: more in one loop are seldom."""
+
+
+def nothing_else(found: Tried) -> Iterable[Effect]:  # noqa: ARG001
+    """Return that no other effect may be missing."""
+    return ()
+
+
+def adequate(
+    decision: Decision,
+    models: Mapping[str, Tried],
+    also: Callable[[Tried], Iterable[Effect]],
+    together: Callable[[Step | Tried, Effect], Tried],
+    record: Record,
+) -> Decision:
+    """Return a decision that would be confirmed as it stands by what remains with its effect.
+
+    Args:
+        decision: On ``models``.
+        models: By the effect that was added.
+        also: What of the library the innovations hint at beside the last effect of a model, the best first.
+        together: Tries an effect on top of one of the models.
+        record: What they were fitted to.
+    """
+    model = models[str(decision.effect)]
+    added: list[str] = []
+    while not _is_noise(model):
+        larger = _larger(model, models, also, together, record) if len(added) < MOST_BESIDE else None
+        if larger is None:
+            return replace(decision, kind="suggested", lacks=(*decision.lacks, NOT_IN_LIBRARY))
+        model = larger
+        added.append(model.fit.model.effects[-1].name.replace("_", " "))
+    if not added:
+        return decision
+    return replace(decision, lacks=(*decision.lacks, f"with it {' and '.join(added)} is still missing"))
+
+
+def _larger(
+    model: Tried,
+    models: Mapping[str, Tried],
+    also: Callable[[Tried], Iterable[Effect]],
+    together: Callable[[Step | Tried, Effect], Tried],
+    record: Record,
+) -> Tried | None:
+    """Return a model with one more effect that is needed beside the others; None: there is none."""
+    for other in also(model):
+        larger = together(model, other)
+        alone = (model, *(models[name] for name in (other.name,) if name in models))
+        if all(far_likelier(each, larger, record) for each in alone):
+            return larger
+    return None
+
+
+def _is_noise(found: Tried) -> bool:
+    """Return whether nothing remains with a model that is very strongly supported; not known is yes."""
+    return found.predicts is None or remainder(*found.predicts) <= VERY_STRONG

@@ -1,0 +1,70 @@
+"""What remains with an effect: noise, another effect of the library, or what is not in it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from loops import slack
+
+from agent.analysis.record.recording import LoopWindow
+from agent.physics.bases import Fopdt
+from agent.physics.effects import EFFECTS
+from agent.workbench.checks.adequate import NOT_IN_LIBRARY
+from agent.workbench.checks.remainder import remainder
+from agent.workbench.hooks import silent
+from agent.workbench.residual.very_strong import VERY_STRONG
+from agent.workbench.session import Workbench
+from agent.workbench.session.opening import opened
+from agent.workbench.step import step_of
+from simulators.draws.open_records import open_record
+
+NAMED = {each.name: each for each in EFFECTS}
+
+
+def judged(record, *families):
+    """The decision on an open record by a library of these families."""
+    window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
+    return Workbench(window, without={each.family for each in EFFECTS} - set(families)).candidates()
+
+
+@pytest.fixture(scope="module")
+def band():
+    """A loop with a dead band: what was opened, the base, and the model with the band alone."""
+    trials, alone = opened(slack(noise=0.02), Fopdt(), map, silent)
+    base = step_of(alone, trials.record, None)
+    return base, trials.judged_on(base, [NAMED["deadband"], NAMED["rate_limit"]])
+
+
+def test_the_true_effect_leaves_noise_and_the_model_without_it_and_a_wrong_one_do_not(band):
+    base, found = band
+    assert remainder(*found.models["deadband"].predicts) <= VERY_STRONG
+    assert remainder(*base.predicts) > VERY_STRONG
+    assert remainder(*found.models["rate_limit"].predicts) > VERY_STRONG
+    assert (found.decision.kind, found.decision.effect, found.decision.lacks) == ("confirmed", "deadband", ())
+
+
+def test_a_trim_that_stands_for_a_curve_behind_the_lags_is_suggested():
+    record = open_record(62404, "steps", "titration")
+    decision = judged(record, "valve_characteristic")
+    assert (decision.kind, decision.family) == ("suggested", "valve_characteristic")
+    assert NOT_IN_LIBRARY in decision.lacks
+    named = judged(record, "valve_characteristic", "pv_gain")
+    assert (named.kind, named.family, named.lacks) == ("confirmed", "pv_gain", ())
+
+
+def test_a_number_at_its_bound_leaves_a_remainder_so_that_a_wave_is_not_confirmed_for_an_integrator():
+    decision = judged(open_record(62402, "prbs", "integrating"), "disturbance")
+    assert (decision.kind, decision.effect) == ("suggested", "sinusoid")
+    assert NOT_IN_LIBRARY in decision.lacks
+
+
+def test_what_remains_may_be_another_effect_and_lowers_nothing_then():
+    window = slack(noise=0.02)
+    away = window.pv - window.pv.mean()
+    bent = replace(window, pv=window.pv + 0.03 * away**2 / np.ptp(window.pv))
+    trials, alone = opened(bent, Fopdt(), map, silent)
+    base = step_of(alone, trials.record, None)
+    alone = trials.judged_on(base, [NAMED["deadband"]]).decision
+    assert (alone.kind, alone.effect, alone.lacks) == ("suggested", "deadband", (NOT_IN_LIBRARY,))
+    able = trials.judged_on(base, [NAMED["deadband"]], [NAMED["pv_gain"]]).decision
+    assert (able.kind, able.lacks) == ("confirmed", ("with it pv gain is still missing",))
