@@ -17,7 +17,7 @@ from agent.analysis.memory.sticks import with_sticks
 from agent.analysis.quantify import quantifier as quantifier_named
 from agent.analysis.quantify.free_run import LEAST_S
 from agent.analysis.results import CauseShare, MethodResult
-from agent.analysis.seen import look
+from agent.analysis.seen import look, worth_a_fit
 from agent.analysis.stiction_class import stiction_class
 
 if TYPE_CHECKING:
@@ -94,6 +94,7 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
         faults=seen.faults,
         weighed=weighed,
         record=RecordSummary.of(window, seen.oscillation),
+        quiet=not worth_a_fit(seen),
         no_response=seen.no_response,
     )
     return with_verdict(without_verdict, window, *verdict_of(found, weighed))
