@@ -1,7 +1,7 @@
 """Recordings of one valve, judged together.
 
-Each is diagnosed alone; what is undecided alone is judged again with the evidence of all, and P(sticks) of the
-valve does not contradict that. A firm verdict stays, because a valve may be repaired or wear between two
+Each is diagnosed alone; what is undecided alone is judged again with the evidence of all, and P(sticks) of
+the valve does not contradict that. A firm verdict stays, because a valve may be repaired or wear between two
 recordings; ``others`` states a contradiction.
 """
 
