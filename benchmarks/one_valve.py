@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from rich.console import Console
 from rich.progress import track
 
-from agent.analysis.diagnose import SURE, diagnose
+from agent.analysis.diagnose import diagnose
 from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.evidence.together import weigh_together
+from agent.analysis.evidence.weighing import SURE
 from agent.analysis.one_valve import judged_together
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Verdict

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from agent.analysis.benefit.benefit import benefit
 from agent.analysis.cause import cause_without_stiction, causes_with_stiction
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
-from agent.analysis.evidence.weighing import weigh
+from agent.analysis.evidence.weighing import SURE, weigh
 from agent.analysis.gates.rhythm import samples_per_period
 from agent.analysis.indices import performance
 from agent.analysis.innovations import log_likelihood_ratio
@@ -17,7 +17,7 @@ from agent.analysis.memory.sticks import with_sticks
 from agent.analysis.quantify import quantifier as quantifier_named
 from agent.analysis.quantify.free_run import LEAST_S
 from agent.analysis.results import CauseShare, MethodResult
-from agent.analysis.seen import look
+from agent.analysis.seen import look, worth_a_fit
 from agent.analysis.stiction_class import stiction_class
 
 if TYPE_CHECKING:
@@ -28,10 +28,6 @@ if TYPE_CHECKING:
     from agent.analysis.seen import Seen
 
 DEFAULT_QUANTIFIER = "free_run"
-SURE = 0.8
-"""Probability from which stiction is reported, or excluded: one of 187 simulated sound loops exceeds it, each
-weighed with weights fitted to the others."""
-
 FOLLOWED = 5.0
 """Least fit of the sticking model in free run for a firm verdict of stiction, %: one that follows hardly
 anything says nothing of the valve, whatever the other witnesses say."""
@@ -98,16 +94,16 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
         faults=seen.faults,
         weighed=weighed,
         record=RecordSummary.of(window, seen.oscillation),
+        quiet=not worth_a_fit(seen),
         no_response=seen.no_response,
     )
-    verdict, confidence = verdict_of(found, weighed)
-    if verdict == "no_stiction" and seen.no_response is not None:
-        verdict, confidence = "undecided", 0.0  # a valve that PV does not show may be stuck
-    return with_verdict(without_verdict, window, verdict, confidence)
+    return with_verdict(without_verdict, window, *verdict_of(found, weighed))
 
 
 def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, confidence: float) -> Diagnosis:
     """Return a diagnosis with another verdict, and with the causes and the class of that.
+
+    Where PV does not respond, ``no_stiction`` becomes ``undecided``: the valve may be stuck.
 
     Args:
         diagnosis: Of a record that was testable; another is returned as it is.
@@ -118,6 +114,8 @@ def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, con
     found, oscillation = diagnosis.quantification, diagnosis.oscillation
     if found is None or oscillation is None:
         return diagnosis
+    if verdict == "no_stiction" and diagnosis.no_response is not None:
+        verdict, confidence = "undecided", 0.0
     if verdict == "stiction":
         found = as_decided(found, window.op_span)
     causes = _causes(verdict, window, oscillation, found)

@@ -121,6 +121,8 @@ class Diagnosis:
     """Loop name of another recording that shows the same event and counts in place of this one."""
     seconds: float = 0.0
     """Wall time of the analysis, s."""
+    quiet: bool = False
+    """Whether nothing happened that a valve could cause (``worth_a_fit``): the record shows little of it."""
 
     @property
     def probability(self) -> float | None:

@@ -1,7 +1,8 @@
 """Recordings of one valve, judged together.
 
-Each is diagnosed alone; what is undecided alone is judged again with the evidence of all. A firm verdict
-stays, because a valve may be repaired or wear between two recordings; ``others`` states a contradiction.
+Each is diagnosed alone; what is undecided alone is judged again with the evidence of all, and P(sticks) of
+the valve does not contradict that. A firm verdict stays, because a valve may be repaired or wear between two
+recordings; ``others`` states a contradiction.
 """
 
 from __future__ import annotations
@@ -9,10 +10,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from agent.analysis.diagnose import SURE, verdict_of, with_verdict
+from agent.analysis.diagnose import verdict_of, with_verdict
 from agent.analysis.diagnosis import OtherRecordings
 from agent.analysis.evidence.together import weigh_together
-from agent.analysis.memory.sticks import sticks_of
+from agent.analysis.evidence.weighing import SURE
+from agent.analysis.memory.sticks import in_view_of, sticks_of
 from agent.analysis.memory.weighing_windows import BASE_RATE
 from agent.analysis.record.same_event import one_of_each
 
@@ -43,7 +45,9 @@ def judged_together(
     stem = all(windows[k].mv is not None for k in events)
     together = weigh_together([diagnoses[k] for k in events], stem_measured=stem) if len(events) > 1 else None
     testable = [k for k, each in enumerate(diagnoses) if k not in usable or k in events]
-    sticks = sticks_of([diagnoses[k] for k in testable], base_rate)
+    sticks = sticks_of([diagnoses[k] for k in testable], base_rate, stem_measured=stem)
+    if together is not None:
+        sticks = in_view_of(sticks, together)
     revised = [replace(each, sticks=sticks) for each in diagnoses]
     for k, place in zip(usable, stands, strict=True):
         if together is not None:

@@ -33,5 +33,6 @@ def quiet(window: LoopWindow, seen: Seen) -> Diagnosis:
         methods=seen.methods_without_pictures,
         record=RecordSummary.of(window, seen.oscillation),
         indices=performance(window, None),
+        quiet=True,
         no_response=seen.no_response,
     )

@@ -5,21 +5,30 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Literal, get_args
 
-from agent.analysis.evidence.weighing import MOST
+from agent.analysis.evidence.weighing import MOST, SURE
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
+    from agent.analysis.evidence.weighing import Weighed
 
 Outcome = Literal["against", "hardly", "weak", "fair", "strong", "very_strong", "stuck"]
 OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
+
+
+def logit(probability: float) -> float:
+    """Return the log odds of a probability, 0 < p < 1."""
+    return math.log(probability / (1 - probability))
+
+
 EDGES: tuple[tuple[float, Outcome], ...] = (
     (-1.75, "against"),
     (-1.0, "hardly"),
     (0.0, "weak"),
-    (1.5, "fair"),
+    (logit(SURE), "fair"),
     (0.75 * MOST, "strong"),
 )
-"""Log odds of a window (``weighing``) up to which it has an outcome; beyond the last it is very strong."""
+"""Log odds of a window (``weighing``) below which it has an outcome; beyond the last it is very strong. What
+is enough for the verdict stiction is strong, so that no such valve is more probably sound."""
 
 
 def outcome_of(diagnosis: Diagnosis) -> Outcome | None:
@@ -34,10 +43,10 @@ def outcome_of(diagnosis: Diagnosis) -> Outcome | None:
     found = diagnosis.quantification
     if diagnosis.weighed is None or found is None or found.failure or found.quick_evidence is None:
         return None  # no fit, one that failed, or of a method whose word has no weight
-    log_odds = logit(diagnosis.weighed.probability)
-    return next((outcome for edge, outcome in EDGES if log_odds <= edge), "very_strong")
+    return outcome_of_odds(diagnosis.weighed)
 
 
-def logit(probability: float) -> float:
-    """Return the log odds of a probability, 0 < p < 1."""
-    return math.log(probability / (1 - probability))
+def outcome_of_odds(weighed: Weighed) -> Outcome:
+    """Return the outcome of a record, or of several that are weighed as one, by its log odds."""
+    log_odds = logit(weighed.probability)
+    return next((outcome for edge, outcome in EDGES if log_odds < edge), "very_strong")

@@ -8,10 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.analysis.diagnose import SURE, diagnose
+from agent.analysis.diagnose import diagnose
 from agent.analysis.evidence.together import SEARCH, joined, majority, weigh_together
+from agent.analysis.evidence.weighing import SURE
+from agent.analysis.memory.sticks import LIKELY
+from agent.analysis.memory.weighing_windows import BASE_RATE
 from agent.analysis.one_valve import judged_together
 from agent.analysis.record.recording import LoopWindow
+from agent.analysis.response.no_response import NoResponse
 from agent.analysis.results import MethodResult, Quantification, StictionEstimate
 from agent.report.advice import advice
 from agent.report.reasons import reasons
@@ -123,10 +127,38 @@ def test_a_failed_search_does_not_count():
 
 
 def test_the_probability_of_the_valve_is_that_of_all_its_events():
-    told = together([STICKS] * 3)
-    alone_said = alone([STICKS])[1][0]
-    assert told[0].sticks.windows == 3
-    assert told[0].sticks.probability > alone_said.sticks.probability > 0.5
+    told = together([LITTLE] * 4)
+    alone_said = alone([LITTLE])[1][0]
+    assert told[0].sticks.windows == 3  # two of these random walks are quiet
+    assert {each.sticks for each in told} == {told[0].sticks}
+    assert told[0].sticks.probability > LIKELY > alone_said.sticks.probability
+
+
+def test_quiet_recordings_do_not_outweigh_slips_in_the_probability_alone():
+    """Each recording in which nothing happens speaks against stiction; all are one record."""
+    told = together([LITTLE] * 5 + [NOTHING] * 3)
+    assert told[0].verdict == "stiction"
+    assert told[0].sticks.probability > LIKELY
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(st.tuples(st.floats(0, 40), st.floats(1, 3), st.integers(0, 4)), min_size=2, max_size=6))
+def test_the_probability_never_contradicts_the_verdict_of_all(told):
+    answers = [
+        replace(LITTLE, log_likelihood_ratio=ratio, evidence=evidence, quick_evidence=evidence, turns=turns)
+        for ratio, evidence, turns in told
+    ]
+    for each in together(answers):
+        assert (each.sticks.probability > LIKELY) == (each.others.together >= SURE)
+        if each.others.together <= 1 - SURE:
+            assert each.sticks.probability < BASE_RATE
+
+
+def test_a_valve_that_pv_does_not_show_is_not_cleared_by_other_recordings():
+    windows, said = alone([replace(SOUND, log_likelihood_ratio=6.0), SOUND, SOUND, SOUND])
+    assert judged_together(windows, said)[0].verdict == "no_stiction"
+    said[0] = replace(said[0], no_response=NoResponse("unknown", 0, N, 50.0, 9.0, 0.09, 3.0, 90.0, 0.95))
+    assert judged_together(windows, said)[0].verdict == "undecided"
 
 
 def test_another_quantifier_has_no_evidence_to_share():

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from agent.analysis.evidence.weighing import Weighed
+from agent.analysis.evidence.weighing import SURE, Weighed
 from agent.analysis.memory.known import known_from
 from agent.analysis.memory.outcome import OUTCOMES, outcome_of
 from agent.analysis.memory.rates import MIMICS
 from agent.analysis.memory.state import from_state, to_state
-from agent.analysis.memory.sticks import is_suspected, sticks_of, with_memory
+from agent.analysis.memory.sticks import LIKELY, is_suspected, sticks_of, with_memory
 from agent.analysis.memory.valve_memory import (
     DAY,
     HALF_LIFE,
@@ -75,6 +75,32 @@ def test_quiet_windows_leave_the_probability_as_it_is():
         quiet = replace(said(0.5), verdict="no_stiction", weighed=None)
         memory = remember(memory, quiet, START + k * DAY, START + k * DAY + HOUR)
     assert memory.probability() == pytest.approx(0.2)
+
+
+def test_quiet_records_count_as_one_together():
+    """In a quiet record of any valve nothing is seen; several do not add up as others do."""
+    nothing = {"log_likelihood_ratio": 0.0, "evidence": 1.0, "quick_evidence": 1.0, "turns": 0}
+    against = judged(WINDOW, replace(STICKING, decision="undecided", **nothing))
+    against = replace(against, methods={}, no_response=None)
+    quiet, moving = replace(against, quiet=True), replace(against, quiet=False)
+    alone = sticks_of([quiet])
+    assert alone == sticks_of([moving])
+    assert sticks_of([quiet] * 5) == alone
+    assert sticks_of([moving] * 5).probability < alone.probability < 0.2
+    assert sticks_of([quiet] * 5 + [moving]) == sticks_of([moving] * 2)
+
+
+def test_a_slip_in_one_of_many_quiet_records_is_not_outweighed():
+    slip = replace(said(0.9), quiet=True)
+    nothing = {"log_likelihood_ratio": 0.0, "evidence": 1.0, "quick_evidence": 1.0, "turns": 0}
+    quiet = [replace(judged(WINDOW, replace(STICKING, decision="undecided", **nothing)), quiet=True)] * 3
+    counted = [replace(each, quiet=False, no_response=None) for each in (*quiet, slip)]
+    quiet = [replace(each, no_response=None) for each in quiet]
+    assert sticks_of([*quiet, slip]).probability > sticks_of(counted).probability
+
+
+def test_what_is_enough_for_the_verdict_is_more_likely_than_not():
+    assert sticks_of([replace(said(0.9), weighed=Weighed(SURE, ()))]).probability > LIKELY
 
 
 def test_without_evidence_the_probability_is_the_base_rate():
