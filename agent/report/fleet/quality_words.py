@@ -16,7 +16,7 @@ FLAWS: Mapping[Flaw, Callable[[DataQuality], str]] = {
     "coarse": lambda each: f"only {each.samples_per_period:.1f} samples a period",
     "compressed": lambda each: f"compressed by the historian by about {each.compression:.0f}",
     "gaps": lambda each: f"{percent_words(each.gaps_percent)} gaps",
-    "manual": lambda each: f"{percent_words(each.manual_percent)} not in automatic",
+    "manual": lambda each: f"{percent_words(each.manual_percent or 0.0)} not in automatic",
     "saturated": lambda each: f"OP at a limit{_share(each.at_limit_percent)}",
     "short": lambda each: f"only {duration_words(each.duration)} long",
 }
