@@ -74,10 +74,10 @@ def contour_map() -> Figure:
 def profile() -> Figure:
     """Draw what the same loop says of S, and the delay and J that go with it."""
     window, _ = recorded("pic401_direct_stick_slip")
-    errors_at_s = quantifier("free_run").quantify(window).profile
-    if errors_at_s is None:
+    found = quantifier("free_run").quantify(window)
+    if found.profile is None:
         raise TypeError("no stiction was found")
-    return profile_figure(window.loop, errors_at_s)
+    return profile_figure(window.loop, found.profile, found.s)
 
 
 def slow_triangle() -> tuple[FloatArray, FloatArray]:
