@@ -163,7 +163,7 @@ def first_blocks(problem: Problem, periods: float, least: int) -> int:
     """Return how many blocks the first ``periods`` periods of the swinging loop end with, at least some.
 
     A valve that rests shows nothing, so that the first periods of a record that begins at rest would let the
-    search choose among valves none of which has moved. Nor does a part whose blocks lie in gaps show anything:
+    search choose among valves none of which has moved. A part whose blocks lie in gaps shows nothing either:
     it goes on until ``LEAST_SAMPLES`` of them count.
     """
     end = math.ceil((problem.quiet + periods * problem.period) / problem.block)
