@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
 from agent.analysis.indices import performance
 from agent.analysis.results import CauseShare
+from agent.analysis.seen import without_pictures
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
@@ -30,7 +31,7 @@ def quiet(window: LoopWindow, seen: Seen) -> Diagnosis:
         stiction_class=None,
         oscillation=seen.oscillation,
         quantification=None,
-        methods=seen.methods_without_pictures,
+        methods=without_pictures(seen.methods),
         record=RecordSummary.of(window, seen.oscillation),
         indices=performance(window, None),
         no_response=seen.no_response,

@@ -1,13 +1,16 @@
-"""The routine diagnosis of a running loop: one look at a window, and a fit only where that is due."""
+"""The routine diagnosis of a running loop: one look at a window, and a fit only where that is due.
+
+What the detectors saw, for their pictures, is 60 to 400 kB; it stays in the worker.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from agent.analysis.memory.sticks import with_sticks
 from agent.analysis.quiet import quiet
-from agent.analysis.seen import look, worth_a_fit
+from agent.analysis.seen import look, without_pictures, worth_a_fit
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
@@ -39,7 +42,9 @@ def first_look(window: LoopWindow) -> Routine | Seen:
         window: The window.
     """
     seen = look(window)
-    return seen if worth_a_fit(seen) else Routine(with_sticks(quiet(window, seen)), fitted=False)
+    if worth_a_fit(seen):
+        return replace(seen, methods=without_pictures(seen.methods))
+    return Routine(with_sticks(quiet(window, seen)), fitted=False)
 
 
 def fitted(window: LoopWindow, seen: Seen, diagnose: Diagnose) -> Routine:
@@ -71,4 +76,5 @@ def full_diagnosis(window: LoopWindow, diagnose: Diagnose) -> Routine:
         window: The window.
         diagnose: Makes the full diagnosis.
     """
-    return Routine(diagnose(window), fitted=True)
+    found = diagnose(window)
+    return Routine(replace(found, methods=without_pictures(found.methods)), fitted=True)

@@ -13,6 +13,8 @@ from agent.analysis.response.no_response import NoResponse, no_response
 from agent.analysis.stiction import detect_stiction
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from agent.analysis.gates import GateFault
     from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import MethodResult, Oscillation
@@ -42,11 +44,6 @@ class Seen:
         """Whether at least one kind of method may be applied."""
         return closed_kinds(self.faults) != ALL_KINDS
 
-    @property
-    def methods_without_pictures(self) -> dict[str, MethodResult]:
-        """``methods`` without what only pictures need, which is large between processes."""
-        return {name: replace(each, seen=None) for name, each in self.methods.items()}
-
 
 def look(window: LoopWindow) -> Seen:
     """Detect oscillation, apply the gates, count reversals, run the stiction detectors, test the response.
@@ -71,3 +68,8 @@ def worth_a_fit(seen: Seen) -> bool:
     """
     accused = any(each.verdict == "stiction" for each in seen.methods.values())
     return not seen.testable or seen.oscillation.detected or seen.reversals >= ENOUGH_REVERSALS or accused
+
+
+def without_pictures(methods: Mapping[str, MethodResult]) -> dict[str, MethodResult]:
+    """Return the results without what only pictures need, which is large between processes."""
+    return {name: replace(each, seen=None) for name, each in methods.items()}

@@ -20,6 +20,7 @@ from types import SimpleNamespace
 from agent.analysis.routine import Routine
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
+from agent.runtime.loop.due import Due
 from agent.runtime.loop.pipeline import LoopPipeline
 from agent.runtime.loop.workers import InlineExecutor
 from agent.runtime.store.journal import Journal
@@ -89,7 +90,7 @@ async def main(store, peer, task):
         end = float(newest_window(pipeline.alarm) + 1)
         window = SimpleNamespace(time=[end], start=end - 1.0, ts=1.0)
         found = diagnosis("stiction" if window.time[-1] % 2 else "no_stiction")
-        pipeline._judging = window, 0.0
+        pipeline._judging = Due.of(window, 0.0)
         await pipeline._decide(Routine(found, fitted=True))
     while len(outbox) and not telling.done():
         await asyncio.wait({telling}, timeout=0.01)

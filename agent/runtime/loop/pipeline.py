@@ -29,7 +29,9 @@ from agent.analysis.routine import (
 from agent.analysis.seen import Seen
 from agent.analysis.stiction.online import OnlineShapes
 from agent.runtime.link.outbox import Outbox
+from agent.runtime.loop.due import Due
 from agent.runtime.loop.judged import Judged, Observer
+from agent.runtime.loop.kept_fit import KeptFit, without_curves
 from agent.runtime.loop.pace import Pace
 from agent.runtime.loop.source_clock import SourceClock
 from agent.runtime.loop.turns import LONGEST_PATIENCE
@@ -79,9 +81,9 @@ class LoopPipeline:
         self.memory = ValveMemory()
         """What all windows of the valve said."""
         self.diagnosis: Diagnosis | None = None
-        """Of the newest window."""
-        self.fitted: LoopWindow | None = None
-        """The window of ``diagnosis``, where it got a fit: the model's PV and valve lie on its samples."""
+        """Of the newest window, without the curves of its fit."""
+        self.fitted: KeptFit | None = None
+        """The window of ``diagnosis`` and the curves on its samples, where it got a fit."""
         self.superseded = 0
         """Windows that were never diagnosed, because a newer one came due before their turn."""
         self._shapes = OnlineShapes(integrating=settings.hints.integrating)
@@ -98,10 +100,9 @@ class LoopPipeline:
         """Monotonic time at which ``run`` began, s."""
         self.judged_at: float | None = None
         """Monotonic time of the newest verdict, s."""
-        self._waiting: LoopWindow | None = None
-        self._due_since = 0.0
-        self._judging: tuple[LoopWindow, float] | None = None
-        """The window that a worker has, and since when it was due, monotonic, s."""
+        self._waiting: Due | None = None
+        self._judging: Due | None = None
+        """The window that a worker has, or that waits for its fit."""
         self._cost = 0.0
         """Time that the newest diagnosis took where it had a fit, s: what the next should take."""
         self._fitted_until: float | None = None
@@ -125,8 +126,7 @@ class LoopPipeline:
         self._say_clocks_differ(window.clocks_apart, arrival)
         self._shapes.follow(window)
         self.superseded += self._waiting is not None
-        self._waiting = window
-        self._due_since = arrival
+        self._waiting = Due.of(window, arrival)
         self._due.set()
 
     def _say_clocks_differ(self, apart: float, arrival: float) -> None:
@@ -151,8 +151,7 @@ class LoopPipeline:
             self.window, self._shapes, self.clock = former.window, former._shapes, former.clock
             self.diagnosis, self.fitted, self.superseded = former.diagnosis, former.fitted, former.superseded
             self.heard, self.judged_at, self.usable = former.heard, former.judged_at, former.usable
-            self._waiting, self._due_since = former._waiting, former._due_since
-            self._cost, self._pace = former._cost, former._pace
+            self._waiting, self._cost, self._pace = former._waiting, former._cost, former._pace
             self._fitted_until = former._fitted_until
             if self._waiting is not None:
                 self._due.set()
@@ -212,8 +211,8 @@ class LoopPipeline:
 
     def _worth(self) -> float:
         """Return what the answer on the window that waits is worth: little where nothing would change."""
-        newest = self._waiting or (None if self._judging is None else self._judging[0])
-        now = 0.0 if newest is None else newest.start + len(newest) * newest.ts
+        newest = self._waiting or self._judging
+        now = 0.0 if newest is None else newest.end
         since = 0.0 if self._fitted_until is None else max(0.0, now - self._fitted_until)
         return worth_of_fit(self.memory, self.settings.alarm.priority, since, now, self._base_rate)
 
@@ -221,14 +220,15 @@ class LoopPipeline:
         """Follow the diagnosis of the window that a worker had."""
         if self._judging is None:
             return
-        window, due_since = self._judging
-        alone, end = found.diagnosis, float(window.time[-1])
+        due, window = self._judging, self._judging.packed.open()
+        alone, end = found.diagnosis, due.last
         if found.fitted:
             self._cost, self._fitted_until = alone.seconds, end
-        self.memory = remember(self.memory, alone, window.start, end + window.ts)
-        diagnosis = with_memory(alone, self.memory, self._base_rate)
+        self.memory = remember(self.memory, alone, due.start, due.end)
+        whole = with_memory(alone, self.memory, self._base_rate)
         self._journal.note(Change(memories={self.settings.name: self.memory}))
-        self.diagnosis, self.fitted = diagnosis, window if found.fitted else None
+        self.fitted = KeptFit.of(window, whole) if found.fitted else None
+        self.diagnosis = diagnosis = without_curves(whole)
         self.judged_at = asyncio.get_running_loop().time()
         if diagnosis.oscillation is not None:
             self.window.period = diagnosis.oscillation.period if diagnosis.oscillation.detected else None
@@ -236,7 +236,7 @@ class LoopPipeline:
         self._follow(*self.alarm.on_diagnosis(diagnosis, end))
         alarmed = alarmed or self.alarm.state.active
         await self._journal.flush()
-        took = self.judged_at - due_since
+        took = self.judged_at - due.since
         for observer in self._observers:
             observer.judged(Judged(diagnosis, end, took, found.fitted, window, alarmed))
 
@@ -245,18 +245,19 @@ class LoopPipeline:
         if seen is None:
             return partial(full_diagnosis, self._newest(), self._diagnose)
         if self._waiting is None and self._judging is not None:
-            return partial(fitted, self._judging[0], seen, self._diagnose)
+            return partial(fitted, self._judging.packed.open(), seen, self._diagnose)
         self.superseded += 1
         return partial(routine_diagnosis, self._newest(), self._diagnose)
 
     def _newest(self) -> LoopWindow:
         """Take the window that waits; what came due while a worker was waited for has replaced older ones."""
-        window, self._waiting = self._waiting, None
-        if window is None:
+        due, self._waiting = self._waiting, None
+        if due is None:
             raise RuntimeError("no window waits")
         self._due.clear()
+        window = due.packed.open()
         window = window.with_hints(replace(window.hints, known=known_process_of(self.memory)))
-        self._judging = window, self._due_since
+        self._judging = Due.of(window, due.since)
         self._pace.begin(asyncio.get_running_loop().time())
         return window
 

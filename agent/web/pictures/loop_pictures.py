@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import io
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from agent.analysis.quantify.valves.error_map import ALIKE, error_map
+from agent.analysis.seen import look
 from agent.web.rows import numbers
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from agent.analysis.record.recording import LoopWindow
-    from agent.analysis.results import MethodResult, Profile
+    from agent.analysis.results import Profile
+    from agent.analysis.seen import Seen
+    from agent.runtime.loop.kept_fit import KeptFit
 
 MAP_STEP = 0.02
 """Step of the map, share of the span of OP: the coarser end of what the paper takes."""
@@ -31,8 +34,9 @@ def profile_json(profile: Profile | None) -> dict[str, Any] | None:
     }
 
 
-def map_json(window: LoopWindow) -> dict[str, Any] | None:
+def map_json(kept: KeptFit) -> dict[str, Any] | None:
     """Return the map of a window as rows of errors; None where nothing can be fitted to it."""
+    window, _ = kept.packed.open()
     errors = error_map(window, MAP_STEP)
     if errors is None:
         return None
@@ -47,15 +51,23 @@ def map_json(window: LoopWindow) -> dict[str, Any] | None:
     }
 
 
-def method_picture(loop: str, name: str, result: MethodResult) -> str | None:
-    """Return what a detector saw as SVG; None where it left nothing to draw."""
+def method_picture(name: str, kept: KeptFit) -> str | None:
+    """Return what a detector sees in the window as SVG; None where there is nothing to draw."""
     from agent.plots.detectors import detectors_figure  # noqa: PLC0415 - only workers pay for matplotlib
 
-    figure = detectors_figure(loop, {name: result})
+    found = _look(kept).methods
+    figure = detectors_figure("", {name: found[name]}) if name in found else None
     if figure is None:
         return None
     figure.suptitle("")
     return svg(figure)
+
+
+@lru_cache(maxsize=1)  # a page requests the pictures of one loop, one after the other
+def _look(kept: KeptFit) -> Seen:
+    """Look at the window once more: it shows what it showed when it was judged."""
+    window, _ = kept.packed.open()
+    return look(window)
 
 
 def svg(figure: Figure) -> str:

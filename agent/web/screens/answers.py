@@ -8,6 +8,8 @@ from fastapi import HTTPException
 from starlette.responses import JSONResponse, Response
 
 if TYPE_CHECKING:
+    from agent.analysis.diagnosis import Diagnosis
+    from agent.analysis.record.recording import LoopWindow
     from agent.runtime.loop.pipeline import LoopPipeline
     from agent.web.plant import Plant
 
@@ -23,6 +25,11 @@ def loop_of(plant: Plant, name: str) -> LoopPipeline:
     if pipeline is None:
         raise HTTPException(404, f"no loop is called {name}")
     return pipeline
+
+
+def opened(held: LoopPipeline) -> tuple[LoopWindow | None, Diagnosis | None]:
+    """Return the window of the newest diagnosis, where it got a fit, and the diagnosis with its curves."""
+    return (None, held.diagnosis) if held.fitted is None else held.fitted.packed.open()
 
 
 def csv_of(held: LoopPipeline) -> str:

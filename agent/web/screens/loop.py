@@ -15,7 +15,7 @@ from agent.web.pictures.loop_pictures import map_json, method_picture, profile_j
 from agent.web.pictures.loop_print import figure_svg, report, work_order
 from agent.web.plant import Look, Plant
 from agent.web.rows import numbers, plain, row_of
-from agent.web.screens.answers import csv_of, loop_of, too_many_pages
+from agent.web.screens.answers import csv_of, loop_of, opened, too_many_pages
 from agent.web.screens.screen import PageScreen
 
 REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'"
@@ -65,7 +65,7 @@ def screen(plant: Plant) -> PageScreen:
     async def model(name: str) -> dict[str, Any]:
         """The window of the newest diagnosis with PV and valve of its model, where it got one."""
         held = loop_of(plant, name)
-        seen, diagnosis = held.fitted, held.diagnosis
+        seen, diagnosis = opened(held)
         found = None if diagnosis is None else diagnosis.quantification
         if seen is None or found is None:
             raise HTTPException(
@@ -85,11 +85,11 @@ def screen(plant: Plant) -> PageScreen:
     @router.get("/{name}/map")
     async def contour_map(name: str) -> dict[str, Any]:
         """Error of each valve over f_D and f_S on the window of the newest diagnosis, on demand."""
-        seen = loop_of(plant, name).fitted
+        kept = loop_of(plant, name).fitted
         found = (
             None
-            if seen is None
-            else await plant.drawing.calculated(("map", name, seen.start), map_json, seen)
+            if kept is None
+            else await plant.drawing.calculated(("map", name, kept.start), map_json, kept)
         )
         if found is None:
             raise HTTPException(404, "there is no map of this loop: its newest window got no model")
@@ -98,14 +98,12 @@ def screen(plant: Plant) -> PageScreen:
     @router.get("/{name}/methods/{method}.svg", response_class=Response)
     async def picture(name: str, method: str) -> Response:
         """What one method saw, as a picture."""
-        diagnosis = loop_of(plant, name).diagnosis
-        result = None if diagnosis is None else diagnosis.methods.get(method)
-        key = ("method", name, method, id(diagnosis))
-        drawn = (
-            None
-            if result is None
-            else await plant.drawing.calculated(key, method_picture, name, method, result)
-        )
+        held = loop_of(plant, name)
+        kept, diagnosis = held.fitted, held.diagnosis
+        drawn = None
+        if kept is not None and diagnosis is not None and method in diagnosis.methods:
+            key = ("method", name, method, kept.start)
+            drawn = await plant.drawing.calculated(key, method_picture, method, kept)
         if drawn is None:
             raise HTTPException(404, f"{method} left nothing to draw")
         return Response(drawn, media_type="image/svg+xml", headers={"Content-Security-Policy": REPORT_POLICY})
@@ -124,7 +122,7 @@ def screen(plant: Plant) -> PageScreen:
         if held.diagnosis is None:
             raise HTTPException(404, "there is no verdict on this loop yet")
         key = ("report", name, held.judged_at)
-        text = await plant.drawing.calculated(key, report, held.fitted, held.diagnosis, plant.clock())
+        text = await plant.drawing.calculated(key, report, *opened(held), plant.clock())
         return HTMLResponse(text, headers={"Content-Security-Policy": REPORT_POLICY})
 
     @router.post("/{name}/orders")
@@ -157,14 +155,14 @@ def screen(plant: Plant) -> PageScreen:
         if held.diagnosis is None:
             raise HTTPException(404, "there is no verdict on this loop yet")
         key = ("work order", name, held.judged_at)
-        text = await plant.drawing.calculated(key, work_order, held.fitted, held.diagnosis, plant.clock())
+        text = await plant.drawing.calculated(key, work_order, *opened(held), plant.clock())
         return HTMLResponse(text, headers={"Content-Security-Policy": REPORT_POLICY})
 
     @router.get("/{name}/figure.svg", response_class=Response)
     async def figure(name: str) -> Response:
         """The judged window with its model as a picture."""
         held = loop_of(plant, name)
-        seen, diagnosis = held.fitted, held.diagnosis
+        seen, diagnosis = opened(held)
         if seen is None or diagnosis is None:
             raise HTTPException(404, "the newest window of this loop got no model")
         drawn = await plant.drawing.calculated(("figure", name, seen.start), figure_svg, seen, diagnosis)
@@ -178,7 +176,7 @@ def screen(plant: Plant) -> PageScreen:
 def about(plant: Plant, look: Look, name: str) -> dict[str, Any]:
     """Return all that is known of a loop but its samples."""
     held, item = plant.agent.pipelines[name], look.by_name[name]
-    settings, seen = held.settings, held.fitted
+    settings, kept = held.settings, held.fitted
     diagnosis = None
     if held.diagnosis is not None:
         diagnosis = diagnosis_json(held.diagnosis, "")
@@ -201,7 +199,7 @@ def about(plant: Plant, look: Look, name: str) -> dict[str, Any]:
             "superseded": item.status.superseded,
         },
         "diagnosis": diagnosis,
-        "window": None if seen is None else {"start": seen.start, "seconds": len(seen) * seen.ts},
+        "window": None if kept is None else {"start": kept.start, "seconds": kept.seconds},
     }
 
 
