@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from agent.runtime.samples.postgres_samples import PostgresSamples
+    from agent.runtime.samples.sample_file import SampleFile
     from agent.runtime.store.history_file import Entry, HistoryFile
     from agent.runtime.store.postgres_history import PostgresHistory
     from agent.settings import HistoryDatabase
@@ -50,8 +52,16 @@ def history(
     window: Annotated[
         str | None, typer.Option(metavar="ID", help="Write the values of this window; with --csv.")
     ] = None,
+    samples: Annotated[
+        str | None,
+        typer.Option(metavar="LOOP", help="Write the raw samples of this loop; with --csv."),
+    ] = None,
+    until: Annotated[
+        str | None, typer.Option(metavar="TIME", help="With --samples: up to before this time.")
+    ] = None,
     csv: Annotated[
-        Path | None, typer.Option(metavar="FILE.csv", help="With --window: the recording to write.")
+        Path | None,
+        typer.Option(metavar="FILE.csv", help="With --window or --samples: what to write."),
     ] = None,
 ) -> None:
     """Show verdicts and changes of alarms, the oldest first. It may run beside the agent.
@@ -60,9 +70,17 @@ def history(
     """
     if not trend and (limit is not None or plot is not None):
         raise typer.BadParameter("only with --trend", param_hint="'--limit', '--plot'")
-    if (window is None) != (csv is None):
-        raise typer.BadParameter("each only with the other", param_hint="'--window', '--csv'")
-    start = None if since is None else _time(since)
+    if (window is None and samples is None) != (csv is None) or (window is not None and samples is not None):
+        raise typer.BadParameter("each only with the other", param_hint="'--window' or '--samples', '--csv'")
+    if until is not None and samples is None:
+        raise typer.BadParameter("only with --samples", param_hint="'--until'")
+    start = None if since is None else _time(since, "--since")
+    if samples is not None and csv is not None:
+        from agent.cli.recalling.samples import write_samples
+
+        with _samples(state, config) as kept:
+            write_samples(kept, samples, start, None if until is None else _time(until, "--until"), csv)
+        return
     with _store(state, config) as store:
         if window is not None and csv is not None:
             from agent.cli.recalling.windows import write_window
@@ -117,13 +135,36 @@ def _store(state: Path | None, config: Path | None) -> Iterator[HistoryFile | Po
         raise ConfigError([f"{error} (the newest are in the agent's file: --state)"]) from error
 
 
-def _time(text: str) -> float:
+@contextmanager
+def _samples(state: Path | None, config: Path | None) -> Iterator[PostgresSamples | SampleFile]:
+    """Open the raw samples in the database or in the agent's file; raises ConfigError as ``_store``."""
+    from agent.runtime.samples.sample_file import SampleFile, samples_path
+    from agent.runtime.store.database import StoreError
+    from connectors.base import ConfigError
+
+    database = None if config is None or state is not None else _database(config)
+    if database is None:
+        path = samples_path(state_file(state, config))
+        made = "with its first raw samples (agent.history.database.samples)"
+        with opened(path, lambda file: SampleFile(file, create=False), made) as kept:
+            yield kept
+        return
+    from agent.runtime.samples.postgres_samples import PostgresSamples
+
+    try:
+        with closing(PostgresSamples(database, create=False)) as connected:
+            yield connected
+    except StoreError as error:
+        raise ConfigError([f"{error} (what was not sent yet is in the agent's file: --state)"]) from error
+
+
+def _time(text: str, option: str) -> float:
     """Return s UTC."""
     try:
         time = datetime.fromisoformat(text)
     except ValueError as error:
         raise typer.BadParameter(
-            f"{text!r} is not a time like 2026-11-22T06:00", param_hint="'--since'"
+            f"{text!r} is not a time like 2026-11-22T06:00", param_hint=f"'{option}'"
         ) from error
     return (time.replace(tzinfo=UTC) if time.tzinfo is None else time).timestamp()
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+import io
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from connectors.exports.cells.tagging import tagger_of
@@ -13,7 +13,6 @@ from connectors.exports.loops_of_columns import loops_of_columns
 from connectors.exports.loops_of_rows import loops_of_rows
 from connectors.exports.plain_table import plain_layout
 from connectors.exports.recorded import Export, ReadOptions
-from connectors.exports.span import within
 from connectors.exports.tables.decoded import decoded
 from connectors.exports.tables.delimited import rows_of
 from connectors.exports.tables.header import sheet_of
@@ -39,13 +38,16 @@ def read_export(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> Export:
         RecordingError: One line that names the file, the line and what was expected, and where two readings
             are possible the option that settles it.
     """
-    export = _export(path, options)
-    if not options.modes and options.span is None:
-        return export
-    loops = tuple(replace(loop, modes=options.modes) for loop in export.loops)
-    if options.span is not None:
-        loops = tuple(within(loop, *options.span) for loop in loops)
-    return replace(export, loops=loops)
+    sheet = with_joined_times(sheet_of_file(path))
+    times = time_columns(sheet)
+    plain = plain_layout(sheet, times, options)
+    if plain is not None:
+        return loops_of_columns(sheet, plain, options)
+    tagger = tagger_of(path, options)
+    long = long_layout(sheet, times)
+    if long is not None:
+        return loops_of_rows(sheet, long, options, tagger)
+    return loops_of_columns(sheet, wide_layout(sheet, times, tagger), options)
 
 
 def names_of_loops(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> tuple[str, ...]:
@@ -59,7 +61,7 @@ def names_of_loops(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> tuple
     sheet = with_joined_times(_head(path) or sheet_of_file(path))
     plain = plain_layout(sheet, time_columns(sheet), options)
     if plain is None:
-        return tuple(each.name for each in read_export(path, options).loops)
+        return read_export(path, options).loops.names
     return tuple(short_names(list(plain.loops)).values())
 
 
@@ -73,30 +75,21 @@ def _head(path: Path) -> Sheet | None:
         return None
     content = start[: start.rfind(b"\n") + 1]
     try:
-        return sheet_of(path, list(rows_of(path, decoded(path, content))), "line", "csv")
+        return sheet_of(path, rows_of(path, decoded(path, io.BytesIO(content))), "line", "csv")
     except RecordingError:
         return None
 
 
-def _export(path: Path, options: ReadOptions) -> Export:
-    sheet = with_joined_times(sheet_of_file(path))
-    times = time_columns(sheet)
-    plain = plain_layout(sheet, times, options)
-    if plain is not None:
-        return loops_of_columns(sheet, plain, options)
-    tagger = tagger_of(path, options)
-    long = long_layout(sheet, times)
-    if long is not None:
-        return loops_of_rows(sheet, long, options, tagger)
-    return loops_of_columns(sheet, wide_layout(sheet, times, tagger), options)
-
-
 def sheet_of_file(path: Path) -> Sheet:
     """Return the table of a file of any kind; raises RecordingError."""
-    content = unpacked(path)
-    if is_parquet(path, content[:4]):
-        return sheet_of_parquet(path, content)
-    if is_workbook(path, content):
-        return sheet_of(path, list(rows_of_workbook(path, content)), "row", "xlsx")
-    rows: Sequence[tuple[int, list[str]]] = list(rows_of(path, decoded(path, content)))
-    return sheet_of(path, rows, "line", "csv")
+    with ExitStack() as open_files:
+        file = open_files.enter_context(unpacked(path))
+        head = file.read(4)
+        file.seek(0)
+        if is_parquet(path, head):
+            sheet = sheet_of_parquet(path, file)
+            open_files.pop_all()  # its columns read from it
+            return sheet
+        if is_workbook(path, file):
+            return sheet_of(path, rows_of_workbook(path, file), "row", "xlsx")
+        return sheet_of(path, rows_of(path, decoded(path, file)), "line", "csv")

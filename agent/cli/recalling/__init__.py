@@ -1,1 +1,1 @@
-"""RECALL: windows that an agent kept, listed, and written as recordings."""
+"""RECALL: windows and raw samples that an agent kept, written as recordings."""

@@ -83,6 +83,10 @@ def write_recording(path: Path, window: KeptWindow) -> None:
         table.writerow(["time", *there.values(), *([] if mode is None else ["mode"])])
         for k in range(len(window)):
             time = datetime.fromtimestamp(window.start + k * window.ts, UTC).isoformat()
-            values = [float(window.columns[name][k]) for name in there]
-            cells = ["" if math.isnan(value) else f"{value:.9g}" for value in values]
+            cells = [cell(float(window.columns[name][k])) for name in there]
             table.writerow([time, *cells, *([] if mode is None else [MODES[float(mode[k])]])])
+
+
+def cell(value: float) -> str:
+    """Return a 32-bit value as a cell from which the same value is read; a gap is empty."""
+    return "" if math.isnan(value) else f"{value:.9g}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -110,6 +110,26 @@ class SampleFile:
             )
             for place, loop, start, until, missing, content in rows
         )
+
+    def minutes(self, loop: str, since: float, before: float) -> Iterator[Minute]:
+        """Yield the minutes of a loop that begin from ``since`` to before ``before`` (s UTC), by time."""
+        with self._database.transaction("DEFERRED") as database:
+            rows = database.execute(
+                "SELECT start, content FROM sample WHERE missing = 0 AND loop = ? "
+                "AND start >= ? AND start < ? ORDER BY start, number",
+                (loop, since, before),
+            ).fetchall()
+        for start, content in rows:
+            yield Minute.unpacked(loop, start, content)
+
+    def gaps(self, since: float, before: float) -> tuple[SampleGap, ...]:
+        """Return the gaps that overlap that time, of whatever loop."""
+        with self._database.transaction("DEFERRED") as database:
+            rows = database.execute(
+                "SELECT start, until, missing FROM sample WHERE missing > 0 AND until >= ? AND start < ?",
+                (since, before),
+            ).fetchall()
+        return tuple(SampleGap(*row) for row in rows)
 
     def lost(self, _: int, rows: Sequence[NumberedMinute]) -> int:
         """Return how many minutes the gaps in rows stand for."""

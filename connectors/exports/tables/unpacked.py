@@ -1,15 +1,16 @@
-"""The bytes of a file, unpacked within a bound: plain, gzip or one member of a zip archive."""
+"""A file, unpacked within a bound: plain, gzip or one member of a zip archive."""
 
 from __future__ import annotations
 
 import gzip
-import io
 import stat
 import zipfile
 import zlib
+from contextlib import ExitStack
 from typing import IO, TYPE_CHECKING
 
 from connectors.exports.fault import MOST_BYTES, RecordingError
+from connectors.exports.tables.spool import Spool
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -20,56 +21,76 @@ WORKBOOK_SUFFIXES = {".xlsx", ".xlsm", ".xls", ".xlsb", ".ods"}
 TABLES = (".csv", ".txt", ".tsv", ".dat")
 WORKBOOK = "xl/workbook.xml"
 """Member of a zip archive that is a spreadsheet."""
+PIECE = 1 << 20
+"""Bytes that are unpacked at a time."""
 
 
-def unpacked(path: Path) -> bytes:
-    """Return the content of a file, unpacked where it is gzip or a zip archive of one table.
+def unpacked(path: Path) -> IO[bytes]:
+    """Return a file to read from its start: itself, or what is in it where it is gzip or a zip archive.
+
+    What was packed is in a temporary file, in memory only while it is small.
 
     Raises:
         RecordingError: It cannot be read, is no regular file, is packed wrongly, or is larger than
-            ``MOST_BYTES``; never more than that is held.
+            ``MOST_BYTES``.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
+        about = path.stat()
+        if not stat.S_ISREG(about.st_mode):
             kind = "a directory" if path.is_dir() else "no regular file"
             raise RecordingError(f"{path}: cannot be read: it is {kind}")
-        with path.open("rb") as file:
+        if about.st_size > MOST_BYTES:
+            raise _too_large(path)
+        with ExitStack() as open_files:
+            file = open_files.enter_context(path.open("rb"))
             head = file.read(4)
             file.seek(0)
             if head.startswith(GZIP):
-                with gzip.open(file) as content:
-                    return _bounded(path, content)
-            if head == ZIP:
+                return _bounded(path, open_files.enter_context(gzip.open(file)))
+            if head == ZIP and not _is_workbook(file):
                 return _member(path, file)
-            return _bounded(path, file)
+            open_files.pop_all()
+            return file
     except (OSError, EOFError, zlib.error, zipfile.BadZipFile) as error:
         raise RecordingError(f"{path}: cannot be read: {_words(error)}") from error
 
 
-def is_workbook(path: Path, content: bytes) -> bool:
+def is_workbook(path: Path, file: IO[bytes]) -> bool:
     """Return whether a file is a spreadsheet, by its content or its name."""
-    if content.startswith(ZIP):
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            names = set(archive.namelist())
-        return WORKBOOK in names or "content.xml" in names
-    return content.startswith(OLD_WORKBOOK) or path.suffix.lower() in WORKBOOK_SUFFIXES
+    head = file.read(4)
+    file.seek(0)
+    if head == ZIP:
+        return _is_workbook(file)
+    return head.startswith(OLD_WORKBOOK) or path.suffix.lower() in WORKBOOK_SUFFIXES
 
 
-def _bounded(path: Path, file: IO[bytes] | gzip.GzipFile) -> bytes:
-    content = file.read(MOST_BYTES + 1)
-    if len(content) > MOST_BYTES:
-        raise RecordingError(
-            f"{path}: is larger than {MOST_BYTES >> 20} MiB unpacked: split it by time or by loop"
-        )
-    return content
+def _is_workbook(file: IO[bytes]) -> bool:
+    with zipfile.ZipFile(file) as archive:
+        names = set(archive.namelist())
+    file.seek(0)
+    return WORKBOOK in names or "content.xml" in names
 
 
-def _member(path: Path, file: IO[bytes]) -> bytes:
+def _bounded(path: Path, content: IO[bytes] | gzip.GzipFile) -> IO[bytes]:
+    spool = Spool()
+    size = 0
+    while piece := content.read(PIECE):
+        size += len(piece)
+        if size > MOST_BYTES:
+            raise _too_large(path)
+        spool.put(piece)
+    return spool.reader()
+
+
+def _too_large(path: Path) -> RecordingError:
+    return RecordingError(
+        f"{path}: is larger than {MOST_BYTES >> 20} MiB unpacked: split it by time or by loop"
+    )
+
+
+def _member(path: Path, file: IO[bytes]) -> IO[bytes]:
     with zipfile.ZipFile(file) as archive:
         names = archive.namelist()
-        if WORKBOOK in names or "content.xml" in names:
-            file.seek(0)
-            return _bounded(path, file)
         tables = [name for name in names if name.lower().endswith(TABLES) and not name.startswith("__MACOSX")]
         if len(tables) != 1:
             found = ", ".join(tables[:5]) or "none"

@@ -26,6 +26,7 @@ from agent.settings import (
 )
 from connectors.base import LoopRole, Quality, Sample
 from connectors.options import Options
+from tests.outages import A_MINUTE, LENGTHS, Load, outages
 from tests.unit.runtime.agents import judged, stream
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import loop_settings
@@ -180,36 +181,19 @@ async def test_what_the_disk_does_not_take_is_bounded_and_marked(tmp_path, monke
     assert [each.columns["pv"].tolist() for each in rest] == [[7.0], [8.0], [9.0]]
 
 
+@pytest.mark.parametrize("lengths", [LENGTHS, pytest.param(A_MINUTE, marks=pytest.mark.bench)])
 async def test_a_database_that_is_killed_under_load_loses_and_doubles_nothing(
-    tmp_path, postgres, database, monkeypatch
+    tmp_path, postgres, database, monkeypatch, lengths
 ):
     monkeypatch.setattr(sending, "AGAIN", 0.05)
     monkeypatch.setattr(sending, "PAUSE", 0.01)
-    monkeypatch.setattr(sending, "BATCH", 20)
+    monkeypatch.setattr(sending, "BATCH", 100)
     monkeypatch.setattr(module, "LOOK", 0.01)
     path = tmp_path / "a.samples.sqlite"
     recorder, forwarder = SampleRecorder(path, 100.0), samples_forwarder(path, database)
     tasks = [asyncio.create_task(recorder.run()), asyncio.create_task(forwarder.run())]
-    count = 0
-
-    async def load(condition):
-        nonlocal count
-        end = asyncio.get_running_loop().time() + DEADLINE
-        while not condition():
-            assert asyncio.get_running_loop().time() < end
-            for _ in range(100):
-                recorder.put(came("pv", 7.0 * count, float(count)), end)
-                count += 1
-            await asyncio.sleep(0.005)
-
-    for _ in range(2):
-        before = forwarder.sent
-        await load(lambda before=before: forwarder.sent > before + 60)
-        postgres.kill()
-        at_outage = count
-        await load(lambda at_outage=at_outage: forwarder._problem and count > at_outage + 4000)
-        await asyncio.to_thread(postgres.start)
-        await load(lambda: not forwarder._problem)
+    load = Load(lambda k: recorder.put(came("pv", 7.0 * k, float(k)), 0.0), burst=20)
+    await outages(postgres, forwarder, load, lengths, meanwhile=4000)
     for task in tasks:
         task.cancel()
     await asyncio.wait(tasks)
@@ -220,7 +204,7 @@ async def test_a_database_that_is_killed_under_load_loses_and_doubles_nothing(
         asked, postgres, "SELECT time, at, pv FROM slipjump_sample ORDER BY number"
     )
     found = [(start.timestamp() + a / 1e6, v) for start, at, pv in rows for a, v in zip(at, pv, strict=True)]
-    assert found == [(7.0 * k, float(np.float32(k))) for k in range(count)]
+    assert found == [(7.0 * k, float(np.float32(k))) for k in range(load.count)]
     assert await asyncio.to_thread(asked, postgres, "SELECT * FROM slipjump_gap") == []
 
 
