@@ -220,8 +220,9 @@ class Agent:
         """Return the steps whose deadline has passed, e.g. ``connection unit1: open``."""
         now = asyncio.get_running_loop().time()
         members = {} if self._crew is None else self._crew.members
-        overdue = {name: health.overdue(now) for name, health in members.items()}
-        return tuple(f"{name}: {sign}" for name, sign in overdue.items() if sign is not None)
+        busy = [(name, health) for name, health in members.items() if health.signs]  # few of 10,000 loops
+        overdue = ((name, health.overdue(now)) for name, health in busy)
+        return tuple(f"{name}: {sign}" for name, sign in overdue if sign is not None)
 
     async def looked(self) -> AgentStatus:
         """Return the status of the whole agent, a few loops at a time: samples are read meanwhile."""

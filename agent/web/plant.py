@@ -15,7 +15,7 @@ from agent.report.diagnosis_json import diagnosis_json
 from agent.report.ranking import GROUPS, group_of
 from agent.runtime.agent import Agent
 from agent.runtime.loop.judged import Judged
-from agent.runtime.operate.breath import breathing
+from agent.runtime.operate.breath import breathing, in_order
 from agent.runtime.operate.status import AgentStatus
 from agent.runtime.store.database import StoreError
 from agent.runtime.store.history_file import Entry, HistoryFile, history_path
@@ -117,7 +117,7 @@ class Plant:
             since = self._since_of(each.loop, pipeline.alarm)
             key = (*urgency(each, pipeline.alarm, group), each.loop)
             found.append((key, (each, pipeline.alarm, group, area, since), judgement))
-        found.sort(key=lambda ranked: ranked[0])
+        found = await in_order(found, lambda ranked: ranked[0])
         items = tuple(
             [
                 Item(*known, spot, judgement)

@@ -40,7 +40,7 @@ def loops_of_columns(sheet: Sheet, layout: ColumnLayout, options: ReadOptions) -
     names = short_names(list(layout.loops))
     style = number_style(sheet, layout, options)
     times: dict[int | None, Times | None] = {}
-    loops = StoredLoops()
+    loops = StoredLoops[RecordedLoop]()
     problems = [
         f"{sheet.place} {line}: has another number of cells, it is a gap" for line in sheet.bad_lines[:20]
     ]

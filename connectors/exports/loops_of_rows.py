@@ -15,7 +15,7 @@ from connectors.exports.fault import RecordingError, shown
 from connectors.exports.layout import ColumnLayout, Placed, short_names, usable_roles
 from connectors.exports.loops_of_columns import MOST_WRONG, no_loops, number_style
 from connectors.exports.merged import merged
-from connectors.exports.recorded import Export, ReadOptions
+from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
 from connectors.exports.series import Series, rising, words_as_numbers
 from connectors.exports.span import stated
 from connectors.exports.stored_loops import StoredLoops
@@ -47,7 +47,7 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
     tags, problems = _tags(rows, tagger)
     problems += [times.note] if times.note else []
     names = short_names(list(tags))
-    loops = StoredLoops()
+    loops = StoredLoops[RecordedLoop]()
     value = sheet.columns[layout.value]
     for loop, roles in tags.items():
         found = usable_roles({role: Placed(0, None) for role in roles})

@@ -94,6 +94,6 @@ class Export:
     """How times are written: calendar, seconds, epoch_ms, excel ..."""
     decimal: str
     """Decimal mark."""
-    loops: StoredLoops
+    loops: StoredLoops[RecordedLoop]
     problems: tuple[str, ...] = ()
     """What was left out or may be wrong, a line each."""

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, overload
+from typing import Protocol, TypeVar, overload
 
 from connectors.exports.tables.spool import Spool
 
-if TYPE_CHECKING:
-    from connectors.exports.recorded import RecordedLoop
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
 
 
-class StoredLoops(Sequence["RecordedLoop"]):
+LoopT = TypeVar("LoopT", bound=_Named)
+
+
+class StoredLoops(Sequence[LoopT]):
     """A sequence of loops of which only the names are in memory."""
 
     def __init__(self) -> None:
@@ -22,7 +27,7 @@ class StoredLoops(Sequence["RecordedLoop"]):
         self.names: tuple[str, ...] = ()
         """Of the loops, in their order."""
 
-    def append(self, loop: RecordedLoop) -> None:
+    def append(self, loop: LoopT) -> None:
         """Take one more."""
         text = pickle.dumps(loop, pickle.HIGHEST_PROTOCOL)
         self._places.append((self._spool.put(text), len(text)))
@@ -33,14 +38,14 @@ class StoredLoops(Sequence["RecordedLoop"]):
         return len(self._places)
 
     @overload
-    def __getitem__(self, place: int) -> RecordedLoop: ...
+    def __getitem__(self, place: int) -> LoopT: ...
 
     @overload
-    def __getitem__(self, place: slice) -> Sequence[RecordedLoop]: ...
+    def __getitem__(self, place: slice) -> Sequence[LoopT]: ...
 
-    def __getitem__(self, place: int | slice) -> RecordedLoop | Sequence[RecordedLoop]:
+    def __getitem__(self, place: int | slice) -> LoopT | Sequence[LoopT]:
         """Return a loop, or several."""
         if isinstance(place, slice):
             return [self[k] for k in range(len(self))[place]]
-        loop: RecordedLoop = pickle.loads(self._spool.get(*self._places[place]))  # noqa: S301 - put above
+        loop: LoopT = pickle.loads(self._spool.get(*self._places[place]))  # noqa: S301 - put above
         return loop

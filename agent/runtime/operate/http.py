@@ -13,7 +13,7 @@ import uvicorn
 from prometheus_client import CONTENT_TYPE_LATEST
 from starlette.applications import Starlette
 from starlette.requests import Request
-from starlette.responses import PlainTextResponse, Response
+from starlette.responses import PlainTextResponse, Response, StreamingResponse
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
@@ -76,7 +76,7 @@ def application(watched: Watched, metrics: Metrics, token: str | None) -> Starle
         return Response(await health_text(status), code, media_type="application/json")
 
     async def numbers(_: Request) -> Response:
-        return Response(await metrics.text(), media_type=CONTENT_TYPE_LATEST)
+        return StreamingResponse(metrics.parts(), media_type=CONTENT_TYPE_LATEST)
 
     def guarded(handler: Handler) -> Handler:
         async def checked(request: Request) -> Response:

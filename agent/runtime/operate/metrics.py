@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections import Counter as Count
-from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator, Sequence
 from importlib.metadata import version
 from typing import Literal
 
@@ -21,6 +21,8 @@ from agent.runtime.operate.breath import breathing
 from agent.runtime.operate.status import AgentStatus, ConnectionStatus, LoopStatus
 
 ValueOf = Callable[[LoopStatus], float | None]
+LINES = 500
+"""Lines that are written in one part."""
 BUCKETS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 """s"""
 
@@ -114,6 +116,8 @@ class Metrics(Collector):
         self._looked = looked
         self._status: AgentStatus | None = None
         """Of the scrape that is answered."""
+        self._alarms: Count[State] = Count()
+        """Of the same, by state."""
         self._verdicts: Count[tuple[str, str]] = Count()
         self._registry = CollectorRegistry()
         self._changes = Counter(
@@ -134,8 +138,8 @@ class Metrics(Collector):
         self._registry.register(self)
         ProcessCollector(registry=self._registry)
 
-    async def text(self) -> bytes:
-        """Return all of it in Prometheus' text format; what is of loops is written a few loops at a time."""
+    async def parts(self) -> AsyncIterator[bytes]:
+        """Yield all of it in Prometheus' text format, a part at a time, so that others have their turn."""
         self._status = status = await self._looked()
         gauges = (
             _LoopMetric(f"slipjump_loop_{name}", "gauge", text, value_of)
@@ -146,7 +150,9 @@ class Metrics(Collector):
             for name, text, value_of in LOOP_COUNTERS
         )
         rows = [*gauges, *counters]
+        self._alarms = alarms = Count[State]()
         async for each in breathing(status.loops):
+            alarms[each.alarm] += 1
             label = _escaped(each.loop)
             for row in rows:
                 row.add(label, each)
@@ -155,8 +161,12 @@ class Metrics(Collector):
             verdicts.lines.append(
                 f'slipjump_diagnoses_total{{loop="{_escaped(loop)}",verdict="{verdict}"}} {count}.0'
             )
-        of_loops = ["\n".join((*each.lines, "")).encode() async for each in breathing([*rows, verdicts])]
-        return b"".join([generate_latest(self._registry), *of_loops])
+        yield generate_latest(self._registry)
+        lines = (
+            each.lines[k : k + LINES] for each in (*rows, verdicts) for k in range(0, len(each.lines), LINES)
+        )
+        async for some in breathing(lines):
+            yield "\n".join((*some, "")).encode()
 
     def judged(self, judged: Judged) -> None:
         """Count a verdict."""
@@ -184,9 +194,8 @@ class Metrics(Collector):
         for name, text, of_agent in AGENT_COUNTERS:
             yield CounterMetricFamily(f"slipjump_{name}", text, of_agent(now))
         alarms = GaugeMetricFamily("slipjump_alarms", "Alarms, by state", labels=["state"])
-        there = Count(each.alarm for each in now.loops)
         for state in State:
-            alarms.add_metric([state.value], there[state])
+            alarms.add_metric([state.value], self._alarms[state])
         yield alarms
         yield from _connections(now.connections)
 

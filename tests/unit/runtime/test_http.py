@@ -177,7 +177,7 @@ async def test_an_address_that_is_taken_is_had_when_it_is_free(caplog):
 
 
 async def test_the_page_lists_every_metric_and_no_other():
-    text = (await Metrics(agent_of(FakeBus(None)).looked).text()).decode()
+    text = b"".join([part async for part in Metrics(agent_of(FakeBus(None)).looked).parts()]).decode()
     there = {
         name.removesuffix("_total") for name in re.findall(r"^# TYPE (slipjump_\w+) ", text, re.MULTILINE)
     }
