@@ -1,8 +1,9 @@
-"""100, 1,000 and 10,000 loops over MQTT into one agent, beside a bare client: CPU, memory, age, stops, loss.
+"""100 to 10,000 loops over each bus into one agent, beside a bare client: CPU, memory, age, stops, loss.
 
 The agent is a process of its own with its page and its workers, as ``slipjump run`` has it; every loop has
-the diagnosis of a quiet window, so that a scrape is as large as after the first hour. A bare aiomqtt client
-that only parses the numbers reads the same broker at the same time: CPU times are compared within the run.
+the diagnosis of a quiet window, so that a scrape is as large as after the first hour. A bare client of the
+bus's library, that only makes numbers of what comes, reads the same server at the same time: CPU times are
+compared within the run.
 """
 
 from __future__ import annotations
@@ -24,12 +25,13 @@ from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.routine import routine_diagnosis
 from benchmarks.cases.options import Options
 from benchmarks.looked_once import window_of
-from benchmarks.plant.broker import free_port, mosquitto, publish, topic
+from benchmarks.plant.broker import free_port
+from benchmarks.plant.buses import MODBUS, MQTT, OPCUA, Bus
 from benchmarks.plant.memory import proportional
-from benchmarks.plant.readers import Read, agent, bare
+from benchmarks.plant.readers import Read, agent
+from benchmarks.plant.values import ROLES
 from benchmarks.tables.markdown import table
 
-SIZES = (100, 1000, 10_000)
 SECONDS, FULL_SECONDS = 20.0, 600.0
 """Of measuring; as long again passes at most until all loops are read."""
 SETTLED = 5.0
@@ -44,15 +46,14 @@ CONTEXT = multiprocessing.get_context("spawn")
 
 
 def run(options: Options) -> None:
-    """Print a row for each size."""
+    """Print a table for each bus, with a row for each size."""
     seconds = FULL_SECONDS if options.full else SECONDS
-    sizes = SIZES if options.loops is None else (options.loops,)
     columns = (
         "loops",
         "CPU a value, us: agent, bare",
         "ratio",
         "agent's CPU, cores",
-        "ms from wire to window: median, 99 %, longest",
+        "ms from source to window: median, 99 %, longest",
         "lost",
         "memory, MB: agent, with workers",
         "start, s",
@@ -61,24 +62,22 @@ def run(options: Options) -> None:
         "scrape: s, MB",
     )
     quiet = routine_diagnosis(window_of(SEED, "none_noise"), diagnose).diagnosis
-    rows = [measured(size, seconds, quiet) for size in sizes]
-    print(table(f"### A plant over MQTT, OP and PV at 1 Hz in one message, {seconds:.0f} s", columns, rows))
+    for bus in (MQTT, MODBUS, OPCUA):
+        sizes = bus.sizes if options.loops is None else (options.loops,)
+        rows = [measured(bus, size, seconds, quiet) for size in sizes]
+        print(table(f"### {bus.name}: OP, PV and SP at 1 Hz, {seconds:.0f} s", columns, rows))
 
 
-def measured(count: int, seconds: float, quiet: Diagnosis) -> tuple[object, ...]:
+def measured(bus: Bus, count: int, seconds: float, quiet: Diagnosis) -> tuple[object, ...]:
     """Return the cells of a row."""
     names = [f"FIC{k:05d}" for k in range(count)]
     with contextlib.ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        port, page = stack.enter_context(mosquitto(folder)), free_port()
-        config = configuration(folder, names, port, page)
-        until = time.time() + 3600
+        port, page = stack.enter_context(bus.serve(folder, names)), free_port()
+        config = configuration(folder, names, bus, port, page)
         began = time.perf_counter()
         agent_says, watched = stack.enter_context(child(agent, config, quiet))
-        client_says, _ = stack.enter_context(child(bare, port))
-        process = CONTEXT.Process(target=publish, args=(port, names, until), daemon=True)
-        process.start()
-        stack.callback(process.terminate)
+        client_says, _ = stack.enter_context(child(bus.bare, port, names))
         while asked(agent_says).values < count and time.perf_counter() - began < LONGEST_START:
             time.sleep(0.5)
         start = time.perf_counter() - began
@@ -98,7 +97,7 @@ def measured(count: int, seconds: float, quiet: Diagnosis) -> tuple[object, ...]
         f"{read.cpu / read.values / (client.cpu / client.values):.2f}",
         f"{read.cpu / read.wall:.2f}",
         ", ".join(f"{1000 * each:.0f}" for each in read.delays),
-        read.lost,
+        f"{read.lost} ({100 * read.values / (len(ROLES) * count * read.wall):.1f} % came)",
         ", ".join(f"{each:.0f}" for each in memory),
         f"{start:.1f}",
         f"{1000 * read.stops[-1]:.0f}",
@@ -107,16 +106,15 @@ def measured(count: int, seconds: float, quiet: Diagnosis) -> tuple[object, ...]
     )
 
 
-def configuration(folder: Path, names: list[str], port: int, page: int) -> Path:
+def configuration(folder: Path, names: list[str], bus: Bus, port: int, page: int) -> Path:
     """Write the configuration of a plant and return its path."""
-    rows = [f"{name},{topic(name)}#pv,{topic(name)}#op" for name in names]
-    (folder / "loops.csv").write_text("\n".join(["name,pv,op", *rows]) + "\n")
+    rows = [",".join([name, *(bus.cell(k, name, role) for role in ROLES)]) for k, name in enumerate(names)]
+    (folder / "loops.csv").write_text("\n".join([",".join(["name", *ROLES]), *rows]) + "\n")
     config = folder / "plant.yaml"
-    tags = {role: {"time_field": "t"} for role in ("pv", "op")}
-    defaults = {"connection": "bus", "ts": 1.0, "tags": tags, "publish": [{"connection": "bus"}]}
+    defaults = {"connection": "bus", "ts": 1.0, "tags": {role: dict(bus.tags) for role in ROLES}}
     settings = {
         "agent": {"workers": WORKERS, "http": {"port": page}},
-        "connections": {"bus": {"kind": "mqtt", "port": port}},
+        "connections": {"bus": bus.connection(port)},
         "loops": [{"from": "loops.csv", "defaults": defaults}],
     }
     config.write_text(yaml.safe_dump(settings))

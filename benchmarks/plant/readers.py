@@ -1,10 +1,8 @@
-"""What reads the plant: a real agent with its page and workers, and a bare client beside it."""
+"""What reads the plant: a real agent with its page and workers; and how it reports to the benchmark."""
 
 from __future__ import annotations
 
 import asyncio
-import json
-import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -12,7 +10,6 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-import aiomqtt
 import numpy as np
 
 from agent.analysis.diagnosis import Diagnosis
@@ -37,7 +34,7 @@ class Read:
     """Of its process, s."""
     wall: float
     values: int
-    """PV and OP that reached it."""
+    """Of all roles, that reached it."""
     delays: tuple[float, ...] = ()
     """From the sending of a sample to its place in a window, s."""
     stops: tuple[float, ...] = ()
@@ -60,27 +57,6 @@ class Stops:
             late = min(now[0] - before[0] - TICK, now[1] - before[1])
             self.longest = sorted([*self.longest, late])[-10:]
             before = now
-
-
-def bare(port: int, says: Connection) -> None:
-    """Read with aiomqtt alone: each message is received and its numbers are parsed."""
-
-    async def read() -> None:
-        values = 0
-
-        def count() -> int:
-            return values
-
-        async with aiomqtt.Client("127.0.0.1", port) as client:
-            await client.subscribe("plant/#", qos=1)
-            answering = asyncio.create_task(_answer(says, count, None, [], lambda: 0))
-            async for message in client.messages:
-                tree = json.loads(message.payload)  # type: ignore[arg-type]
-                values += math.isfinite(float(tree["pv"])) + math.isfinite(float(tree["op"]))
-                if answering.done():
-                    return
-
-    asyncio.run(read())
 
 
 def agent(config: Path, quiet: Diagnosis, says: Connection) -> None:
@@ -106,7 +82,7 @@ def agent(config: Path, quiet: Diagnosis, says: Connection) -> None:
 
             work = asyncio.create_task(made.run(heap.settle))
             watching = asyncio.create_task(stops.watch())
-            await _answer(says, count, stops, delays, lost)
+            await answer(says, count, stops, delays, lost)
             watching.cancel()
             work.cancel()
             await asyncio.wait({work, watching})
@@ -125,14 +101,22 @@ def _watch(window: Any, delays: list[float]) -> None:  # noqa: ANN401 - its meth
     window.push = timed
 
 
-async def _answer(
+async def answer(
     says: Connection,
     count: Callable[[], int],
     stops: Stops | None,
     delays: list[float],
     lost: Callable[[], int],
 ) -> None:
-    """Answer each mark of the parent with what happened since the one before; end on an empty one."""
+    """Answer each mark of the parent with what happened since the one before; end on an empty one.
+
+    Args:
+        says: To the parent.
+        count: Returns how many values came.
+        stops: Where they are watched.
+        delays: Filled by who measures them, s.
+        lost: Returns how many were lost.
+    """
     before = cpu, wall, values, missed = time.process_time(), time.perf_counter(), count(), lost()
     marked = asyncio.Event()
     asyncio.get_running_loop().add_reader(says.fileno(), marked.set)
