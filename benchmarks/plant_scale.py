@@ -54,6 +54,7 @@ def run(options: Options) -> None:
         "ratio",
         "agent's CPU, cores",
         "ms from source to window: median, 99 %, longest",
+        "came, %: agent, bare",
         "lost",
         "memory, MB: agent, with workers",
         "start, s",
@@ -93,11 +94,12 @@ def measured(bus: Bus, count: int, seconds: float, quiet: Diagnosis) -> tuple[ob
     took, size = (max(each[k] for each in scrapes) for k in (0, 1))
     return (
         count,
-        f"{1e6 * read.cpu / read.values:.1f}, {1e6 * client.cpu / client.values:.1f}",
-        f"{read.cpu / read.values / (client.cpu / client.values):.2f}",
+        f"{1e6 * read.value_cost:.1f}, {1e6 * client.value_cost:.1f}",
+        f"{read.value_cost / client.value_cost:.2f}",
         f"{read.cpu / read.wall:.2f}",
         ", ".join(f"{1000 * each:.0f}" for each in read.delays),
-        f"{read.lost} ({100 * read.values / (len(ROLES) * count * read.wall):.1f} % came)",
+        ", ".join(f"{100 * each.values / (len(ROLES) * count * each.wall):.0f}" for each in (read, client)),
+        read.lost,
         ", ".join(f"{each:.0f}" for each in memory),
         f"{start:.1f}",
         f"{1000 * read.stops[-1]:.0f}",

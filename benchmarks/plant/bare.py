@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import math
 import struct
 import time
@@ -23,6 +24,8 @@ from benchmarks.plant.values import ROLES
 MOST_REGISTERS = 125
 MONITORED = 500
 """Nodes of one request."""
+PATIENT = 60.0
+"""Longest wait for the server, s: on a machine that others use asyncua's own guard ends the connection."""
 QUEUE = 100
 """Values that the server keeps of a node, as for the agent."""
 
@@ -82,6 +85,7 @@ def modbus(port: int, names: Sequence[str], says: Connection) -> None:
 
 def opcua(port: int, names: Sequence[str], says: Connection) -> None:
     """Subscribe to all nodes, also to values that are measured again and the same."""
+    logging.getLogger("asyncua").setLevel(logging.CRITICAL)
     count = _Count()
 
     class Handler:
@@ -89,7 +93,8 @@ def opcua(port: int, names: Sequence[str], says: Connection) -> None:
             count.values += math.isfinite(float(value))
 
     async def read() -> None:
-        async with Client(f"opc.tcp://127.0.0.1:{port}") as client:
+        url = f"opc.tcp://127.0.0.1:{port}"
+        async with Client(url, timeout=PATIENT, watchdog_intervall=PATIENT) as client:
             subscription = await client.create_subscription(500, Handler())
             nodes = [client.get_node(node(name, role)) for name in names for role in ROLES]
             changed = ua.DataChangeFilter(Trigger=ua.DataChangeTrigger.StatusValueTimestamp)

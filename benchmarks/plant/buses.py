@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.plant import bare
+from benchmarks.plant.bare import PATIENT
 from benchmarks.plant.broker import free_port, mosquitto, publish, topic
 from benchmarks.plant.modbus_source import REGISTERS, serve_modbus
 from benchmarks.plant.opcua_source import node, serve_opcua
@@ -99,7 +100,7 @@ OPCUA = Bus(
     name="OPC UA, subscriptions",
     sizes=(100, 1000),
     serve=_opcua,
-    connection=lambda port: {"kind": "opcua", "url": f"opc.tcp://127.0.0.1:{port}"},
+    connection=lambda port: {"kind": "opcua", "url": f"opc.tcp://127.0.0.1:{port}", "timeout": PATIENT},
     cell=lambda _, loop, role: node(loop, role),
     bare=bare.opcua,
 )

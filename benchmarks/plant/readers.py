@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -40,6 +41,11 @@ class Read:
     stops: tuple[float, ...] = ()
     """How long the loop that reads stood still, s, the longest ten."""
     lost: int = 0
+
+    @property
+    def value_cost(self) -> float:
+        """CPU of one value, s; NaN where none came."""
+        return self.cpu / self.values if self.values else math.nan
 
 
 class Stops:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from connectors.modbus.codec import decode, scaled
 from connectors.modbus.options import ModbusTag, Table
@@ -25,6 +25,15 @@ class Block:
     tags: Mapping[str, ModbusTag]
     """Role -> tag."""
     address_base: int
+    _places: tuple[tuple[str, ModbusTag, int, int], ...] = field(init=False, repr=False, compare=False)
+    """Role, tag, and from where to where its registers or bit stand in the answer."""
+
+    def __post_init__(self) -> None:
+        first = self.address + self.address_base
+        places = [
+            (r, tag, tag.address - first, tag.address - first + tag.size) for r, tag in self.tags.items()
+        ]
+        object.__setattr__(self, "_places", tuple(places))
 
     def __str__(self) -> str:
         """Return what is requested, with addresses as in the configuration, e.g. ``input 100 to 109``."""
@@ -33,17 +42,18 @@ class Block:
 
     def values(self, answer: Sequence[int]) -> dict[str, float]:
         """Return role -> value in engineering units from the ``count`` registers or bits of the answer."""
-        return {role: self._value(tag, answer) for role, tag in self.tags.items()}
+        return {role: _value(tag, answer[begin:end]) for role, tag, begin, end in self._places}
 
     def split(self) -> list[Block]:
         """Return one block for each tag, for a device where addresses between them cannot be read."""
         return [covering({role: tag}, self.address_base) for role, tag in self.tags.items()]
 
-    def _value(self, tag: ModbusTag, answer: Sequence[int]) -> float:
-        start = tag.address - self.address_base - self.address
-        if tag.is_bit:
-            return float(answer[start])
-        return scaled(decode(answer[start : start + tag.size], tag.type, tag.order), tag.scale, tag.offset)
+
+def _value(tag: ModbusTag, registers: Sequence[int]) -> float:
+    """Return the number in its registers, or its bit."""
+    if tag.is_bit:
+        return float(registers[0])
+    return scaled(decode(registers, tag.type, tag.order), tag.scale, tag.offset)
 
 
 def covering(tags: Mapping[str, ModbusTag], address_base: int) -> Block:

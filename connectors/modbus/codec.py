@@ -27,9 +27,15 @@ _FORMATS = {
 }
 
 
+_NUMBERS = {type_: struct.Struct(f">{form}") for type_, form in _FORMATS.items()}
+_COUNTS = {type_: number.size // 2 for type_, number in _NUMBERS.items()}
+_WORDS = {(mark, count): struct.Struct(f"{mark}{count}H") for mark in "><" for count in (1, 2, 4)}
+"""Registers as bytes: by the order of the two bytes of each, and how many there are."""
+
+
 def register_count(type_: RegisterType) -> int:
     """Return how many registers a number of this type takes."""
-    return struct.calcsize(f">{_FORMATS[type_]}") // 2
+    return _COUNTS[type_]
 
 
 def decode(registers: Sequence[int], type_: RegisterType, order: Order = "ABCD") -> float:
@@ -37,9 +43,9 @@ def decode(registers: Sequence[int], type_: RegisterType, order: Order = "ABCD")
 
     A 64-bit integer beyond 2**53 loses its last digits, as samples are floats.
     """
-    words = [register.to_bytes(2, "big") for register in registers]
-    (value,) = struct.unpack(f">{_FORMATS[type_]}", b"".join(_reordered(words, order)))
-    return float(value)
+    words = registers[::-1] if order in ("CDAB", "DCBA") else registers
+    mark = "<" if order in ("BADC", "DCBA") else ">"
+    return float(_NUMBERS[type_].unpack(_WORDS[mark, _COUNTS[type_]].pack(*words))[0])
 
 
 def encode(value: float, type_: RegisterType, order: Order = "ABCD") -> list[int]:

@@ -21,8 +21,8 @@ class LoopPoller:
     """Reads one loop; remembers the source time it saw last, and which blocks the device does not allow."""
 
     def __init__(self, loop: str, blocks: list[Block]) -> None:
-        self._loop = loop
         self.blocks = blocks
+        self._tags = {role: LoopRole(loop, role) for block in blocks for role in block.tags}
         self._has_time = any("time" in block.tags for block in blocks)
         self._last_time = math.nan
 
@@ -44,10 +44,8 @@ class LoopPoller:
                 return []
             self._last_time = arrival = source_time
         refused.pop("time", None)
-        return [
-            Sample.measured(LoopRole(self._loop, role), arrival, value) for role, value in values.items()
-        ] + [
-            Sample.missing(LoopRole(self._loop, role), arrival, error.code, str(error))
+        return [Sample.measured(self._tags[role], arrival, value) for role, value in values.items()] + [
+            Sample.missing(self._tags[role], arrival, error.code, str(error))
             for role, error in refused.items()
         ]
 
