@@ -50,10 +50,10 @@ def read_recording(
             return source.read(loop or _only(path, source.loops().loops))
     ts = columns.ts if columns.ts is not None else known.columns.ts
     export = read_export(path, replace(known, columns=replace(columns, ts=ts)))
-    found = [each for each in export.loops if loop in {None, each.name}]
+    names = export.loops.names
+    found = [place for place, name in enumerate(names) if loop in {None, name}]
     if len(found) == 1:
-        return found[0]
-    names = tuple(each.name for each in export.loops)
+        return export.loops[found[0]]
     if not found:
         raise RecordingError(f"{path}: has no loop {loop!r}, it holds: {', '.join(names[:10])}")
     _only(path, names)

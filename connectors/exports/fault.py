@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from connectors.base import ConfigError
 
-MOST_BYTES = 1 << 28
-"""Bytes of text that are read of one file, unpacked: cells take ten times as much memory as text."""
+MOST_BYTES = 1 << 31
+"""Bytes of one file, unpacked, which a temporary file holds: a week of 100 loops at 1 s is 0.8 GB as text."""
 MOST_ROWS = 10_000_000
 """Rows of one file: four months at 1 s."""
-MOST_CELLS = 100_000_000
-"""Cells of one file: 800 MB as numbers."""
-MOST_TEXT_CELLS = 20_000_000
-"""Cells of one file of text: as text each takes about 70 bytes, 1.4 GB."""
+MOST_CELLS = 200_000_000
+"""Cells of one file: a week of 100 loops with OP, PV and SP at 1 s."""
 LONGEST_CELL = 10_000
 """Characters of one cell of a Parquet file, which stores a text once and may repeat it without end."""
 MOST_COLUMNS = 20_000

@@ -17,6 +17,8 @@ from connectors.exports.layout import ColumnLayout, Placed, short_names, usable_
 from connectors.exports.merged import merged
 from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
 from connectors.exports.series import Series, rising, words_as_numbers
+from connectors.exports.span import stated
+from connectors.exports.stored_loops import StoredLoops
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -38,7 +40,7 @@ def loops_of_columns(sheet: Sheet, layout: ColumnLayout, options: ReadOptions) -
     names = short_names(list(layout.loops))
     style = number_style(sheet, layout, options)
     times: dict[int | None, Times | None] = {}
-    loops: list[RecordedLoop] = []
+    loops = StoredLoops[RecordedLoop]()
     problems = [
         f"{sheet.place} {line}: has another number of cells, it is a gap" for line in sheet.bad_lines[:20]
     ]
@@ -54,15 +56,14 @@ def loops_of_columns(sheet: Sheet, layout: ColumnLayout, options: ReadOptions) -
         for placed in found.values():
             if placed.time not in times:
                 times[placed.time] = _times(sheet, placed.time, layout, options, style)
-        loops.append(_loop(sheet, layout, names[loop], found, times, options, style, problems))
+        read = _loop(sheet, layout, names[loop], found, times, options, style, problems)
+        loops.append(stated(read, options))
     if not loops:
         raise no_loops(sheet, problems)
     used = next((each for each in times.values() if each is not None), None)
     problems += dict.fromkeys(note for each in times.values() if each is not None for note in each.notes)
     zone, form = ("", "samples") if used is None else (used.zone, used.form)
-    return Export(
-        sheet.path, layout.format, sheet.kind, zone, form, style.decimal, tuple(loops), tuple(problems)
-    )
+    return Export(sheet.path, layout.format, sheet.kind, zone, form, style.decimal, loops, tuple(problems))
 
 
 def _times(
@@ -77,7 +78,7 @@ def _times(
         return times_of(sheet, column, options.times, style)
     end = max((k for k, cell in enumerate(cells) if cell), default=-1) + 1
     cut = replace(sheet, lines=sheet.lines[:end])
-    found = times_of(cut, replace(column, cells=cells[:end]), options.times, style)
+    found = times_of(cut, replace(column, held=cells[:end]), options.times, style)
     return replace(found, read=np.append(found.read, np.full(len(cells) - end, np.nan)))
 
 
@@ -159,17 +160,17 @@ def _values(
     """Return values, the words of a mode, and how many values were rejected."""
     column = sheet.columns[placed.values]
     if role == "mode":
-        cells = sheet.text(column)
-        values, words = words_as_numbers([cells[k] for k in rows])
+        values, words = words_as_numbers(sheet.text(column, rows))
         return values, words, 0
-    if isinstance(column.cells, np.ndarray):
-        numbers, wrong = np.array(column.cells, np.float64), list[int]()
+    cells = column.cells
+    if isinstance(cells, np.ndarray):
+        numbers, wrong = np.array(cells, np.float64), list[int]()
     else:
-        numbers, wrong = style.numbers(column.cells)
+        numbers, wrong = style.numbers(cells)
     if wrong:
-        cell = column.cells[wrong[0]]
+        cell = cells[wrong[0]]
         fault = f"{column.name} is {shown(str(cell))}, expected a number or an empty cell"
-        if layout.format == "plain" or len(wrong) > MOST_WRONG * len(column.cells):
+        if layout.format == "plain" or len(wrong) > MOST_WRONG * len(cells):
             raise RecordingError(f"{sheet.where(wrong[0])}: {fault}")
         more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
         problems.append(f"{sheet.place} {sheet.lines[wrong[0]]}: {fault}; it is a gap{more}")

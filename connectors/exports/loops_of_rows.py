@@ -17,11 +17,13 @@ from connectors.exports.loops_of_columns import MOST_WRONG, no_loops, number_sty
 from connectors.exports.merged import merged
 from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
 from connectors.exports.series import Series, rising, words_as_numbers
+from connectors.exports.span import stated
+from connectors.exports.stored_loops import StoredLoops
 
 if TYPE_CHECKING:
     from connectors.exports.cells.number_style import NumberStyle
     from connectors.exports.cells.tagging import Tagger
-    from connectors.exports.tables.sheet import FloatArray, Sheet
+    from connectors.exports.tables.sheet import Column, FloatArray, Sheet
 
 
 def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagger: Tagger) -> Export:
@@ -45,8 +47,8 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
     tags, problems = _tags(rows, tagger)
     problems += times.notes
     names = short_names(list(tags))
-    loops: list[RecordedLoop] = []
-    words = sheet.text(sheet.columns[layout.value])
+    loops = StoredLoops[RecordedLoop]()
+    value = sheet.columns[layout.value]
     for loop, roles in tags.items():
         found = usable_roles({role: Placed(0, None) for role in roles})
         lacking = [role.upper() for role in ("pv", "op") if role not in found]
@@ -64,45 +66,53 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
             mine = rows[tag][good[rows[tag]]]
             time, mine = rising(times.utc(mine), mine)
             if role == "mode":
-                series[role] = Series(time, *words_as_numbers([words[k] for k in mine]), mine)
+                series[role] = Series(time, *words_as_numbers(sheet.text(value, mine)), mine)
                 continue
             series[role] = Series(time, numbers[mine], rows=mine)
-            lost = sorted(wrong.intersection(mine.tolist()))
-            if lost:
-                problems.append(_no_number(sheet, tag, words, lost, len(mine)))
+            lost = np.sort(mine[wrong[mine]])
+            if lost.size:
+                problems.append(_no_number(sheet, tag, value, lost, len(mine)))
             bad += len(lost) + int(np.count_nonzero(~allowed[mine]))
         labels = {role if role == "mode" else role.upper(): tag for role, tag in renamed.items()}
-        loops.append(merged(sheet, names[loop], series, labels, bad, times))
+        loops.append(stated(merged(sheet, names[loop], series, labels, bad, times), options))
     if not loops:
         raise no_loops(sheet, problems)
     return Export(
-        sheet.path, "long", sheet.kind, times.zone, times.form, style.decimal, tuple(loops), tuple(problems)
+        sheet.path, "long", sheet.kind, times.zone, times.form, style.decimal, loops, tuple(problems)
     )
 
 
-def _no_number(sheet: Sheet, tag: str, words: Sequence[str], rows: Sequence[int], of: int) -> str:
+def _no_number(sheet: Sheet, tag: str, value: Column, rows: NDArray[np.intp], of: int) -> str:
     """Return a line about values that are no numbers; raises RecordingError where most of a tag are none."""
-    fault = f"{tag} is {shown(words[rows[0]])}, expected a number or an empty cell"
+    fault = f"{tag} is {shown(sheet.text(value, rows[:1])[0])}, expected a number or an empty cell"
     if len(rows) > MOST_WRONG * of:
         raise RecordingError(f"{sheet.where(rows[0])}: {fault}")
     more = f" ({len(rows) - 1} more)" if len(rows) > 1 else ""
     return f"{sheet.place} {sheet.lines[rows[0]]}: {fault}; it is a gap{more}"
 
 
-def _numbers(sheet: Sheet, place: int, style: NumberStyle) -> tuple[FloatArray, set[int]]:
+def _numbers(sheet: Sheet, place: int, style: NumberStyle) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the values, shape (n,), NaN where there is none, and where a cell is neither number nor gap."""
     cells = sheet.columns[place].cells
+    wrong = np.zeros(len(cells), np.bool_)
     if isinstance(cells, np.ndarray):
-        return np.where(np.isfinite(cells), cells, np.nan), set()
-    numbers, wrong = style.numbers(cells)
-    return np.where(np.isfinite(numbers), numbers, np.nan), set(wrong)
+        numbers = np.array(cells, np.float64)
+    else:
+        numbers, rows = style.numbers(cells)
+        wrong[rows] = True
+    numbers[~np.isfinite(numbers)] = np.nan
+    return numbers, wrong
 
 
-def _rows_of_tags(cells: object) -> dict[str, NDArray[np.intp]]:
+def _rows_of_tags(cells: Sequence[str]) -> dict[str, NDArray[np.intp]]:
     """Return tag -> its rows, in the order of the file."""
-    found: dict[str, list[int]] = defaultdict(list)
-    for row, tag in enumerate(cells):  # type: ignore[arg-type, var-annotated]
-        found[tag].append(row)
-    return {tag: np.array(rows, np.intp) for tag, rows in found.items() if tag}
+    places: dict[str, int] = {}
+    found = (places.setdefault(tag, len(places)) for tag in cells)
+    numbers = np.fromiter(found, np.int32, len(cells))
+    order = np.argsort(numbers, kind="stable")
+    ends = np.cumsum(np.bincount(numbers, minlength=len(places)))
+    parts = np.split(order, ends[:-1])
+    return {tag: part for tag, part in zip(places, parts, strict=True) if tag}
 
 
 def _tags(rows: dict[str, NDArray[np.intp]], tagger: Tagger) -> tuple[dict[str, dict[str, str]], list[str]]:

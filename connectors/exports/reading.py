@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+import io
+from contextlib import ExitStack
+from typing import IO, TYPE_CHECKING
 
 from connectors.exports.cells.tagging import tagger_of
 from connectors.exports.fault import RecordingError
@@ -13,7 +13,6 @@ from connectors.exports.loops_of_columns import loops_of_columns
 from connectors.exports.loops_of_rows import loops_of_rows
 from connectors.exports.plain_table import plain_layout
 from connectors.exports.recorded import Export, ReadOptions
-from connectors.exports.span import within
 from connectors.exports.tables.decoded import decoded
 from connectors.exports.tables.delimited import rows_of
 from connectors.exports.tables.header import sheet_of
@@ -40,13 +39,19 @@ def read_export(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> Export:
         RecordingError: One line that names the file, the line and what was expected, and where two readings
             are possible the option that settles it.
     """
-    export = _export(path, options)
-    if not options.modes and options.span is None:
-        return export
-    loops = tuple(replace(loop, modes=options.modes) for loop in export.loops)
-    if options.span is not None:
-        loops = tuple(within(loop, *options.span) for loop in loops)
-    return replace(export, loops=loops)
+    tables = unpacked(path)
+    if len(tables) == 1:
+        return _of_sheet(_sheet(*tables[0]), options)
+    exports: list[Export] = []
+    faults: list[str] = []
+    for place, file in tables:
+        try:
+            exports.append(_of_sheet(_sheet(place, file), options))
+        except RecordingError as error:
+            faults += error.faults
+    if not exports:
+        raise RecordingError(faults[0])
+    return together(path, exports, faults)
 
 
 def names_of_loops(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> tuple[str, ...]:
@@ -58,13 +63,13 @@ def names_of_loops(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> tuple
         RecordingError: As ``read_export``, for any other table.
     """
     head = _head(path)
-    tables = () if head is not None else unpacked(path)
-    if len(tables) < 2:
-        sheet = with_joined_times(head or _sheet(*tables[0]))
+    sheets = sheets_of_file(path) if head is None else (head,)
+    if len(sheets) == 1:
+        sheet = with_joined_times(sheets[0])
         plain = plain_layout(sheet, time_columns(sheet), options)
         if plain is not None:
             return tuple(short_names(list(plain.loops)).values())
-    return tuple(each.name for each in read_export(path, options).loops)
+    return read_export(path, options).loops.names
 
 
 def _head(path: Path) -> Sheet | None:
@@ -77,25 +82,9 @@ def _head(path: Path) -> Sheet | None:
         return None
     content = start[: start.rfind(b"\n") + 1]
     try:
-        return sheet_of(path, list(rows_of(path, decoded(path, content))), "line", "csv")
+        return sheet_of(path, rows_of(path, decoded(path, io.BytesIO(content))), "line", "csv")
     except RecordingError:
         return None
-
-
-def _export(path: Path, options: ReadOptions) -> Export:
-    tables = unpacked(path)
-    if len(tables) == 1:
-        return _of_sheet(_sheet(*tables[0]), options)
-    exports: list[Export] = []
-    faults: list[str] = []
-    for place, content in tables:
-        try:
-            exports.append(_of_sheet(_sheet(place, content), options))
-        except RecordingError as error:
-            faults += error.faults
-    if not exports:
-        raise RecordingError(faults[0])
-    return together(path, exports, faults)
 
 
 def _of_sheet(sheet: Sheet, options: ReadOptions) -> Export:
@@ -113,13 +102,18 @@ def _of_sheet(sheet: Sheet, options: ReadOptions) -> Export:
 
 def sheets_of_file(path: Path) -> tuple[Sheet, ...]:
     """Return the tables of a file of any kind: one, or those of an archive; raises RecordingError."""
-    return tuple(_sheet(place, content) for place, content in unpacked(path))
+    return tuple(_sheet(place, file) for place, file in unpacked(path))
 
 
-def _sheet(path: Path, content: bytes) -> Sheet:
-    if is_parquet(path, content[:4]):
-        return sheet_of_parquet(path, content)
-    if is_workbook(path, content):
-        return sheet_of(path, list(rows_of_workbook(path, content)), "row", "xlsx")
-    rows: Sequence[tuple[int, list[str]]] = list(rows_of(path, decoded(path, content)))
-    return sheet_of(path, rows, "line", "csv")
+def _sheet(path: Path, file: IO[bytes]) -> Sheet:
+    with ExitStack() as open_files:
+        open_files.enter_context(file)
+        head = file.read(4)
+        file.seek(0)
+        if is_parquet(path, head):
+            sheet = sheet_of_parquet(path, file)
+            open_files.pop_all()  # its columns read from it
+            return sheet
+        if is_workbook(path, file):
+            return sheet_of(path, rows_of_workbook(path, file), "row", "xlsx")
+        return sheet_of(path, rows_of(path, decoded(path, file)), "line", "csv")

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from connectors.exports.cells.number_style import Mark
+    from connectors.exports.stored_loops import StoredLoops
     from connectors.exports.tables.sheet import FloatArray
 
 
@@ -93,6 +94,6 @@ class Export:
     """How times are written: calendar, seconds, epoch_ms, excel ..."""
     decimal: str
     """Decimal mark."""
-    loops: tuple[RecordedLoop, ...]
+    loops: StoredLoops[RecordedLoop]
     problems: tuple[str, ...] = ()
     """What was left out or may be wrong, a line each."""

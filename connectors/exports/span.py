@@ -1,4 +1,4 @@
-"""A span of time of a recording."""
+"""What a user states about loops that were read: a span of time, words of the mode."""
 
 from __future__ import annotations
 
@@ -10,7 +10,17 @@ import numpy as np
 from connectors.exports.fault import RecordingError
 
 if TYPE_CHECKING:
-    from connectors.exports.recorded import RecordedLoop
+    from connectors.exports.recorded import ReadOptions, RecordedLoop
+
+
+def stated(loop: RecordedLoop, options: ReadOptions) -> RecordedLoop:
+    """Return a loop with the words of its mode and within the span that the user states.
+
+    Raises:
+        RecordingError: It has no sample in the span.
+    """
+    known = replace(loop, modes=options.modes) if options.modes else loop
+    return known if options.span is None else within(known, *options.span)
 
 
 def within(loop: RecordedLoop, start: float, end: float) -> RecordedLoop:

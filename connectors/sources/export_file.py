@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class ExportFile(Closing):
-    """A file, read once: it stays in memory until it is closed."""
+    """A file, read once: it stays in a temporary file, or in memory where it is small, until it is closed."""
 
     def __init__(self, name: str, options: ReadOptions) -> None:
         """Make it; nothing is read yet."""
@@ -26,16 +26,15 @@ class ExportFile(Closing):
         """Return the names of its loops."""
         export = self._export()
         problems = tuple(f"{self._path}: {each}" for each in export.problems)
-        return Held(tuple(each.name for each in export.loops), problems)
+        return Held(export.loops.names, problems)
 
     def read(self, loop: str) -> RecordedLoop:
         """Return one loop."""
         export = self._export()
-        found = next((each for each in export.loops if each.name == loop), None)
-        if found is None:
-            names = ", ".join(each.name for each in export.loops[:10])
-            raise RecordingError(f"{self._path}: has no loop {loop!r}, it holds: {names}")
-        return found
+        names = export.loops.names
+        if loop not in names:
+            raise RecordingError(f"{self._path}: has no loop {loop!r}, it holds: {', '.join(names[:10])}")
+        return export.loops[names.index(loop)]
 
     def version(self) -> str:
         """Return size and time of the last change."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -63,15 +63,23 @@ class NumberStyle:
         """Return the numbers of a column, shape (n,), and the rows whose cells are neither number nor gap."""
         if self.decimal == ".":
             try:
-                return np.array(list(map(float, cells)), np.float64), []
+                return np.fromiter(map(float, cells), np.float64, len(cells)), []
             except ValueError:
                 pass
-        found = [self.number(cell) for cell in cells]
-        bad = [row for row, value in enumerate(found) if value is None]
+        bad: list[int] = []
+        found = np.fromiter(self._numbers(cells, bad), np.float64, len(cells))
         unit = _unit_behind([cells[row] for row in bad]) if 2 * len(bad) > len(cells) else None
         if unit is not None:
             return self.numbers([cell.strip().removesuffix(unit) for cell in cells])
-        return np.array([math.nan if value is None else value for value in found], np.float64), bad
+        return found, bad
+
+    def _numbers(self, cells: Sequence[str], bad: list[int]) -> Iterator[float]:
+        """Yield the number of each cell; the rows of those that have none are added to ``bad``."""
+        for row, cell in enumerate(cells):
+            value = self.number(cell)
+            if value is None:
+                bad.append(row)
+            yield math.nan if value is None else value
 
 
 def _unit_behind(cells: Sequence[str]) -> str | None:

@@ -40,21 +40,31 @@ def usable(qualities: Sequence[str]) -> NDArray[np.bool_]:
     Numbers are OPC Classic codes where one reaches 192; 0 to 100 with none above are percent of confidence
     where one exceeds 1, else flags (0 good as in OPC UA where zero is the usual number, else 1 good).
     """
-    words = [each.strip().casefold() for each in qualities]
+    places: dict[str, int] = {}  # a column has few different words
+    found = (places.setdefault(each, len(places)) for each in qualities)
+    kinds = np.fromiter(found, np.int32, len(qualities))
+    words = [each.strip().casefold() for each in places]
     numbers = [_code(word) for word in words]
-    codes = [number for number in numbers if number is not None]
-    threshold, zero_good = _reading_of(codes)
-    return np.array(
-        [
-            _good(word, number, threshold, zero_good=zero_good)
-            for word, number in zip(words, numbers, strict=True)
-        ],
-        np.bool_,
+    counts = np.bincount(kinds, minlength=len(words)).tolist()
+    codes = {k: number for k, number in enumerate(numbers) if number is not None}
+    threshold, zero_good = _reading_of(
+        list(codes.values()),
+        ones=sum(counts[k] * number for k, number in codes.items()) * 2 >= sum(counts[k] for k in codes),
     )
+    good = [
+        _good(word, number, threshold, zero_good=zero_good)
+        for word, number in zip(words, numbers, strict=True)
+    ]
+    return np.array(good, np.bool_)[kinds]
 
 
-def _reading_of(codes: Sequence[float]) -> tuple[float, bool]:
-    """Return the least code that is usable, and whether zero is good."""
+def _reading_of(codes: Sequence[float], *, ones: bool) -> tuple[float, bool]:
+    """Return the least code that is usable, and whether zero is good.
+
+    Args:
+        codes: Each that there is.
+        ones: Whether they are 1 in the mean of all values as often as 0, or more often.
+    """
     if not codes or max(codes) == 0:
         return 1.0, True
     if max(codes) >= OPC_GOOD:
@@ -63,7 +73,7 @@ def _reading_of(codes: Sequence[float]) -> tuple[float, bool]:
         return float("inf"), True
     if max(codes) > 1:
         return PHD_CONFIDENT, False
-    return (1.0, False) if sum(codes) * 2 >= len(codes) else (float("inf"), True)
+    return (1.0, False) if ones else (float("inf"), True)
 
 
 def _good(word: str, number: float | None, threshold: float, *, zero_good: bool) -> bool:

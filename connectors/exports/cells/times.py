@@ -15,6 +15,7 @@ from connectors.exports.cells.calendar_times import Moment, moment_of
 from connectors.exports.cells.clock_numbers import CLOCKS, FORMATS, UnclearTimeError, clock_of
 from connectors.exports.cells.date_order import Order, month_first, orders_of
 from connectors.exports.cells.day_clock import days_and_clock, over_midnight
+from connectors.exports.cells.moments import Moments
 from connectors.exports.cells.number_style import NumberStyle
 from connectors.exports.cells.tag_roles import unit_of
 from connectors.exports.fault import RecordingError, shown
@@ -152,69 +153,65 @@ def _by_pattern(
     sheet: Sheet, column: Column, cells: Sequence[str], options: TimeOptions, zone: ZoneInfo | None
 ) -> Times:
     pattern = options.form or ""
-    moments: list[Moment | None] = []
-    for cell in cells:
+
+    def moment(cell: str) -> Moment | None:
         try:
             found = datetime.strptime(cell, pattern)  # noqa: DTZ007 - the zone comes later
         except ValueError:
-            moments.append(None)
-            continue
+            return None
         offset = found.utcoffset()
-        moments.append(
-            Moment(found.replace(tzinfo=None), None if offset is None else offset.total_seconds() / HOUR)
-        )
-    return _from_moments(sheet, column, cells, moments, options, zone)
+        return Moment(found.replace(tzinfo=None), None if offset is None else offset.total_seconds() / HOUR)
+
+    return _of_moments(sheet, column, cells, Moments.of(cells, moment), options, zone)
 
 
 def _calendar(
     sheet: Sheet, column: Column, cells: Sequence[str], options: TimeOptions, zone: ZoneInfo | None
 ) -> Times:
-    days = [days_and_clock(cell) for cell in cells]
-    if sum(each is not None for each in days) * 2 > len(days):
-        return _of_day(sheet, column, cells, days)
-    moments = [moment_of(cell, options.order) for cell in cells]
-    open_ones = [each for each in moments if each is not None and each.numbers is not None]
+    if sum(days_and_clock(cell) is not None for cell in cells) * 2 > len(cells):
+        return _of_day(sheet, column, cells)
+    moments = Moments.of(cells, lambda cell: moment_of(cell, options.order))
     notes: tuple[str, ...] = ()
-    if open_ones and options.order is None:
-        row = next(k for k, each in enumerate(moments) if each is not None)
-        written = (each.numbers for each in open_ones if each.numbers is not None)
-        orders = orders_of(written, dotted=any(each.dotted for each in open_ones))
+    if moments.dates and options.order is None:
+        example = shown(cells[moments.first])
+        orders = orders_of(moments.dates, dotted=moments.dotted)
         if len(orders) > 1 and "ymd" not in orders and month_first(cells[:100]):
             taken = "the month is taken to be first; --date-order dmy if not"
-            notes = (f"{column.name} is {shown(cells[row])}: {taken}",)
+            notes = (f"{column.name} is {example}: {taken}",)
             orders = ("mdy",)
         if len(orders) > 1:
             raise RecordingError(
-                f"{sheet.where(row)}: {column.name} is {shown(cells[row])}: which number is day, month and "
+                f"{sheet.where(moments.first)}: {column.name} is {example}: which number is day, month and "
                 f"year? give --date-order {' or '.join(orders)}"
             )
-        moments = [moment_of(cell, orders[0] if orders else None) for cell in cells]
-    found = _from_moments(sheet, column, cells, moments, options, zone)
+        order = orders[0] if orders else None
+        moments = Moments.of(cells, lambda cell: moment_of(cell, order))
+    found = _of_moments(sheet, column, cells, moments, options, zone)
     return replace(found, notes=(*notes, *found.notes))
 
 
-def _of_day(sheet: Sheet, column: Column, cells: Sequence[str], days: Sequence[float | None]) -> Times:
+def _of_day(sheet: Sheet, column: Column, cells: Sequence[str]) -> Times:
     """Return times of day without a date, counted on over midnight."""
-    read = np.array([np.nan if each is None else each for each in days], np.float64)
+    days = map(days_and_clock, cells)
+    read = np.fromiter((np.nan if each is None else each for each in days), np.float64, len(cells))
     lost = _lost(read)
-    if len(lost) > MOST_LOST * len(days):
+    if len(lost) > MOST_LOST * len(cells):
         raise _no_time(sheet, column, cells, lost[0])
     return _complete(sheet, column, Times(over_midnight(read), "time of day", ""))
 
 
-def _from_moments(
+def _of_moments(
     sheet: Sheet,
     column: Column,
     cells: Sequence[str],
-    moments: Sequence[Moment | None],
+    moments: Moments,
     options: TimeOptions,
     zone: ZoneInfo | None,
 ) -> Times:
-    read = np.array([np.nan if each is None else each.utc for each in moments], np.float64)
+    read, aware = moments.utc, moments.aware
     lost = _lost(read)
-    if len(lost) > MOST_LOST * len(moments):
+    if len(lost) > MOST_LOST * len(cells):
         raise _no_time(sheet, column, cells, lost[0])
-    aware = all(each is None or each.offset is not None for each in moments)
     name = "as written" if aware else options.zone or "UTC"
     stated = aware or options.zone is not None
     return _complete(sheet, column, Times(read, "calendar", name, None if aware else zone, stated))

@@ -1,15 +1,15 @@
-"""Text to rows of cells: which character separates them."""
+"""Lines of text to rows of cells: which character separates them."""
 
 from __future__ import annotations
 
 import csv
-import io
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import chain, islice
 from typing import TYPE_CHECKING
 
-from connectors.exports.fault import MOST_TEXT_CELLS, RecordingError
+from connectors.exports.fault import MOST_CELLS, MOST_ROWS, RecordingError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -23,30 +23,31 @@ MOST_OF = 0.6
 LARGEST_CELL = 1 << 20
 
 
-def rows_of(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
+def rows_of(path: Path, lines: Iterator[str]) -> Iterator[tuple[int, list[str]]]:
     """Yield line (of its end) and cells of each row that is not empty; outer blanks are removed.
 
     Raises:
-        RecordingError: It is no CSV, or has more than ``MOST_TEXT_CELLS``.
+        RecordingError: It is no CSV, or has more than ``MOST_ROWS`` or ``MOST_CELLS``.
     """
     csv.field_size_limit(LARGEST_CELL)
     cells = 0
-    for line, row in _rows(path, text):
-        cells += len(row) + 1
-        if cells > MOST_TEXT_CELLS:
-            fault = f"{path}, line {line}: has more than {MOST_TEXT_CELLS} cells"
-            raise RecordingError(f"{fault}: split it by time or by loop, or export it as Parquet")
+    for rows, (line, row) in enumerate(_rows(path, lines), start=1):
+        cells += len(row)
+        if cells > MOST_CELLS or rows > MOST_ROWS:
+            fault = f"{path}, line {line}: has more than {MOST_ROWS} rows or {MOST_CELLS} cells"
+            raise RecordingError(f"{fault}: split it by time or by loop")
         yield line, row
 
 
-def _rows(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
-    blanks = blanks_of(text)
+def _rows(path: Path, lines: Iterator[str]) -> Iterator[tuple[int, list[str]]]:
+    head = list(islice(lines, LOOKED_AT))
+    blanks = blanks_of(head)
     if blanks is not None:
-        for line, row in enumerate(io.StringIO(text), start=1):
+        for line, row in enumerate(chain(head, lines), start=1):
             if row.strip():
                 yield line, blanks.split(row.strip())
         return
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter_of(text), skipinitialspace=True)
+    reader = csv.reader(chain(head, lines), delimiter=delimiter_of(head), skipinitialspace=True)
     try:
         for cells in reader:
             stripped = [cell.strip() for cell in cells]
@@ -56,11 +57,9 @@ def _rows(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
         raise RecordingError(f"{path}, line {reader.line_num}: expected CSV, {error}") from error
 
 
-def blanks_of(text: str) -> re.Pattern[str] | None:
+def blanks_of(head: Sequence[str]) -> re.Pattern[str] | None:
     """Return what separates the columns of a table of fixed width, or None where a delimiter does."""
-    lines = [
-        line.strip() for line in io.StringIO(text).readlines(LOOKED_AT * 1000)[:LOOKED_AT] if line.strip()
-    ]
+    lines = [line.strip() for line in head if line.strip()]
     if any(_steady([_cells(line, mark) for line in lines]) for mark in DELIMITERS):
         return None
     for pattern in (re.compile(r"\s{2,}"), re.compile(r"\s+")):
@@ -75,9 +74,9 @@ def _steady(widths: list[int]) -> bool:
     return usual > 1 and share >= MOST_OF * len(widths)
 
 
-def delimiter_of(text: str) -> str:
+def delimiter_of(head: Sequence[str]) -> str:
     """Return the delimiter that cuts most lines into the same number of cells."""
-    lines = [line for line in io.StringIO(text).readlines(LOOKED_AT * 1000)[:LOOKED_AT] if line.strip()]
+    lines = [line for line in head if line.strip()]
     for delimiter in DELIMITERS:
         if _steady([_cells(line, delimiter) for line in lines]):
             return delimiter

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from array import array
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import chain, islice
 from typing import TYPE_CHECKING
 
 from connectors.exports.cells.calendar_times import moment_of
@@ -12,6 +14,7 @@ from connectors.exports.cells.number_style import is_number
 from connectors.exports.cells.tag_roles import ROLE, VALUE_WORDS, is_time, plain, tag_role
 from connectors.exports.fault import RecordingError
 from connectors.exports.tables.sheet import Column, Sheet
+from connectors.exports.tables.stored_cells import StoredTable
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,6 +24,8 @@ Row = tuple[int, list[str]]
 COMMENTS = ("#", "//", "%%", ";;")
 LOOKED_AT = 200
 """Rows in which the header is looked for."""
+WIDTH_FROM = 20
+"""Samples of which the longest has as many cells as there are columns."""
 MOST_BAD = 0.1
 """Share of rows with a wrong number of cells above which the file is no such table."""
 UNITS = frozenset(
@@ -81,7 +86,7 @@ UNITS = frozenset(
 UNIT_FORM = re.compile(r"[\[(][^\])]*[\])]|[a-zA-Z°µ%³²]{1,5}(?:/[a-zA-Z³²0-9]{1,4})?|")
 
 
-def sheet_of(path: Path, rows: Sequence[Row], place: str, kind: str) -> Sheet:
+def sheet_of(path: Path, rows: Iterator[Row], place: str, kind: str) -> Sheet:
     """Return the columns of a table.
 
     A row with too few or too many cells is left out and its line is noted; it becomes a gap.
@@ -95,29 +100,31 @@ def sheet_of(path: Path, rows: Sequence[Row], place: str, kind: str) -> Sheet:
     Raises:
         RecordingError: There is no header, no sample, or most rows have another number of cells.
     """
-    if not rows:
+    bare = (_without_comment(row) for row in rows)
+    head = list(islice(bare, LOOKED_AT + WIDTH_FROM))
+    if not head:
         raise RecordingError(f"{path}: is empty, expected a line of column names and one line a sample")
-    rows = [_without_comment(row) for row in rows]
-    first = _first_sample(rows)
-    above = [row for row in rows[:first] if row[1]]
+    first = _first_sample(head)
+    above = [row for row in head[:first] if row[1]]
     if not above:
         raise RecordingError(
-            f"{path}, {place} {rows[0][0]}: expected a line of column names as time,OP,PV, found a sample"
+            f"{path}, {place} {head[0][0]}: expected a line of column names as time,OP,PV, found a sample"
         )
     header, names, units = _names(
-        above, width=max((len(cells) for _, cells in rows[first : first + 20]), default=0)
+        above, width=max((len(cells) for _, cells in head[first : first + WIDTH_FROM]), default=0)
     )
     while names and not names[-1]:
         names.pop()
-    good, bad = _fitting(path, rows[first:], names, place)
-    if not good and not bad:
+    samples = chain(head[first:], bare) if first < len(head) else iter(())
+    table, lines, bad = _fitting(path, samples, names, place)
+    if not lines and not bad:
         no_table = f"{path}: expected a line of column names as time,OP,PV and one {place} a sample"
         raise RecordingError(f"{path}: has column names but no samples" if _known(names) else no_table)
     columns = tuple(
-        Column(name, [cells[k] for _, cells in good], units[k] if k < len(units) else "")
-        for k, name in enumerate(names)
+        Column(name, cells, units[k] if k < len(units) else "")
+        for k, (name, cells) in enumerate(zip(names, table.columns(), strict=True))
     )
-    return Sheet(path, columns, [line for line, _ in good], place, header, kind, tuple(bad))
+    return Sheet(path, columns, lines, place, header, kind, tuple(bad))
 
 
 def _without_comment(row: Row) -> Row:
@@ -207,11 +214,11 @@ def _above_values(tags: Sequence[str], names: Sequence[str]) -> list[str]:
 
 
 def _fitting(
-    path: Path, rows: Sequence[Row], names: Sequence[str], place: str
-) -> tuple[list[Row], list[int]]:
-    """Return the rows that have a cell for each name, and the lines of the others."""
-    good: list[Row] = []
-    bad: list[int] = []
+    path: Path, rows: Iterator[Row], names: Sequence[str], place: str
+) -> tuple[StoredTable, array[int], array[int]]:
+    """Return the rows that have a cell for each name, their lines, and the lines of the others."""
+    good = StoredTable(len(names))
+    lines, bad = array("q"), array("q")
     fault = ""
     for line, cells in rows:
         surplus = any(cells[len(names) :])
@@ -223,13 +230,14 @@ def _fitting(
             comma = text if surplus else f": {', '.join(names)}"
             fault = fault or f"{path}, {place} {line}: {len(cells)} cells, expected {len(names)}{comma}"
         else:
-            good.append((line, cells))
-    few = len(bad) <= MOST_BAD * len(rows)
-    if fault and (not good or not few) and not _footer(bad, good):
+            lines.append(line)
+            good.append(cells)
+    few = len(bad) <= MOST_BAD * (len(lines) + len(bad))
+    if fault and (not lines or not few) and not _footer(bad, lines):
         raise RecordingError(fault)
-    return good, bad
+    return good, lines, bad
 
 
-def _footer(bad: Sequence[int], good: Sequence[Row]) -> bool:
-    """Whether all rows that do not fit stand behind the samples, as notes of a report do."""
-    return bool(good) and len(bad) <= 5 and bad[0] > good[-1][0]
+def _footer(bad: Sequence[int], good: Sequence[int]) -> bool:
+    """Whether all lines that do not fit stand behind the samples, as notes of a report do."""
+    return bool(good) and len(bad) <= 5 and bad[0] > good[-1]

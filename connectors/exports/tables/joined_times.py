@@ -9,6 +9,7 @@ import numpy as np
 
 from connectors.exports.cells.tag_roles import is_time
 from connectors.exports.tables.sheet import Column, Sheet
+from connectors.exports.tables.stored_cells import StoredTable
 
 CLOCK = re.compile(r"\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?(\s*[AaPp]\.?[Mm]\.?)?")
 LOOKED_AT = 20
@@ -22,11 +23,11 @@ def with_joined_times(sheet: Sheet) -> Sheet:
     if len(clocks) != 1 or len(dates) != 1:
         return sheet
     day, clock = sheet.columns[dates[0]], sheet.columns[clocks[0]]
-    both = [f"{_day(a)} {b}" for a, b in zip(sheet.text(day), sheet.text(clock), strict=True)]
+    both = StoredTable(1)
+    for date, time in zip(sheet.text(day), sheet.text(clock), strict=True):
+        both.append([f"{_day(date)} {time}"])
     columns = list(sheet.columns)
-    columns[dates[0]] = Column(f"{day.name} {clock.name}", both, moments=False)
-    joined = replace(columns[dates[0]], name="time")
-    columns[dates[0]] = joined
+    columns[dates[0]] = Column("time", both.columns()[0])
     del columns[clocks[0]]
     return replace(sheet, columns=tuple(columns))
 

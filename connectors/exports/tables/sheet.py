@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -23,14 +23,19 @@ class Column:
 
     name: str
     """As the header has it, outer blanks removed; empty where the header has none."""
-    cells: Cells
-    """Shape (n,)."""
+    held: Cells | Callable[[], Cells]
+    """``cells``, or what reads them where they are needed."""
     unit: str = ""
     """From a row of units below the names; empty where there is none."""
     moments: bool = False
     """Whether ``cells`` are times by the file's own type, s UTC (or local time where ``local``)."""
     local: bool = False
     """Whether the file's own time type has no zone."""
+
+    @property
+    def cells(self) -> Cells:
+        """The cells, shape (n,)."""
+        return self.held() if callable(self.held) else self.held
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +59,10 @@ class Sheet:
         """Return file and line of a row, to open a message with."""
         return f"{self.path}, {self.place} {self.lines[row]}"
 
-    def text(self, column: Column) -> Sequence[str]:
-        """Return the cells of a column as text, shape (n,)."""
-        if isinstance(column.cells, np.ndarray):
-            return ["" if value != value else f"{value:g}" for value in column.cells.tolist()]  # noqa: PLR0124 - NaN
-        return column.cells
+    def text(self, column: Column, rows: NDArray[np.intp] | None = None) -> Sequence[str]:
+        """Return the cells of a column as text: those of some rows, shape (m,), or all, shape (n,)."""
+        cells = column.cells
+        if isinstance(cells, np.ndarray):
+            numbers = cells if rows is None else cells[rows]
+            return ["" if value != value else f"{value:g}" for value in numbers.tolist()]  # noqa: PLR0124 - NaN
+        return cells if rows is None else [cells[row] for row in rows.tolist()]

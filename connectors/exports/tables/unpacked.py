@@ -1,15 +1,16 @@
-"""The bytes of a file, unpacked within a bound: plain, gzip or the tables of a zip archive."""
+"""A file, unpacked within a bound: plain, gzip or the tables of a zip archive."""
 
 from __future__ import annotations
 
 import gzip
-import io
 import stat
 import zipfile
 import zlib
+from contextlib import ExitStack
 from typing import IO, TYPE_CHECKING
 
 from connectors.exports.fault import MOST_BYTES, RecordingError
+from connectors.exports.tables.spool import Spool
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -20,71 +21,93 @@ WORKBOOK_SUFFIXES = {".xlsx", ".xlsm", ".xls", ".xlsb", ".ods"}
 TABLES = (".csv", ".txt", ".tsv", ".dat")
 WORKBOOK = "xl/workbook.xml"
 """Member of a zip archive that is a spreadsheet."""
+PIECE = 1 << 20
+"""Bytes that are unpacked at a time."""
 
 
-def unpacked(path: Path) -> tuple[tuple[Path, bytes], ...]:
-    """Return the tables of a file, each with its path: one, or those of a zip archive of several.
+def unpacked(path: Path) -> tuple[tuple[Path, IO[bytes]], ...]:
+    """Return the tables of a file, each with its path, to read from its start: one, or those of an archive.
 
-    The path of one among several goes on within the archive: ``export.zip/area1/FIC101.csv``.
+    The path of one among several goes on within the archive: ``export.zip/area1/FIC101.csv``. What was packed
+    is in a temporary file, in memory only while it is small. Whoever has the files closes them.
 
     Raises:
         RecordingError: It cannot be read, is no regular file, is packed wrongly, or is larger than
-            ``MOST_BYTES``; never more than that is held.
+            ``MOST_BYTES``.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
+        about = path.stat()
+        if not stat.S_ISREG(about.st_mode):
             kind = "a directory" if path.is_dir() else "no regular file"
             raise RecordingError(f"{path}: cannot be read: it is {kind}")
-        with path.open("rb") as file:
+        if about.st_size > MOST_BYTES:
+            raise _too_large(path)
+        with ExitStack() as open_files:
+            file = open_files.enter_context(path.open("rb"))
             head = file.read(4)
             file.seek(0)
             if head.startswith(GZIP):
-                with gzip.open(file) as content:
-                    return ((path, _bounded(path, content)),)
-            if head == ZIP:
+                return ((path, _bounded(path, open_files.enter_context(gzip.open(file)))),)
+            if head == ZIP and not _is_workbook(file):
                 return _members(path, file)
-            return ((path, _bounded(path, file)),)
+            open_files.pop_all()
+            return ((path, file),)
     except (OSError, EOFError, zlib.error, zipfile.BadZipFile) as error:
         raise RecordingError(f"{path}: cannot be read: {_words(error)}") from error
 
 
-def is_workbook(path: Path, content: bytes) -> bool:
+def is_workbook(path: Path, file: IO[bytes]) -> bool:
     """Return whether a file is a spreadsheet, by its content or its name."""
-    if content.startswith(ZIP):
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            names = set(archive.namelist())
-        return WORKBOOK in names or "content.xml" in names
-    return content.startswith(OLD_WORKBOOK) or path.suffix.lower() in WORKBOOK_SUFFIXES
+    head = file.read(4)
+    file.seek(0)
+    if head == ZIP:
+        return _is_workbook(file)
+    return head.startswith(OLD_WORKBOOK) or path.suffix.lower() in WORKBOOK_SUFFIXES
 
 
-def _bounded(path: Path, file: IO[bytes] | gzip.GzipFile, there: int = 0) -> bytes:
-    """Return the content; ``there`` bytes of the same file are held already."""
-    content = file.read(MOST_BYTES - there + 1)
-    if len(content) + there > MOST_BYTES:
-        raise RecordingError(
-            f"{path}: is larger than {MOST_BYTES >> 20} MiB unpacked: split it by time or by loop"
-        )
-    return content
-
-
-def _members(path: Path, file: IO[bytes]) -> tuple[tuple[Path, bytes], ...]:
+def _is_workbook(file: IO[bytes]) -> bool:
     with zipfile.ZipFile(file) as archive:
-        names = archive.namelist()
-        if WORKBOOK in names or "content.xml" in names:
-            file.seek(0)
-            return ((path, _bounded(path, file)),)
+        names = set(archive.namelist())
+    file.seek(0)
+    return WORKBOOK in names or "content.xml" in names
+
+
+def _bounded(path: Path, content: IO[bytes] | gzip.GzipFile, there: int = 0) -> IO[bytes]:
+    """Return the content as a temporary file; ``there`` bytes of the same file are held already."""
+    spool = Spool()
+    while piece := content.read(PIECE):
+        there += len(piece)
+        if there > MOST_BYTES:
+            raise _too_large(path)
+        spool.put(piece)
+    return spool.reader()
+
+
+def _too_large(path: Path) -> RecordingError:
+    return RecordingError(
+        f"{path}: is larger than {MOST_BYTES >> 20} MiB unpacked: split it by time or by loop"
+    )
+
+
+def _members(path: Path, file: IO[bytes]) -> tuple[tuple[Path, IO[bytes]], ...]:
+    with zipfile.ZipFile(file) as archive, ExitStack() as found_files:
         tables = sorted(
-            name for name in names if name.lower().endswith(TABLES) and not name.startswith("__MACOSX")
+            name
+            for name in archive.namelist()
+            if name.lower().endswith(TABLES) and not name.startswith("__MACOSX")
         )
         if not tables:
             raise RecordingError(f"{path}: expected a table ({', '.join(TABLES)}) in the archive, found none")
-        found: list[tuple[Path, bytes]] = []
+        found: list[tuple[Path, IO[bytes]]] = []
+        there = 0
         for name in tables:
             if archive.getinfo(name).flag_bits & 1:
                 raise RecordingError(f"{path}: the archive is encrypted: unpack it")
             with archive.open(name) as content:
-                there = sum(len(each) for _, each in found)
-                found.append((path / name if len(tables) > 1 else path, _bounded(path, content, there)))
+                table = found_files.enter_context(_bounded(path, content, there))
+            there += archive.getinfo(name).file_size
+            found.append((path / name if len(tables) > 1 else path, table))
+        found_files.pop_all()
         return tuple(found)
 
 
