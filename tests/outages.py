@@ -12,6 +12,17 @@ LENGTHS = (0.0, 5.0)
 A_MINUTE = (60.0,)
 
 
+def all_sent(forwarder):
+    """Send all that waits, by a forwarder that knows nothing yet; return it, at its end."""
+    try:
+        while forwarder.send():
+            pass
+    finally:
+        forwarder._let_go()
+        forwarder._thread.shutdown()
+    return forwarder
+
+
 class Load:
     """Puts numbered pieces in bursts, from 0 on."""
 

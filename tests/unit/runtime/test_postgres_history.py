@@ -24,7 +24,7 @@ from agent.settings import AgentSettings, ConnectionSettings, HistoryDatabase, H
 from agent.settings.load import settings_of
 from connectors.base import ConfigError
 from connectors.options import Options
-from tests.outages import A_MINUTE, LENGTHS, Load, outages
+from tests.outages import A_MINUTE, LENGTHS, Load, all_sent, outages
 from tests.unit.runtime.agents import judged, stream
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import loop_settings
@@ -70,15 +70,7 @@ def numbers(postgres):
 
 
 def sent(path, database):
-    """Send all that waits, by a forwarder that knows nothing yet."""
-    forwarder = history_forwarder(path, database)
-    try:
-        while forwarder.send():
-            pass
-    finally:
-        forwarder._let_go()
-        forwarder._thread.shutdown()
-    return forwarder
+    return all_sent(history_forwarder(path, database))
 
 
 def test_entries_arrive_once_in_their_order_and_are_read_back(tmp_path, postgres, database, monkeypatch):

@@ -26,7 +26,7 @@ from agent.settings import (
 )
 from connectors.base import LoopRole, Quality, Sample
 from connectors.options import Options
-from tests.outages import A_MINUTE, LENGTHS, Load, outages
+from tests.outages import A_MINUTE, LENGTHS, Load, all_sent, outages
 from tests.unit.runtime.agents import judged, stream
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import loop_settings
@@ -68,14 +68,7 @@ def written(path, minutes, gap=None, max_bytes=1e9):
 
 
 def sent(path, database):
-    forwarder = samples_forwarder(path, database)
-    try:
-        while forwarder.send():
-            pass
-    finally:
-        forwarder._let_go()
-        forwarder._thread.shutdown()
-    return forwarder
+    return all_sent(samples_forwarder(path, database))
 
 
 def test_a_minute_is_a_table_by_time():

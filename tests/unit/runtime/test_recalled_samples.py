@@ -18,6 +18,7 @@ from agent.runtime.samples.recalled import roles_of, rows_of
 from agent.runtime.samples.sample_file import SampleFile, SampleGap, samples_path
 from agent.settings import HistoryDatabase
 from connectors.base import LoopRole, Quality, Sample
+from tests.outages import all_sent
 from tests.unit.runtime.agents import swinging
 
 START = 1_700_000_040
@@ -149,15 +150,8 @@ def history(*words):
 
 
 def send(folder, url):
-    forwarder = samples_forwarder(
-        samples_path(folder / "plant.sqlite"), HistoryDatabase.model_validate({"url": url, "tls": False})
-    )
-    try:
-        while forwarder.send():
-            pass
-    finally:
-        forwarder._let_go()
-        forwarder._thread.shutdown()
+    settings = HistoryDatabase.model_validate({"url": url, "tls": False})
+    all_sent(samples_forwarder(samples_path(folder / "plant.sqlite"), settings))
 
 
 def test_the_file_and_the_database_give_one_recording_that_is_diagnosed(plant, postgres, capsys):
