@@ -1,13 +1,18 @@
 """What a reader of an export takes for granted, leaves out or loses is stated, with its line."""
 
+from datetime import UTC, datetime
+
+import numpy as np
 import pytest
 
+from connectors.exports.cells.summer_time import skipped_hour
+from connectors.exports.cells.times import TimeOptions
 from connectors.exports.fault import RecordingError
 from connectors.exports.mapping import mapping_text, with_mapping
 from connectors.exports.reading import names_of_loops, read_export
 from connectors.exports.recorded import ReadOptions
-from tests.exports.layouts import autumn, iso, newest_first, plain, stamps, zipped
-from tests.exports.truth import LOOPS
+from tests.exports.layouts import BERLIN, autumn, iso, newest_first, plain, stamps, strf, zipped
+from tests.exports.truth import LOOPS, N
 
 ISO = stamps(iso)
 
@@ -55,6 +60,19 @@ def test_time_that_runs_backward_is_named_by_its_line_also_where_the_newest_row_
     back = next(k for k in range(2, len(rows)) if rows[k] > rows[k - 1])
     with pytest.raises(RecordingError, match=rf"line {back}: time runs backward by 3585 s.*--zone"):
         read_export(written(tmp_path / "FIC101.csv", rows))
+
+
+def test_the_hour_that_summer_time_skips_is_named_where_no_zone_is_stated(tmp_path):
+    spring = datetime(2026, 3, 29, 0, 30, tzinfo=UTC).timestamp() + 15.0 * np.arange(N)
+    rows = rows_of(plain(stamps(strf("%Y-%m-%d %H:%M:%S"), BERLIN, spring)))
+    path = written(tmp_path / "FIC101.csv", rows)
+    (problem,) = read_export(path).problems
+    assert problem.startswith("time: the hour before 2026-03-29 03:00 is absent")
+    assert "--zone" in problem
+    read = read_export(path, ReadOptions(times=TimeOptions("Europe/Berlin")))
+    np.testing.assert_allclose(read.loops[0].time, spring)
+    assert not read.problems
+    assert skipped_hour(np.array([*spring[:100], *(spring[100:] + 3600.0)]) - 3 * 3600.0) is None
 
 
 def test_what_is_no_table_is_not_said_to_have_names(tmp_path):

@@ -17,6 +17,7 @@ from connectors.exports.cells.date_order import Order, month_first, orders_of
 from connectors.exports.cells.day_clock import days_and_clock, over_midnight
 from connectors.exports.cells.moments import Moments
 from connectors.exports.cells.number_style import NumberStyle
+from connectors.exports.cells.summer_time import skipped_hour
 from connectors.exports.cells.tag_roles import unit_of
 from connectors.exports.fault import RecordingError, shown
 from connectors.exports.series import falls
@@ -214,7 +215,12 @@ def _of_moments(
         raise _no_time(sheet, column, cells, lost[0])
     name = "as written" if aware else options.zone or "UTC"
     stated = aware or options.zone is not None
-    return _complete(sheet, column, Times(read, "calendar", name, None if aware else zone, stated))
+    notes: tuple[str, ...] = ()
+    after = None if stated else skipped_hour(read)
+    if after is not None:
+        hole = f"the hour before {after:%Y-%m-%d %H:%M} is absent, as where summer time begins"
+        notes = (f"{column.name}: {hole}; if times are local, name the zone by --zone",)
+    return _complete(sheet, column, Times(read, "calendar", name, None if aware else zone, stated, notes))
 
 
 def _in_zone(local: FloatArray, zone: ZoneInfo | None) -> FloatArray:
