@@ -6,14 +6,14 @@ import json
 from contextlib import closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
 from agent.cli.common.state_file import ConfigPath, StatePath, opened, state_file
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from agent.runtime.samples.postgres_samples import PostgresSamples
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from agent.runtime.store.postgres_history import PostgresHistory
     from agent.settings import HistoryDatabase
 
+KeptT = TypeVar("KeptT", "PostgresHistory", "PostgresSamples")
 LAST = 50
 """Entries shown by default."""
 
@@ -116,9 +117,7 @@ def _database(config: Path) -> HistoryDatabase | None:
 @contextmanager
 def _store(state: Path | None, config: Path | None) -> Iterator[HistoryFile | PostgresHistory]:
     """Open the database or the agent's file; raises ConfigError where that cannot be done."""
-    from agent.runtime.store.database import StoreError
     from agent.runtime.store.history_file import HistoryFile, history_path
-    from connectors.base import ConfigError
 
     database = None if config is None or state is not None else _database(config)
     if database is None:
@@ -128,19 +127,14 @@ def _store(state: Path | None, config: Path | None) -> Iterator[HistoryFile | Po
         return
     from agent.runtime.store.postgres_history import PostgresHistory
 
-    try:
-        with closing(PostgresHistory(database, create=False)) as connected:
-            yield connected
-    except StoreError as error:
-        raise ConfigError([f"{error} (the newest are in the agent's file: --state)"]) from error
+    with _connected(lambda: PostgresHistory(database, create=False), "the newest are") as connected:
+        yield connected
 
 
 @contextmanager
 def _samples(state: Path | None, config: Path | None) -> Iterator[PostgresSamples | SampleFile]:
     """Open the raw samples in the database or in the agent's file; raises ConfigError as ``_store``."""
     from agent.runtime.samples.sample_file import SampleFile, samples_path
-    from agent.runtime.store.database import StoreError
-    from connectors.base import ConfigError
 
     database = None if config is None or state is not None else _database(config)
     if database is None:
@@ -151,11 +145,21 @@ def _samples(state: Path | None, config: Path | None) -> Iterator[PostgresSample
         return
     from agent.runtime.samples.postgres_samples import PostgresSamples
 
+    with _connected(lambda: PostgresSamples(database, create=False), "what was not sent yet is") as connected:
+        yield connected
+
+
+@contextmanager
+def _connected(connect: Callable[[], KeptT], elsewhere: str) -> Iterator[KeptT]:
+    """Have a database while it is needed; where it does not answer, the error names what the file has."""
+    from agent.runtime.store.database import StoreError
+    from connectors.base import ConfigError
+
     try:
-        with closing(PostgresSamples(database, create=False)) as connected:
+        with closing(connect()) as connected:
             yield connected
     except StoreError as error:
-        raise ConfigError([f"{error} (what was not sent yet is in the agent's file: --state)"]) from error
+        raise ConfigError([f"{error} ({elsewhere} in the agent's file: --state)"]) from error
 
 
 def _time(text: str, option: str) -> float:
