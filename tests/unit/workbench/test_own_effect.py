@@ -238,7 +238,7 @@ def test_the_conversation_of_the_page_finds_the_effect_in_its_file(written):
     )
     assert done.returncode == 0, done.stderr
     assert "+ two_slopes" in done.stdout
-    assert "found: split range at " in done.stdout
+    assert "found: two slopes at " in done.stdout
 
 
 @pytest.mark.parametrize("check", checks_of("effects"), ids=lambda check: check.name)

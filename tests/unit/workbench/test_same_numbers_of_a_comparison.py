@@ -62,8 +62,8 @@ def test_parameters_and_the_noise_floor(printed):
         assert re.search(rf"{re.escape(name)}\s+{re.escape(value)}\b.*\({low} to {high}\)", words["text"])
         assert re.search(rf"{re.escape(name)}\s+{re.escape(value)}\s+{low} to {high}", words["report"])
     each = own["steps"][-1]["parameters"]["deadband.s"]
-    short = f"{each['value']:.3g} {each['unit']} ({each['low']:.3g} to {each['high']:.3g})"
-    assert all(short in words[name] for name in ("conversation", "report"))
+    headline = f"{each['value']:.4g} {each['unit']} ({each['low']:.4g} to {each['high']:.4g})"
+    assert all(headline in words[name] for name in ("conversation", "report"))
     floor = own["noise_floor"]
     low, high = f"{floor['low']:.4g}", f"{floor['high']:.4g}"
     assert f"between {low} and {high}" in words["text"]
@@ -74,7 +74,11 @@ def test_candidates_and_where_it_fails(printed):
     own, words, drawn = printed
     assert own["candidates"]
     for each in own["candidates"]:
-        share, ends = f"{each['error_reduction_percent']:.1f} %", f"({each['low']:.1f} to {each['high']:.1f})"
+        share, low, high = (
+            re.sub(r"^-0\.0$", "0.0", f"{each[key]:.1f}")
+            for key in ("error_reduction_percent", "low", "high")
+        )
+        share, ends = f"{share} %", f"({low} to {high})"
         line = rf"{each['effect']}\s+{re.escape(share)}\s+{re.escape(ends)}  (.*)$"
         said = [re.search(line, words[name], re.MULTILINE).group(1) for name in ("text", "conversation")]
         assert said[0] == said[1]
