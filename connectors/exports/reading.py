@@ -23,6 +23,7 @@ from connectors.exports.tables.workbook import rows_of_workbook
 from connectors.exports.together import together
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from connectors.exports.tables.sheet import Sheet
@@ -39,19 +40,7 @@ def read_export(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> Export:
         RecordingError: One line that names the file, the line and what was expected, and where two readings
             are possible the option that settles it.
     """
-    tables = unpacked(path)
-    if len(tables) == 1:
-        return _of_sheet(_sheet(*tables[0]), options)
-    exports: list[Export] = []
-    faults: list[str] = []
-    for place, file in tables:
-        try:
-            exports.append(_of_sheet(_sheet(place, file), options))
-        except RecordingError as error:
-            faults += error.faults
-    if not exports:
-        raise RecordingError(faults[0])
-    return together(path, exports, faults)
+    return _export(path, unpacked(path), options)
 
 
 def names_of_loops(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> tuple[str, ...]:
@@ -63,13 +52,14 @@ def names_of_loops(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> tuple
         RecordingError: As ``read_export``, for any other table.
     """
     head = _head(path)
-    sheets = sheets_of_file(path) if head is None else (head,)
-    if len(sheets) == 1:
-        sheet = with_joined_times(sheets[0])
-        plain = plain_layout(sheet, time_columns(sheet), options)
-        if plain is not None:
-            return tuple(short_names(list(plain.loops)).values())
-    return read_export(path, options).loops.names
+    tables = () if head is not None else unpacked(path)
+    if len(tables) > 1:
+        return _export(path, tables, options).loops.names
+    sheet = with_joined_times(head or _sheet(*tables[0]))
+    plain = plain_layout(sheet, time_columns(sheet), options)
+    if plain is None:
+        return read_export(path, options).loops.names
+    return tuple(short_names(list(plain.loops)).values())
 
 
 def _head(path: Path) -> Sheet | None:
@@ -85,6 +75,21 @@ def _head(path: Path) -> Sheet | None:
         return sheet_of(path, rows_of(path, decoded(path, io.BytesIO(content))), "line", "csv")
     except RecordingError:
         return None
+
+
+def _export(path: Path, tables: Sequence[tuple[Path, IO[bytes]]], options: ReadOptions) -> Export:
+    if len(tables) == 1:
+        return _of_sheet(_sheet(*tables[0]), options)
+    exports: list[Export] = []
+    faults: list[str] = []
+    for place, file in tables:
+        try:
+            exports.append(_of_sheet(_sheet(place, file), options))
+        except RecordingError as error:
+            faults += error.faults
+    if not exports:
+        raise RecordingError(faults[0])
+    return together(path, exports, faults)
 
 
 def _of_sheet(sheet: Sheet, options: ReadOptions) -> Export:

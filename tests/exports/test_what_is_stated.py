@@ -93,3 +93,10 @@ def test_tables_of_an_archive_with_the_same_loop_are_named_by_their_folders(tmp_
     mapping.write_text(mapping_text(export, ReadOptions()), encoding="utf-8")
     again = read_export(path, with_mapping(ReadOptions(), mapping))
     assert [each.name for each in again.loops] == ["day1_FIC101", "day2_FIC101"]
+
+
+def test_what_is_no_table_in_an_archive_hides_no_loop(tmp_path):
+    path = tmp_path / "export.zip"
+    table = b"time,OP,PV\n" + b"".join(b"%d,%d,%d\n" % (k, k % 7, k % 5) for k in range(60))
+    path.write_bytes(zipped(**{"FIC101.csv": table, "FIC102.csv": table, "notes.txt": b"no table"}))
+    assert names_of_loops(path) == read_export(path).loops.names == ("FIC101", "FIC102")
