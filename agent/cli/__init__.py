@@ -6,7 +6,6 @@ import gc
 import os
 import sys
 from collections.abc import Callable, Sequence
-from importlib.metadata import version
 from typing import Annotated
 
 import typer
@@ -88,10 +87,15 @@ COMMANDS: tuple[Callable[..., None], ...] = (
 )
 """Each is named as its function; its docstring is its help."""
 HIDDEN: tuple[Callable[..., None], ...] = (warm,)
+COLLECT_AFTER = 20_000
+"""New containers until Python looks for garbage, for its 700: a thousand modules, which stay, were searched
+again and again while they were imported, a fifth of the start."""
 
 
 def _print_version(*, requested: bool) -> None:
     if requested:
+        from importlib.metadata import version
+
         typer.echo(f"slipjump {version('slipjump')}")
         raise typer.Exit
 
@@ -128,6 +132,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     # Our matrices are small: several threads wait for each other. numpy reads it when a command imports it.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    gc.set_threshold(COLLECT_AFTER)
     try:
         code = app(arguments, prog_name="slipjump", standalone_mode=False) or 0
     except ConfigError as error:

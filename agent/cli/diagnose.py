@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -21,7 +20,6 @@ from agent.cli.diagnosing.plant import PlantLoops
 from agent.cli.diagnosing.work import answers, get_ready, progress_of
 
 if TYPE_CHECKING:
-    from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.quantify import Quantifier
     from connectors.recording import ReadOptions
 
@@ -156,6 +154,7 @@ def diagnose(
             known,
             shared=plant or valve.count(of) > 1,
             small_picture=report is not None,
+            as_json=as_json,
         )
         for (path, name), picture, of in zip(entries, pictures, valve, strict=True)
     ]
@@ -166,8 +165,8 @@ def diagnose(
             for fault in answer.faults:
                 complain(fault)
             fleet.add(place, answer)
-            if answer.diagnosis is not None:
-                _say(answer.diagnosis, answer.task.path, as_json=as_json)
+            if answer.found is not None:
+                print(answer.found.text, flush=True)  # noqa: T201 - this is the command's output
                 if whole is not None:
                     whole.add(answer)
     if not as_json:
@@ -207,15 +206,3 @@ def _shares_evidence(quantifier: Quantifier) -> bool:
     from agent.analysis.diagnose import DEFAULT_QUANTIFIER
 
     return quantifier.name == DEFAULT_QUANTIFIER
-
-
-def _say(diagnosis: Diagnosis, path: Path, *, as_json: bool) -> None:
-    if as_json:
-        from agent.report.diagnosis_json import diagnosis_json
-
-        text = json.dumps(diagnosis_json(diagnosis, path.name), allow_nan=False)
-    else:
-        from agent.report.diagnosis_text import diagnosis_lines
-
-        text = "\n".join(diagnosis_lines(diagnosis))
-    print(text, flush=True)  # noqa: T201 - this is the command's output

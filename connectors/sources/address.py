@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Collection
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl, unquote, urlsplit
 
 from connectors.base import AccessDeniedError, ConfigError
 from connectors.exports.fault import RecordingError
-from connectors.secret import Secret
+
+if TYPE_CHECKING:
+    from connectors.secret import Secret
 
 USER, PASSWORD, TOKEN = "SLIPJUMP_USER", "SLIPJUMP_PASSWORD", "SLIPJUMP_TOKEN"
 """Environment variables; with ``_FILE`` behind them they name a file."""
@@ -87,7 +90,7 @@ def credential(variable: str) -> str | None:
     if path is None:
         return os.environ.get(variable)
     try:
-        return Secret(file=path).read(f"{variable}_FILE")
+        return _secret(file=path).read(f"{variable}_FILE")
     except AccessDeniedError as error:
         raise ConfigError([str(error)]) from error
 
@@ -110,4 +113,10 @@ def login_of(address: Address) -> tuple[str, str] | None:
 def password_place() -> Secret:
     """Return where the password is."""
     path = os.environ.get(f"{PASSWORD}_FILE")
-    return Secret(env=PASSWORD) if path is None else Secret(file=path)
+    return _secret(env=PASSWORD) if path is None else _secret(file=path)
+
+
+def _secret(**where: str) -> Secret:
+    from connectors.secret import Secret  # pydantic takes 0.2 s to import, and a file needs no password
+
+    return Secret(**where)

@@ -16,7 +16,7 @@ from agent.analysis.diagnose import diagnose
 from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.oscillation.acf_filtered import band_passed, peaks
 from agent.analysis.oscillation.acf_zero_crossings import autocorrelation
-from agent.analysis.oscillation.signals import detrended
+from agent.analysis.record.signals import detrended
 from agent.analysis.oscillation.spectrum import spectrum
 from agent.analysis.quantify import quantifier
 from agent.analysis.quantify.valves.error_map import error_map

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.oscillation.signals import ROUND_OFF
+from agent.analysis.record.signals import ROUND_OFF
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import fft
 
-from agent.analysis.oscillation.signals import detrended, regularity
+from agent.analysis.record.signals import detrended, regularity
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.oscillation.signals import detrended, noise_level, regularity
+from agent.analysis.record.signals import detrended, noise_level, regularity
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 

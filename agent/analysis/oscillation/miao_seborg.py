@@ -18,7 +18,7 @@ from agent.analysis.oscillation.acf_zero_crossings import (
     autocorrelation,
     swing_of_noise,
 )
-from agent.analysis.oscillation.signals import detrended
+from agent.analysis.record.signals import detrended
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import Oscillation
 

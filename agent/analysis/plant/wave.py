@@ -14,7 +14,7 @@ import numpy as np
 from scipy import signal
 
 from agent.analysis.oscillation.acf_filtered import band_passed, components
-from agent.analysis.oscillation.signals import detrended
+from agent.analysis.record.signals import detrended
 from agent.analysis.oscillation.spectrum import bridged
 
 if TYPE_CHECKING:

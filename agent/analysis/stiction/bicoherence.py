@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import fft, signal
 
-from agent.analysis.oscillation.signals import ROUND_OFF, detrended
+from agent.analysis.record.signals import ROUND_OFF, detrended
 from agent.analysis.results import MethodKind, MethodResult, MethodVerdict, Oscillation
 from agent.analysis.stiction.shapes.stretch import longest_stretch, period_of
 from agent.analysis.stiction.shapes.third_harmonic import ThirdHarmonic, third_harmonic

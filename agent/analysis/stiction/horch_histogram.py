@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import optimize, signal
 
-from agent.analysis.oscillation.signals import noise_level
+from agent.analysis.record.signals import noise_level
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
 from agent.analysis.stiction.shapes.stretch import half_cycles, longest_stretch, period_of, smoothed
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.oscillation.signals import detrended
+from agent.analysis.record.signals import detrended
 from agent.analysis.results import MethodKind, MethodResult, Oscillation
 from agent.analysis.stiction.shapes.nearest_neighbours import prediction_error
 from agent.analysis.stiction.shapes.phase_surrogates import ends_matched, surrogates

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from agent.analysis.quantify import Quantifier
     from agent.analysis.record.recording import LoopHints, LoopWindow
     from agent.cli.common.delay import DeadTime
+    from agent.report.fleet.rows import RecordFinding
     from agent.report.fleet.thumbnail import Thumbnail
     from connectors.recording import Columns, ReadOptions
 
@@ -38,6 +40,18 @@ class Task:
     """Whether its valve has other recordings, for which the window is needed again."""
     small_picture: bool = False
     """Whether a report shows it."""
+    as_json: bool = False
+    """Whether its text is a JSON object."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What is shown of a diagnosis, made where the diagnosis is: the process that prints never reads it."""
+
+    text: str
+    """For the terminal, as its task asks."""
+    finding: RecordFinding
+    """Its line among those of many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,13 +59,29 @@ class Answer:
     """The result of a task."""
 
     task: Task
-    diagnosis: Diagnosis | None
+    found: Found | None
     """None where the recording could not be read."""
     faults: tuple[str, ...] = ()
     """What went wrong, a line each."""
+    diagnosis: Diagnosis | None = None
+    """Of a recording that is judged with others; else None, for it is large and its parts many."""
     window: LoopWindow | None = None
-    """Of a recording whose valve has others."""
-    quality: DataQuality | None = None
-    """None where the recording could not be read."""
-    small_picture: Thumbnail | None = None
-    """None where no report shows it."""
+    """As the diagnosis."""
+
+
+def found_of(task: Task, diagnosis: Diagnosis, quality: DataQuality, thumbnail: Thumbnail | None) -> Found:
+    """Return what is shown of a diagnosis."""
+    from agent.report.fleet.rows import finding_of
+
+    name = task.path.name
+    return Found(_text(task, diagnosis), finding_of(name, diagnosis, quality, thumbnail))
+
+
+def _text(task: Task, diagnosis: Diagnosis) -> str:
+    if task.as_json:
+        from agent.report.diagnosis_json import diagnosis_json
+
+        return json.dumps(diagnosis_json(diagnosis, task.path.name), allow_nan=False)
+    from agent.report.diagnosis_text import diagnosis_lines
+
+    return "\n".join(diagnosis_lines(diagnosis))

@@ -54,25 +54,27 @@ def together(answers: Iterator[Answer], valve: Sequence[int]) -> Iterator[Answer
             _judge([j for j in range(len(come)) if valve[j] == valve[k]], come)
         while said < len(come) and valve[said] not in valve[len(come) :]:
             yield come[said]
-            come[said] = replace(come[said], diagnosis=None, window=None)  # they are large, and done with
+            come[said] = replace(come[said], found=None, diagnosis=None, window=None)  # they are done with
             said += 1
 
 
 def _judge(places: Sequence[int], come: list[Answer]) -> None:
     """Put the answers of one valve, at ``places``, in view of each other."""
     known = [
-        (k, answer.window, answer.diagnosis)
+        (k, answer.window, answer.diagnosis, answer.found)
         for k, answer in ((k, come[k]) for k in places)
-        if answer.window is not None and answer.diagnosis is not None
+        if answer.window is not None and answer.diagnosis is not None and answer.found is not None
     ]
     if len(known) < 2:
         return
     from agent.analysis.one_valve import judged_together
+    from agent.cli.common.answer import found_of
     from agent.cli.common.pictures import draw
 
-    told = judged_together([window for _, window, _ in known], [diagnosis for _, _, diagnosis in known])
-    for (k, window, alone), diagnosis in zip(known, told, strict=True):
-        faults, picture = come[k].faults, come[k].task.picture
+    judged = judged_together([each[1] for each in known], [each[2] for each in known])
+    for (k, window, alone, shown), diagnosis in zip(known, judged, strict=True):
+        task, faults, picture = come[k].task, come[k].faults, come[k].task.picture
         if picture is not None and diagnosis.verdict != alone.verdict:
             faults = draw(window, diagnosis, picture)  # its title says the verdict
-        come[k] = replace(come[k], diagnosis=diagnosis, faults=faults)
+        found = found_of(task, diagnosis, shown.finding.quality, shown.finding.thumbnail)
+        come[k] = replace(come[k], found=found, diagnosis=diagnosis, faults=faults)

@@ -44,14 +44,10 @@ class Fleet:
 
     def add(self, place: int, answer: Answer) -> None:
         """Add the answer of a recording; of one that could not be read the report lists the fault."""
-        from agent.report.fleet.rows import finding_of
-
-        if answer.diagnosis is None:
+        if answer.found is None:
             self._not_read += answer.faults
-        if answer.diagnosis is not None and answer.quality is not None:
-            name = answer.task.path.name
-            found = finding_of(name, answer.diagnosis, answer.quality, answer.small_picture)
-            self._findings.append((place, found))
+        else:
+            self._findings.append((place, answer.found.finding))
 
     def table(self) -> Iterator[str]:
         """Yield the table; nothing for one recording alone."""

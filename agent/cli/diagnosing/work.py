@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from agent.cli.common import recordings as option
-from agent.cli.common.answer import Answer, Task
+from agent.cli.common.answer import Answer, Task, found_of
 from agent.cli.common.compilation import announce_compilation
 from agent.cli.common.pictures import draw
 
@@ -18,6 +18,9 @@ NEEDED = (
     "agent.analysis.diagnose",
     "agent.analysis.data_quality",
     "agent.cli.diagnosing.work",
+    "agent.report.diagnosis_json",
+    "agent.report.diagnosis_text",
+    "agent.report.fleet.rows",
     "agent.report.fleet.thumbnail",
     "connectors.recording",
 )
@@ -56,7 +59,8 @@ def work_out(task: Task) -> Answer:
     faults = () if task.picture is None else draw(window, diagnosis, task.picture)
     quality = data_quality(window, diagnosis)
     small = thumbnail(window, diagnosis) if task.small_picture else None
-    return Answer(task, diagnosis, faults, window if task.shared else None, quality, small)
+    found = found_of(task, diagnosis, quality, small)
+    return Answer(task, found, faults, diagnosis, window) if task.shared else Answer(task, found, faults)
 
 
 def answers(tasks: Sequence[Task], advance: Callable[[], None]) -> Iterator[Answer]:

@@ -21,6 +21,8 @@ CONTEXT: Any = multiprocessing.get_context(start_method())
 NO_COUNT = "ignore:resource_tracker"
 """Python's tracker removes what a killed program leaves, and warns on its terminal; it starts with our
 options for warnings, and need not say that."""
+UNCOLLECTED = "agent.runtime.uncollected"
+"""Stops the search for garbage where it is imported."""
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -80,7 +82,7 @@ def process_pool(
 def import_early(modules: Sequence[str]) -> None:
     """Let all workers find modules imported from now on, while this process goes on."""
     _count_in_silence()
-    import_before_start(CONTEXT, modules)
+    import_before_start(CONTEXT, [UNCOLLECTED, *modules])
 
 
 def end_workers() -> None:
@@ -100,6 +102,7 @@ def _begin(ready: Callable[..., object] | None, args: tuple[object, ...]) -> Non
     if ready is not None:
         ready(*args)
     gc.freeze()  # what was imported stays: a collection that searches it costs time and copies its pages
+    gc.enable()
 
 
 def _end_with_the_parent() -> None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from agent.analysis.oscillation.signals import noise_level
+from agent.analysis.record.signals import noise_level
 from agent.workbench.innovations import innovations
 from agent.workbench.paired_blocks import CONFIDENCE, error_interval
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.oscillation.signals import noise_level
+from agent.analysis.record.signals import noise_level
 from agent.physics.foreign import EffectError
 from agent.workbench.residual.movable import beyond, movable
 from agent.workbench.residual.very_strong import VERY_STRONG

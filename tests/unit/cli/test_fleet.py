@@ -14,7 +14,7 @@ from agent.analysis.diagnosis import Diagnosis, RecordSummary
 from agent.analysis.record.interesting_stretch import LEAST, interesting_stretch
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.results import CauseShare, IntervalEstimate, Oscillation, Quantification, StictionEstimate
-from agent.cli.common.answer import Answer, Task
+from agent.cli.common.answer import Answer, Task, found_of
 from agent.cli.common.pictures import picture_files
 from agent.cli.diagnosing.fleet import Fleet
 from agent.report.fleet.page import fleet_html
@@ -177,7 +177,7 @@ def test_the_report_is_written_in_each_format(tmp_path, name):
         found = diagnosis(loop)
         task = Task(tmp_path / f"{loop}.csv", Columns(), window(loop).hints, None, None)
         quality, small = data_quality(window(loop), found), thumbnail(window(loop), found)
-        own.add(place, Answer(task, found, quality=quality, small_picture=small))
+        own.add(place, Answer(task, found_of(task, found, quality, small)))
     assert own.write()
     assert (tmp_path / name).stat().st_size > 500
     assert [row.name for row in own.rows()] == ["FIC101"]
@@ -188,7 +188,7 @@ def test_the_report_is_written_in_each_format(tmp_path, name):
 def test_the_report_lists_what_could_not_be_read(tmp_path, name):
     found = diagnosis("FIC101_1")
     task = Task(tmp_path / "FIC101_1.csv", Columns(), window("FIC101_1").hints, None, None)
-    read = Answer(task, found, quality=data_quality(window("FIC101_1"), found))
+    read = Answer(task, found_of(task, found, data_quality(window("FIC101_1"), found), None))
     refused = Answer(
         replace(task, path=tmp_path / "FIC101_2.csv"), None, ("FIC101_2.csv, line 2: no <number>",)
     )

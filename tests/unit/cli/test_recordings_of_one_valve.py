@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from agent.analysis.data_quality import data_quality
 from agent.analysis.diagnose import diagnose
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Quantification, StictionEstimate
-from agent.cli.common.answer import Answer, Task
+from agent.cli.common.answer import Answer, Task, found_of
 from agent.cli.common.one_valve import together, valve_of, valves
 from agent.report.reasons import reasons
 from agent.units import FrictionBands
@@ -40,7 +41,9 @@ def answer(name, seed, **other):
     op, pv = np.random.default_rng(seed).normal(size=(2, 300)).cumsum(axis=1)
     window = LoopWindow(name, 0.0, 1.0, op=op, pv=pv)
     task = Task(Path(f"{name}.csv"), Columns(), LoopHints(), None, None, shared=True)
-    return replace(Answer(task, diagnose(window, quantifier=Told()), window=window), **other)
+    alone = diagnose(window, quantifier=Told())
+    found = found_of(task, alone, data_quality(window, alone), None)
+    return replace(Answer(task, found, diagnosis=alone, window=window), **other)
 
 
 @pytest.mark.parametrize(
@@ -112,10 +115,12 @@ def test_only_those_of_the_valve_are_moved():
         "stiction",
     ]
     assert found[2] == given[2]
+    assert all("other recording" in each.found.text for k, each in enumerate(found) if k != 2)
+    assert [each.found.finding.verdict for each in found] == [each.diagnosis.verdict for each in found]
 
 
 def test_a_file_that_could_not_be_read_is_left_out():
-    bad = answer("FIC101_9", 9, diagnosis=None, window=None, faults=("cannot be read",))
+    bad = answer("FIC101_9", 9, found=None, diagnosis=None, window=None, faults=("cannot be read",))
     found = list(together(iter([answer("FIC101_0", 0), bad]), [0, 0]))
     assert found[1] == bad
     assert found[0].diagnosis.verdict == "undecided"

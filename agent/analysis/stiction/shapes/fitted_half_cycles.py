@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.oscillation.signals import detrended
+from agent.analysis.record.signals import detrended
 from agent.analysis.stiction.shapes.half_cycle_shapes import fit, resampled_all
 from agent.analysis.stiction.shapes.stretch import CUT_OFF, half_cycles, period_of, smoothed
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import signal
 
-from agent.analysis.oscillation.signals import detrended, regularity
+from agent.analysis.record.signals import detrended, regularity
 from agent.analysis.stiction.shapes.stretch import longest_stretch
 
 if TYPE_CHECKING:

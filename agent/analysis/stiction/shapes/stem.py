@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from agent.analysis.loop.controller_action import process_gain_sign
 from agent.analysis.oscillation.acf_zero_crossings import autocorrelation
-from agent.analysis.oscillation.signals import detrended
+from agent.analysis.record.signals import detrended
 from agent.analysis.stiction.shapes.stretch import longest_stretch
 
 if TYPE_CHECKING:
