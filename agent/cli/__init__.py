@@ -89,7 +89,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
 HIDDEN: tuple[Callable[..., None], ...] = (warm,)
 COLLECT_AFTER = 20_000
 """New containers until Python looks for garbage, for its 700: a thousand modules, which stay, were searched
-again and again while they were imported, a fifth of the start."""
+again and again while they were imported, a tenth of the start."""
 
 
 def _print_version(*, requested: bool) -> None:

@@ -23,9 +23,9 @@ from agent.analysis.oscillation.acf_zero_crossings import (
     regular_crossings,
     significant_crossings,
 )
-from agent.analysis.record.signals import detrended
 from agent.analysis.oscillation.spectrum import Spectrum, bridged, spectrum
 from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.signals import detrended
 from agent.analysis.results import Oscillation
 
 if TYPE_CHECKING:

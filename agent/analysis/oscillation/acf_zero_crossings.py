@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import fft
 
-from agent.analysis.record.signals import detrended, regularity
 from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.signals import detrended, regularity
 from agent.analysis.results import Oscillation
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.oscillation.acf_zero_crossings import MIN_SAMPLES_PER_PERIOD
-from agent.analysis.record.signals import detrended
 from agent.analysis.oscillation.spectrum import bridged, spectrum
 from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.signals import detrended
 from agent.analysis.results import Oscillation
 
 if TYPE_CHECKING:

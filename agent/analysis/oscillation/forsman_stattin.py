@@ -12,8 +12,8 @@ from collections import deque
 from dataclasses import dataclass
 
 from agent.analysis.oscillation.hagglund import MIN_PERIODS, NOISE_SIGMAS, HalfCycle, HalfCycles, half_cycles
-from agent.analysis.record.signals import detrended, noise_level, regularity
 from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.signals import detrended, noise_level, regularity
 from agent.analysis.results import Oscillation
 
 ALPHA = 0.6

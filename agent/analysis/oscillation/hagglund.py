@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.record.signals import detrended, noise_level, regularity
 from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.signals import detrended, noise_level, regularity
 from agent.analysis.results import Oscillation
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ from agent.analysis.oscillation.acf_zero_crossings import (
     autocorrelation,
     swing_of_noise,
 )
-from agent.analysis.record.signals import detrended
 from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.signals import detrended
 from agent.analysis.results import Oscillation
 
 if TYPE_CHECKING:

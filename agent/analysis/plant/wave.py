@@ -14,8 +14,8 @@ import numpy as np
 from scipy import signal
 
 from agent.analysis.oscillation.acf_filtered import band_passed, components
-from agent.analysis.record.signals import detrended
 from agent.analysis.oscillation.spectrum import bridged
+from agent.analysis.record.signals import detrended
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

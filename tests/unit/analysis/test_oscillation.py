@@ -11,8 +11,8 @@ from scipy.signal import chirp, lfilter
 from agent.analysis.oscillation import DETECTORS, HagglundMonitor, detect_oscillation
 from agent.analysis.oscillation.acf_zero_crossings import autocorrelation
 from agent.analysis.oscillation.hagglund import HalfCycles
-from agent.analysis.record.signals import detrended, noise_level
 from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.signals import detrended, noise_level
 from connectors.recording import read_recording
 
 N = 1000
