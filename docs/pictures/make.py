@@ -16,11 +16,11 @@ from agent.analysis.diagnose import diagnose
 from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.oscillation.acf_filtered import band_passed, peaks
 from agent.analysis.oscillation.acf_zero_crossings import autocorrelation
-from agent.analysis.record.signals import detrended
 from agent.analysis.oscillation.spectrum import spectrum
 from agent.analysis.quantify import quantifier
 from agent.analysis.quantify.valves.error_map import error_map
 from agent.analysis.record.recording import FloatArray, LoopWindow
+from agent.analysis.record.signals import detrended
 from agent.analysis.record.window_of_recording import loop_window
 from agent.analysis.stiction import DETECTORS, StictionDetector
 from agent.physics.effects import EFFECTS
