@@ -10,12 +10,12 @@ import typer
 
 from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
-from agent.cli.common.answer import Task
 from agent.cli.common.delay import delay_of
 from agent.cli.common.errors import BAD_INPUT, complain
-from agent.cli.common.one_valve import together, valves
 from agent.cli.common.pictures import picture_files
+from agent.cli.diagnosing.answer import Task
 from agent.cli.diagnosing.fleet import Fleet
+from agent.cli.diagnosing.one_valve import together, valves
 from agent.cli.diagnosing.plant import PlantLoops
 from agent.cli.diagnosing.work import answers, get_ready, progress_of
 
