@@ -9,6 +9,11 @@ if TYPE_CHECKING:
     from connectors.recording import RecordedLoop
 
 
+def remarks_on(recording: RecordedLoop) -> tuple[str, ...]:
+    """Return what was left out of a recording's file or may be wrong there, a line each."""
+    return tuple(f"{recording.path}: {each}" for each in recording.problems)
+
+
 def window_of(recording: RecordedLoop, hints: LoopHints) -> LoopWindow:
     """Return the whole recording on a uniform grid.
 

@@ -65,6 +65,8 @@ class Answer:
     """None where the recording could not be read."""
     faults: tuple[str, ...] = ()
     """What went wrong, a line each."""
+    remarks: tuple[str, ...] = ()
+    """What was left out of its file or may be wrong there, a line each."""
     diagnosis: Diagnosis | None = None
     """Of a recording that is judged with others; else None, for it is large and its parts many."""
     window: LoopWindow | None = None

@@ -159,11 +159,12 @@ def diagnose(
         for (path, name), picture, of in zip(entries, pictures, valve, strict=True)
     ]
     failed, whole = False, PlantLoops(plot) if plant else None
+    remarked: set[str] = set()
     with progress_of(len(tasks)) as advance:
         for place, answer in enumerate(together(answers(tasks, advance), valve)):
             failed |= bool(answer.faults)
-            for fault in answer.faults:
-                complain(fault)
+            complain(*answer.faults, *(each for each in answer.remarks if each not in remarked))
+            remarked.update(answer.remarks)
             fleet.add(place, answer)
             if answer.found is not None:
                 print(answer.found.text, flush=True)  # noqa: T201 - this is the command's output

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from agent.cli.common.compilation import announce_compilation
-from agent.cli.common.window import window_of
+from agent.cli.common.window import remarks_on, window_of
 from agent.cli.diagnosing.answer import Answer, Task, printed_of
 
 if TYPE_CHECKING:
@@ -53,7 +53,8 @@ def work_out(task: Task) -> Answer:
     from connectors.recording import read_recording
 
     try:
-        window = window_of(read_recording(task.path, task.columns, task.options, task.loop), task.hints)
+        recording = read_recording(task.path, task.columns, task.options, task.loop)
+        window = window_of(recording, task.hints)
     except ConfigError as error:
         return Answer(task, None, tuple(error.faults))
     if task.delay is not None:
@@ -64,7 +65,8 @@ def work_out(task: Task) -> Answer:
     quality = data_quality(window, diagnosis)
     small = thumbnail(window, diagnosis) if task.small_picture else None
     found = printed_of(task, diagnosis, quality, small)
-    return Answer(task, found, faults, diagnosis, window) if task.shared else Answer(task, found, faults)
+    answer = Answer(task, found, faults, remarks_on(recording))
+    return replace(answer, diagnosis=diagnosis, window=window) if task.shared else answer
 
 
 def _drawn(window: LoopWindow, diagnosis: Diagnosis, file: Path) -> tuple[str, ...]:

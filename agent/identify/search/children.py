@@ -70,6 +70,8 @@ def generation(
         rng: Where chance comes from.
     """
     k = len(parents.costs)
+    if k == 0:  # nothing fits a record whose hints contradict it
+        return parents
     grown = brood(parents, children, step, problem, possible, rng)
     give_up = float(np.sort(parents.costs)[min(k - 1, int(HOPELESS * k))])
     refit(grown, problem, EVALUATIONS, k, give_up)

@@ -5,11 +5,12 @@ from threading import Barrier
 import numpy as np
 import pytest
 
+from agent.identify.objective import SIZE
 from agent.identify.search.anywhere import valves_from_anywhere
 from agent.identify.search.children import generation
 from agent.identify.search.cycle import STRUCTURES, possible_of
 from agent.identify.search.grid import valves_of_grid
-from agent.identify.search.population import refit
+from agent.identify.search.population import Candidates, refit
 from agent.identify.slices import FEWEST, in_slices, on_cores
 from tests.reference.test_free_run_twin import problem_of
 
@@ -64,3 +65,10 @@ def searched(cores):
 def test_a_search_finds_the_same_on_any_number_of_cores():
     for one, several in zip(searched(1), searched(3), strict=True):
         np.testing.assert_array_equal(one, several)
+
+
+def test_no_parents_have_no_children():
+    problem = problem_of(3)
+    none = Candidates(np.empty((0, SIZE)), np.empty(0, dtype=np.int64), np.empty(0))
+    rng = np.random.default_rng(5)
+    assert len(generation(none, 4, 0.05, problem, possible_of(STRUCTURES), rng).costs) == 0
