@@ -17,6 +17,7 @@ from agent.analysis.wear.trend import DAY, trend_of
 from agent.runtime.loop.process_pool import process_pool
 from benchmarks.cases.options import Options
 from benchmarks.cases.weeks import DiagnosedValve, WeeksJob, diagnosed_valve
+from benchmarks.tables.calibration import calibration_error, error_by_chance
 from benchmarks.tables.markdown import table
 from benchmarks.tables.ranking import area
 
@@ -24,8 +25,6 @@ LOOPS, LOOPS_FULL = 10, 300
 WINDOWS, WINDOWS_FULL = 6, 42
 DAYS = 42.0
 WEEK = 7.0
-BINS = 5
-"""Of the probabilities, for the calibration error."""
 COURSES, COURSES_FULL = 2, 40
 """Valves that wear, and that are repaired."""
 SHOWN = 0.5
@@ -60,7 +59,9 @@ def print_weeks(valves: Sequence[DiagnosedValve]) -> None:
     columns = ("valve", "valves", "some window accuses it", "P > 0.5 within a week", "at the end", "median P")
     print(table("### Simulated weeks", columns, rows))
     print(ranking_table(valves))
-    print(f"Expected calibration error at the base rate {BASE_RATE}: {calibration_error(valves):.3f}\n")
+    p, stuck = [each.memories[-1].probability() for each in valves], [each.sticks for each in valves]
+    errors = f"{calibration_error(p, stuck):.3f}, {error_by_chance(p, stuck):.3f} by chance alone"
+    print(f"Expected calibration error at the base rate {BASE_RATE}: {errors}\n")
 
 
 def ranking_table(valves: Sequence[DiagnosedValve]) -> str:
@@ -69,7 +70,8 @@ def ranking_table(valves: Sequence[DiagnosedValve]) -> str:
     for title, seldom in (("seldom", True), ("often", False)):
         ones = [each for each in valves if each.name.startswith("seldom") == seldom]
         p = [[each.memories[-1].probability() for each in ones if each.sticks == s] for s in (True, False)]
-        rows.append((title, len(p[0]), len(p[1]), f"{area(*p):.2f}", f"{calibration_error(ones):.3f}"))
+        error = calibration_error([*p[0], *p[1]], [True] * len(p[0]) + [False] * len(p[1]))
+        rows.append((title, len(p[0]), len(p[1]), f"{area(*p):.2f}", f"{error:.3f}"))
     columns = ("moves", "stick", "sound", "area under the curve", "calibration error")
     return table("### Ranking by P at the end", columns, rows)
 
@@ -78,25 +80,6 @@ def found_by(valve: DiagnosedValve, days: float) -> bool:
     """Whether P exceeded one half, or a window accused it, at the last window before a day."""
     known = [k for k, day in enumerate(valve.days) if day <= days]
     return bool(known) and valve.memories[known[-1]].probability() > SHOWN
-
-
-def calibration_error(valves: Sequence[DiagnosedValve]) -> float:
-    """Return the mean distance of P and the part that sticks, over bins of P, weighted to the base rate."""
-    p = np.array([each.memories[-1].probability() for each in valves])
-    sticks = np.array([each.sticks for each in valves])
-    share = sticks.mean()
-    if not 0 < share < 1:
-        return float("nan")
-    weight = np.where(sticks, BASE_RATE / share, (1 - BASE_RATE) / (1 - share))
-    place = np.minimum((p * BINS).astype(int), BINS - 1)
-    error = 0.0
-    for k in range(BINS):
-        here = place == k
-        if here.any():
-            true = float((weight * sticks)[here].sum() / weight[here].sum())
-            said = float((weight * p)[here].sum() / weight[here].sum())
-            error += float(weight[here].sum() / weight.sum()) * abs(true - said)
-    return error
 
 
 def courses_table(wear: Sequence[DiagnosedValve], repair: Sequence[DiagnosedValve]) -> str:

@@ -1,7 +1,8 @@
 """S of a valve against time: where it jumped, how it rises, when it reaches a limit.
 
 The most likely partition of the days into stretches without a jump (dynamic programming over all partitions),
-each a local linear trend. A repair is a jump down. See docs/methods/wear.md.
+each a local linear trend of the logarithm of S: wear and repair multiply S, and so do errors of a window. A
+repair is a jump down. See docs/methods/wear.md.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.results import NORMAL_90
-from agent.analysis.wear.filter import Filtered, LevelWalk, begin, forecast, step
+from agent.analysis.wear.filter import LACKS, Filtered, LevelWalk, SeenLevel, begin, forecast, step
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,11 +28,13 @@ FEWEST = 3
 JUMPS_A_DAY = 1 / 365
 """Rate of repairs and sudden damages: one a year."""
 WALK = 0.01
-"""Standard deviation of the walk of S in a day, over its middle: 8 % in two months."""
+"""Standard deviation of the walk of log S in a day: 8 % in two months."""
 SLOPE = 0.05
-"""Standard deviation of the slope before anything is seen, a day, over the middle of S: weeks double it."""
-LEAST_SD = 0.05
-"""Smallest standard deviation of a day, over the middle of S: what models lack is in all of its windows."""
+"""Standard deviation of the slope of log S before anything is seen, a day: weeks double S."""
+SPREAD = 1.5
+"""Standard deviation of log S after a jump: a repair to a twentieth, the usual one, is two of them away."""
+LEAST = 1e-3
+"""Least S over its middle that a day may have: below it, one is as good as none."""
 FELL = 0.5
 """Part to which S must fall at least where a jump down is called a repair."""
 FAR = 3650.0
@@ -47,7 +50,7 @@ class Level:
     s: float
     low: float
     high: float
-    """OP units, with a 90 % interval."""
+    """OP units, with a 90 % interval; from 0 where the stretch has nothing but bounds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +79,7 @@ class Trend:
     slope: float
     slope_low: float
     slope_high: float
-    """Of S since the last jump, OP units a day, with a 90 % interval."""
+    """Of S since the last jump, as it is on the last day, OP units a day, with a 90 % interval."""
     worse_since: float | None
     """Time from which S rises, s UTC; None: it does not rise for certain."""
     last: Filtered
@@ -108,41 +111,28 @@ def trend_of(days: Sequence[SDay]) -> Trend | None:
     """
     if len(days) < FEWEST:
         return None
-    times = np.array([each.time for each in days]) / DAY
-    values = np.array([each.s for each in days])
-    middle = max(float(np.median(values)), 1e-9)
-    top = float(values.max())
-    sds = np.hypot([each.sd for each in days], LEAST_SD * middle)
-    walk = LevelWalk(WALK * middle, SLOPE * middle, max(top, middle), middle)
-    starts = _starts(times, values, sds, walk)
+    times = [each.time / DAY for each in days]
+    known = [each.s for each in days if not each.upper] or [each.bound for each in days]
+    middle = max(float(np.median(known)), 1e-9)
+    seen = [_seen(each, LEAST * middle) for each in days]
+    walk = LevelWalk(WALK, SLOPE, SPREAD, math.log(middle))
+    starts = _starts(times, seen, walk)
     levels: list[Level] = []
     jumps: list[Jump] = []
-    state = begin(walk, float(times[0]))
-    for k in range(len(days)):
-        before = float(state.mean[0])
+    state, shown = begin(walk, times[0]), False
+    for k, day in enumerate(days):
+        before = math.exp(state.mean[0])
         if k in starts:
-            state = begin(walk, float(times[k]))
-        state = step(state, walk, float(times[k]), float(values[k]), float(sds[k]))
+            state, shown = begin(walk, times[k]), False
+        state, shown = step(state, walk, times[k], seen[k]), shown or not day.upper
         if k in starts and k:
             end = next((each for each in starts if each > k), len(days))
-            jumps.append(Jump(days[k].time, before, float(np.median(values[k:end]))))
-        sd = math.sqrt(max(float(state.covariance[0, 0]), 0.0))
-        s = float(state.mean[0])
-        levels.append(
-            Level(days[k].time, max(s, 0.0), max(s - NORMAL_90 * sd, 0.0), max(s + NORMAL_90 * sd, 0.0))
-        )
-    slope, sd = float(state.mean[1]), math.sqrt(max(float(state.covariance[1, 1]), 0.0))
-    rises = slope - NORMAL_90 * sd > 0
-    return Trend(
-        tuple(levels),
-        tuple(jumps),
-        slope,
-        slope - NORMAL_90 * sd,
-        slope + NORMAL_90 * sd,
-        days[max(starts)].time if rises else None,
-        state,
-        walk,
-    )
+            jumps.append(Jump(day.time, before, math.exp(np.median([each.value for each in seen[k:end]]))))
+        s, low, high = (math.exp(each) for each in _interval(state, 0))
+        levels.append(Level(day.time, s, low if shown else 0.0, high))
+    slope, low, high = (levels[-1].s * each for each in _interval(state, 1))
+    worse_since = days[max(starts)].time if low > 0 else None
+    return Trend(tuple(levels), tuple(jumps), slope, low, high, worse_since, state, walk)
 
 
 def reaches(trend: Trend, limit: float) -> Reached:
@@ -156,7 +146,7 @@ def _first_beyond(trend: Trend, limit: float, z: float) -> float | None:
 
     def beyond(days: float) -> bool:
         ahead = forecast(trend.last, trend.walk, trend.last.time + days)
-        return bool(ahead.mean[0] + z * math.sqrt(max(float(ahead.covariance[0, 0]), 0.0)) >= limit)
+        return bool(ahead.mean[0] + z * math.sqrt(ahead.covariance[0, 0]) >= math.log(max(limit, 1e-9)))
 
     if beyond(0.0):
         return trend.last.time * DAY
@@ -164,7 +154,24 @@ def _first_beyond(trend: Trend, limit: float, z: float) -> float | None:
     return next(((trend.last.time + days) * DAY for days in tried.tolist() if beyond(days)), None)
 
 
-def _starts(times: np.ndarray, values: np.ndarray, sds: np.ndarray, walk: LevelWalk) -> tuple[int, ...]:
+def _seen(day: SDay, least: float) -> SeenLevel:
+    """Return what a day shows of log S: a lognormal distribution with mean and deviation of its S.
+
+    A bound is as soft as a short S.
+    """
+    if day.upper:
+        return SeenLevel(math.log(max(day.bound, least)), LACKS, upper=True)
+    s = max(day.s, least)
+    return SeenLevel(math.log(s), math.sqrt(math.log1p((day.sd / s) ** 2)), upper=False)
+
+
+def _interval(state: Filtered, place: int) -> tuple[float, float, float]:
+    """Return the level (0) or the slope (1) with its 90 % interval."""
+    mean, sd = float(state.mean[place]), math.sqrt(max(float(state.covariance[place, place]), 0.0))
+    return mean, mean - NORMAL_90 * sd, mean + NORMAL_90 * sd
+
+
+def _starts(times: Sequence[float], seen: Sequence[SeenLevel], walk: LevelWalk) -> tuple[int, ...]:
     """Return the first day of each stretch of the most likely partition, 0 first."""
     count = len(times)
     best = np.full(count + 1, -math.inf)
@@ -173,9 +180,9 @@ def _starts(times: np.ndarray, values: np.ndarray, sds: np.ndarray, walk: LevelW
     for first in range(count):
         days = times[first] - times[first - 1] if first else 0.0
         jumped = math.log(-math.expm1(-JUMPS_A_DAY * max(days, 1.0))) if first else 0.0
-        state = begin(walk, float(times[first]))
+        state = begin(walk, times[first])
         for last in range(first, count):
-            state = step(state, walk, float(times[last]), float(values[last]), float(sds[last]))
+            state = step(state, walk, times[last], seen[last])
             score = best[first] + jumped + state.log_likelihood
             if score > best[last + 1]:
                 best[last + 1], origin[last + 1] = score, first
