@@ -13,8 +13,9 @@ from rich.console import Console
 from rich.progress import track
 
 from agent.analysis.memory.weighing_windows import BASE_RATE
-from agent.analysis.wear.trend import DAY, trend_of
+from agent.analysis.wear.trend import trend_of
 from agent.runtime.loop.process_pool import process_pool
+from benchmarks.cases.followed import days_held, repair_noticed
 from benchmarks.cases.options import Options
 from benchmarks.cases.weeks import DiagnosedValve, WeeksJob, diagnosed_valve
 from benchmarks.tables.calibration import calibration_error, error_by_chance
@@ -27,6 +28,10 @@ DAYS = 42.0
 WEEK = 7.0
 COURSES, COURSES_FULL = 2, 40
 """Valves that wear, and that are repaired."""
+WEEKS = 28.0
+"""Length of such a course, days; a repair is in its middle."""
+SOON = 3.0
+"""Days within which a repair should be noticed."""
 SHOWN = 0.5
 """Probability from which a valve counts as found."""
 
@@ -37,8 +42,8 @@ def run(options: Options) -> None:
     windows = WINDOWS_FULL if options.full else WINDOWS
     courses = COURSES_FULL if options.full else COURSES
     jobs = [WeeksJob(2 * k + 1, DAYS, windows, k % 5 == 0) for k in range(loops)]
-    changing = [WeeksJob(2 * k + 1, 28.0, windows, True, "wear") for k in range(courses)]
-    changing += [WeeksJob(2 * k + 1, 28.0, windows, True, "repair") for k in range(courses)]
+    changing = [WeeksJob(2 * k + 1, WEEKS, windows, True, "wear") for k in range(courses)]
+    changing += [WeeksJob(2 * k + 1, WEEKS, windows, True, "repair") for k in range(courses)]
     with process_pool() as pool:
         answers = pool.map(diagnosed_valve, [*jobs, *changing])
         console = Console(stderr=True)
@@ -83,15 +88,20 @@ def found_by(valve: DiagnosedValve, days: float) -> bool:
 
 
 def courses_table(wear: Sequence[DiagnosedValve], repair: Sequence[DiagnosedValve]) -> str:
-    """Return how often a slope has the right sign, and a repair is seen."""
+    """Return how often a slope has the right sign, a repair is seen, and the interval of S holds."""
     trends = [trend_of(each.memories[-1].s_days) for each in wear]
-    known = [each for each in trends if each is not None]
-    signs = sum(each.slope > 0 for each in known)
-    seen = [trend_of(each.memories[-1].s_days) for each in repair]
-    repaired = sum(each is not None and each.repaired is not None for each in seen)
+    signs = sum(each is not None and each.slope > 0 for each in trends)
+    noticed = [found for each in repair if (found := repair_noticed(each, WEEKS / 2)) is not None]
+    soon = sum(found <= SOON for found in noticed)
     rows = [
-        ("wear from S to 4 S", len(wear), len(known), signs),
-        ("repair", len(repair), sum(each is not None for each in seen), repaired),
+        ("wear from S to 4 S", len(wear), *showing(wear), f"rises: {signs}"),
+        ("repair", len(repair), *showing(repair), f"noticed: {len(noticed)}, within {SOON:g} days: {soon}"),
     ]
-    columns = ("course", "valves", "with a trend", "right: rises, repaired")
-    return table(f"### Wear and repair in {28} days of {DAY / 3600:.0f} h", columns, rows)
+    columns = ("course", "valves", "with a trend", "days on which S is within its 90 % interval", "right")
+    return table(f"### Wear and repair in {WEEKS:g} days", columns, rows)
+
+
+def showing(valves: Sequence[DiagnosedValve]) -> tuple[int, str]:
+    """Return how many valves have a trend, and how often its interval has the true S."""
+    held = [days_held(each) for each in valves]
+    return sum(days > 0 for _, days in held), f"{sum(k for k, _ in held)} of {sum(n for _, n in held)}"

@@ -1,11 +1,9 @@
 """The logarithm of S with a slope, seen day by day: the filter of one stretch between two jumps.
 
-The level walks a little from day to day, the slope stays (local linear trend). What a day says of it is one
-of three things, and the state after it is the mean and covariance of their mixture:
-
-- its S lies about the true one, as its own interval says;
-- its S is short: where the model misses slips of the stem, it is too low and never too high;
-- it says nothing (an outlier).
+The level walks a little from day to day, the slope stays (local linear trend). S of a day lies about the true
+one as its own interval says, or below it where its windows are short, or the day is an outlier and says
+nothing; the state after it is the mean and covariance of that mixture. Windows are short where the model
+misses slips of the stem: then S is too low, hardly ever too high.
 
 A day that is only a bound cuts off what lies above it. Bounds of one valve are wrong together, so one that is
 no lower than the upper end of what is known already adds nothing.
@@ -25,15 +23,12 @@ import numpy as np
 from agent.analysis.results import NORMAL_90
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from agent.analysis.record.recording import FloatArray
 
 OUTLIER = 0.05
 """Probability that a day says nothing: windows whose fit is in a wrong valley."""
-SHORT = 0.265
-"""Probability that S of a day is short."""
-LACKS = 0.138
-"""Mean of what it then lacks, and the standard deviation of that, logarithm of S. Both are the likeliest
-values for the windows of simulated valves (``python -m benchmarks s_errors``)."""
 
 
 class LevelWalk(NamedTuple):
@@ -47,6 +42,8 @@ class LevelWalk(NamedTuple):
     """Standard deviation of a level after a jump, and of outliers."""
     middle: float
     """Mean of a level after a jump."""
+    lacks: float
+    """Mean of what S of a day lacks, and the standard deviation of that; 0 where it is right."""
 
 
 class Filtered(NamedTuple):
@@ -86,13 +83,13 @@ def step(state: Filtered, walk: LevelWalk, time: float, seen: SeenLevel) -> Filt
         time: Of the day, days.
         seen: What the day shows.
     """
-    ahead = forecast(state, walk, time)
+    ahead = forecast(state, walk.level_sd, time)
     level, variance = float(ahead.mean[0]), float(ahead.covariance[0, 0])
     if seen.upper:
         parts = [_bounded(level, variance, seen), (math.log(OUTLIER), level, variance)]
     else:
         outside = math.log(OUTLIER) + _log_normal(seen.value - walk.middle, walk.spread**2 + seen.sd**2)
-        parts = [*_about(level, variance, seen), (outside, level, variance)]
+        parts = [_about(level, variance, seen, walk.lacks), (outside, level, variance)]
     likeliest = max(each[0] for each in parts)
     weights, means, variances = np.array(parts).T
     shares = np.exp(weights - likeliest)
@@ -103,24 +100,37 @@ def step(state: Filtered, walk: LevelWalk, time: float, seen: SeenLevel) -> Filt
     return _with_level(ahead, mean, spread)._replace(log_likelihood=found)
 
 
-def forecast(state: Filtered, walk: LevelWalk, time: float) -> Filtered:
-    """Return the state at a later time, with nothing seen since."""
+def forecast(state: Filtered, level_sd: float, time: float) -> Filtered:
+    """Return the state at a later time, with nothing seen since.
+
+    Args:
+        state: Now.
+        level_sd: As ``LevelWalk.level_sd``.
+        time: Later, days.
+    """
     days = time - state.time
     move = np.array([[1.0, days], [0.0, 1.0]])
     covariance = move @ state.covariance @ move.T
-    covariance[0, 0] += walk.level_sd**2 * days
+    covariance[0, 0] += level_sd**2 * days
     return Filtered(time, move @ state.mean, covariance, state.log_likelihood)
 
 
-def _about(level: float, variance: float, seen: SeenLevel) -> list[tuple[float, float, float]]:
-    """Return log weight, mean and variance of the level, for an S of the day that is right and one short."""
-    found = []
-    for share, lacks in ((1 - SHORT, 0.0), (SHORT, LACKS)):
-        own = seen.sd**2 + lacks**2
-        miss, both = seen.value + lacks - level, variance + own
-        weight = math.log((1 - OUTLIER) * share) + _log_normal(miss, both)
-        found.append((weight, level + variance / both * miss, variance * own / both))
-    return found
+def mixed(shares: Sequence[float], states: Sequence[Filtered]) -> Filtered:
+    """Return the mean and covariance of several states of one day; their shares add up to one."""
+    mean = sum((share * each.mean for share, each in zip(shares, states, strict=True)), np.zeros(2))
+    covariance = np.zeros((2, 2))
+    for share, each in zip(shares, states, strict=True):
+        miss = each.mean - mean
+        covariance += share * (each.covariance + np.outer(miss, miss))
+    return states[0]._replace(mean=mean, covariance=covariance)
+
+
+def _about(level: float, variance: float, seen: SeenLevel, lacks: float) -> tuple[float, float, float]:
+    """Return log weight, mean and variance of the level where the day is no outlier."""
+    own = seen.sd**2 + lacks**2
+    miss, both = seen.value + lacks - level, variance + own
+    weight = math.log(1 - OUTLIER) + _log_normal(miss, both)
+    return weight, level + variance / both * miss, variance * own / both
 
 
 def _bounded(level: float, variance: float, seen: SeenLevel) -> tuple[float, float, float]:

@@ -1,8 +1,7 @@
 """S of a valve against time: where it jumped, how it rises, when it reaches a limit.
 
-The most likely partition of the days into stretches without a jump (dynamic programming over all partitions),
-each a local linear trend of the logarithm of S: wear and repair multiply S, and so do errors of a window. A
-repair is a jump down. See docs/methods/wear.md.
+Stretches without a jump, each a local linear trend of the logarithm of S: wear and repair multiply S, and so
+do errors of a window. A repair is a jump down. See docs/methods/wear.md.
 """
 
 from __future__ import annotations
@@ -14,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.results import NORMAL_90
-from agent.analysis.wear.filter import LACKS, Filtered, LevelWalk, SeenLevel, begin, forecast, step
+from agent.analysis.wear.filter import Filtered, SeenLevel, forecast
+from agent.analysis.wear.stretches import LACKS, WALK, follow
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,14 +25,6 @@ DAY = 86400.0
 """s"""
 FEWEST = 3
 """Days below which there is no trend."""
-JUMPS_A_DAY = 1 / 365
-"""Rate of repairs and sudden damages: one a year."""
-WALK = 0.01
-"""Standard deviation of the walk of log S in a day: 8 % in two months."""
-SLOPE = 0.05
-"""Standard deviation of the slope of log S before anything is seen, a day: weeks double S."""
-SPREAD = 1.5
-"""Standard deviation of log S after a jump: a repair to a twentieth, the usual one, is two of them away."""
 LEAST = 1e-3
 """Least S over its middle that a day may have: below it, one is as good as none."""
 FELL = 0.5
@@ -83,7 +75,6 @@ class Trend:
     worse_since: float | None
     """Time from which S rises, s UTC; None: it does not rise for certain."""
     last: Filtered
-    walk: LevelWalk
 
     @property
     def repaired(self) -> float | None:
@@ -115,24 +106,23 @@ def trend_of(days: Sequence[SDay]) -> Trend | None:
     known = [each.s for each in days if not each.upper] or [each.bound for each in days]
     middle = max(float(np.median(known)), 1e-9)
     seen = [_seen(each, LEAST * middle) for each in days]
-    walk = LevelWalk(WALK, SLOPE, SPREAD, math.log(middle))
-    starts = _starts(times, seen, walk)
-    levels: list[Level] = []
+    followed = follow(times, seen, math.log(middle))
     jumps: list[Jump] = []
-    state, shown = begin(walk, times[0]), False
-    for k, day in enumerate(days):
-        before = math.exp(state.mean[0])
-        if k in starts:
-            state, shown = begin(walk, times[k]), False
-        state, shown = step(state, walk, times[k], seen[k]), shown or not day.upper
-        if k in starts and k:
-            end = next((each for each in starts if each > k), len(days))
-            jumps.append(Jump(day.time, before, math.exp(np.median([each.value for each in seen[k:end]]))))
+    levels: list[Level] = []
+    first = 0
+    for k, (start, state) in enumerate(followed):
+        if start != first:
+            first = start
+            end = next((j for j in range(k, len(days)) if followed[j].first != first), len(days))
+            after = math.exp(np.median([each.value for each in seen[k:end]]))
+            jumps.append(Jump(days[k].time, levels[-1].s, after))
         s, low, high = (math.exp(each) for each in _interval(state, 0))
-        levels.append(Level(day.time, s, low if shown else 0.0, high))
-    slope, low, high = (levels[-1].s * each for each in _interval(state, 1))
-    worse_since = days[max(starts)].time if low > 0 else None
-    return Trend(tuple(levels), tuple(jumps), slope, low, high, worse_since, state, walk)
+        only_bounds = all(each.upper for each in days[first : k + 1])
+        levels.append(Level(days[k].time, s, 0.0 if only_bounds else low, high))
+    last = followed[-1].state
+    slope, low, high = (levels[-1].s * each for each in _interval(last, 1))
+    worse_since = days[first].time if low > 0 else None
+    return Trend(tuple(levels), tuple(jumps), slope, low, high, worse_since, last)
 
 
 def reaches(trend: Trend, limit: float) -> Reached:
@@ -145,7 +135,7 @@ def _first_beyond(trend: Trend, limit: float, z: float) -> float | None:
     """Return the first time, to the day, at which S plus ``z`` standard deviations is at the limit, s UTC."""
 
     def beyond(days: float) -> bool:
-        ahead = forecast(trend.last, trend.walk, trend.last.time + days)
+        ahead = forecast(trend.last, WALK, trend.last.time + days)
         return bool(ahead.mean[0] + z * math.sqrt(ahead.covariance[0, 0]) >= math.log(max(limit, 1e-9)))
 
     if beyond(0.0):
@@ -169,25 +159,3 @@ def _interval(state: Filtered, place: int) -> tuple[float, float, float]:
     """Return the level (0) or the slope (1) with its 90 % interval."""
     mean, sd = float(state.mean[place]), math.sqrt(max(float(state.covariance[place, place]), 0.0))
     return mean, mean - NORMAL_90 * sd, mean + NORMAL_90 * sd
-
-
-def _starts(times: Sequence[float], seen: Sequence[SeenLevel], walk: LevelWalk) -> tuple[int, ...]:
-    """Return the first day of each stretch of the most likely partition, 0 first."""
-    count = len(times)
-    best = np.full(count + 1, -math.inf)
-    best[0] = 0.0
-    origin = [0] * (count + 1)
-    for first in range(count):
-        days = times[first] - times[first - 1] if first else 0.0
-        jumped = math.log(-math.expm1(-JUMPS_A_DAY * max(days, 1.0))) if first else 0.0
-        state = begin(walk, times[first])
-        for last in range(first, count):
-            state = step(state, walk, times[last], seen[last])
-            score = best[first] + jumped + state.log_likelihood
-            if score > best[last + 1]:
-                best[last + 1], origin[last + 1] = score, first
-    starts, end = [], count
-    while end > 0:
-        starts.append(origin[end])
-        end = origin[end]
-    return tuple(reversed(starts))
