@@ -39,9 +39,9 @@ class LevelWalk(NamedTuple):
     slope_sd: float
     """Of the slope before anything is seen, a day."""
     spread: float
-    """Standard deviation of a level after a jump, and of outliers."""
+    """Standard deviation of a level of which nothing is seen, and of outliers."""
     middle: float
-    """Mean of a level after a jump."""
+    """Mean of such a level."""
     lacks: float
     """Mean of what S of a day lacks, and the standard deviation of that; 0 where it is right."""
 
@@ -69,9 +69,11 @@ class SeenLevel(NamedTuple):
     """Whether S is no more than this, and nothing else is known."""
 
 
-def begin(walk: LevelWalk, time: float) -> Filtered:
-    """Return the state just after a jump."""
-    return Filtered(time, np.array([walk.middle, 0.0]), np.diag([walk.spread**2, walk.slope_sd**2]), 0.0)
+def begin(walk: LevelWalk, time: float, fell: float = 0.0) -> Filtered:
+    """Return the state before anything is seen, or after a jump: by ``fell`` lower in the mean."""
+    return Filtered(
+        time, np.array([walk.middle - fell, 0.0]), np.diag([walk.spread**2, walk.slope_sd**2]), 0.0
+    )
 
 
 def step(state: Filtered, walk: LevelWalk, time: float, seen: SeenLevel) -> Filtered:

@@ -25,7 +25,10 @@ WALK = 0.01
 SLOPE = 0.05
 """Standard deviation of the slope of log S before anything is seen, a day: weeks double S."""
 SPREAD = 1.5
-"""Standard deviation of log S after a jump: a repair to a twentieth, the usual one, is two of them away."""
+"""Standard deviation of log S before anything is seen, and after a jump."""
+FALLS = 1.5
+"""By how much log S fell at a jump, in the mean, as most are repairs: to a fifth, so that a twentieth is as
+probable as hardly less."""
 SHORT_VALVES = 0.388
 """Share of the valves whose windows are short, before any is seen."""
 LACKS = 0.083
@@ -84,7 +87,7 @@ def _likeliest(times: Sequence[float], seen: Sequence[SeenLevel], walk: LevelWal
         days = times[first] - times[first - 1] if first else 0.0
         jumped = math.log(-math.expm1(-JUMPS_A_DAY * max(days, 1.0))) if first else 0.0
         before = jumped + (best[first][-1].score if first else 0.0)
-        state, stretch = begin(walk, times[first]), best[first]
+        state, stretch = begin(walk, times[first], FALLS if first else 0.0), best[first]
         for last in range(first, count):
             state = step(state, walk, times[last], seen[last])
             stretch = [*stretch, _Day(first, state, before + state.log_likelihood)]
