@@ -80,7 +80,7 @@ def lowered_by_simplex(
 
 
 def _shrink(error: Callable[[FloatArray], float], corners: FloatArray, errors: FloatArray, left: int) -> int:
-    """Halve the way of all corners to the first, as far as evaluations are ``left``; return what is left."""
+    """Halve the way of all corners to the first within ``left`` evaluations; return how many remain."""
     for i in range(1, min(len(corners), left + 1)):
         corners[i] = _inside(corners[0] + 0.5 * (corners[i] - corners[0]))
         errors[i] = error(corners[i])
