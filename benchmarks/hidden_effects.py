@@ -18,14 +18,14 @@ from rich.console import Console
 from rich.progress import track
 
 from agent.runtime.loop.process_pool import process_pool
-from benchmarks.cases.hidden_case import HiddenCase, judge
+from benchmarks.cases.hidden_case import RECORD_KINDS, HiddenCase, RecordKind, judge
 from benchmarks.cases.options import Options
 from benchmarks.tables.markdown import table
 from benchmarks.tables.quantiles import number, percent, quantile
 from benchmarks.tables.targets import Target, share
 from simulators.draws.hidden_effects import NOTHING, TRUTHS, HiddenTruth
 
-FIRST_SEED = 5377
+FIRST_SEED = 64100
 LOOPS, LOOPS_FULL = 8, 30
 """Of each truth."""
 CLEAR = 30.0
@@ -36,19 +36,19 @@ SHARES = (0, 5, 10, 20, 30, 50, 70, 100)
 """Limits of the strata, %."""
 HONEST = {"none_of_the_known", "suggested"}
 
-Job = tuple[HiddenTruth, int]
+Job = tuple[HiddenTruth, int, RecordKind]
 
 
 def run(options: Options) -> None:
     """Print the tables; with ``options.save`` continue from the saved cases beside that file."""
     count = options.loops or (LOOPS_FULL if options.full else LOOPS)
-    jobs = [(truth, FIRST_SEED + i) for i in range(count) for truth in TRUTHS]
+    jobs = jobs_of(count)
     file = None if options.save is None else options.save.with_suffix(".hidden_effects.jsonl")
-    done = {(case.truth, case.seed): case for case in read(file)} if file else {}
+    done = {(case.truth, case.seed, case.record): case for case in read(file)} if file else {}
     left = [job for job in jobs if job not in done]
     console = Console(stderr=True)
     for case in track(judged(left), "hidden effects", len(left), console=console, disable=not left):
-        done[case.truth, case.seed] = case
+        done[case.truth, case.seed, case.record] = case
         if file is not None:
             append(file, case)
     all_cases = [done[job] for job in jobs]
@@ -57,6 +57,16 @@ def run(options: Options) -> None:
     print(f"{len(all_cases)} loops; {skipped} are not testable and were skipped.\n")
     for part in (targets(cases), by_share(cases), by_truth(cases)):
         print(part)
+
+
+def jobs_of(count: int) -> list[Job]:
+    """Return loops of each truth, seed by seed, in records of each kind in equal parts."""
+    kinds = len(RECORD_KINDS)
+    return [
+        (truth, FIRST_SEED + i, RECORD_KINDS[(i + at) % kinds])
+        for i in range(count)
+        for at, truth in enumerate(TRUTHS)
+    ]
 
 
 def judged(jobs: Sequence[Job]) -> Iterator[HiddenCase]:

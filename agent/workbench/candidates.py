@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate, nothing_else
+from agent.workbench.checks.pairs import far_likelier_words, likeliest_pair
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, LinearDynamics, beats
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from agent.physics.effect import Effect, Facts
+    from agent.workbench.checks.pairs import Pair
     from agent.workbench.evidence import Evidence
     from agent.workbench.fit import Fit
     from agent.workbench.record import Record
@@ -62,6 +64,7 @@ def judged(
     together: Callable[[Step | Tried, Effect], Tried],
     worse: Callable[[Fit, Fit], bool] = no_other_record,
     also: Callable[[Tried], Iterable[Effect]] = nothing_else,
+    answering: Callable[[Tried], Iterable[Effect]] = nothing_else,
 ) -> AllTried:
     """Judge effects by their held-out errors, and by what the innovations say of each.
 
@@ -78,6 +81,7 @@ def judged(
         together: Tries an effect on top of one of the models, or of the smaller one.
         worse: Whether a larger model, the second, follows another recording less well than a smaller one.
         also: What of the library the innovations hint at beside an effect, the best first.
+        answering: The same of what acts on OP all the time.
     """
 
     def both_needed(name: str, other: str) -> bool:
@@ -95,7 +99,12 @@ def judged(
         return not fails(state_dependence(*predicts))
 
     found = {name: evidence_of(smaller, each, record, len(models)) for name, each in models.items()}
-    doubts = Doubts(smaller, models, found, both_needed, beside_dynamics)
+
+    @cache
+    def pair() -> Pair | None:
+        return likeliest_pair(found, models, answering, together, record)
+
+    doubts = Doubts(smaller, models, found, both_needed, beside_dynamics, pair)
     by_chance = {name: each.by_chance for name, each in found.items()}
     doubts.objections.update(_at_once(found, event_p))
     if smaller.predicts is not None:
@@ -112,7 +121,7 @@ def judged(
         likelier={name: each.criterion for name, each in found.items()},
         comparable=() if smaller.predicts is None else comparable(found),
     )
-    decision = _undoubted(judge_by, doubts)
+    decision = _or_pair(_undoubted(judge_by, doubts), doubts)
     if smaller.predicts is not None and _is_weak(decision, found):
         decision = replace(decision, kind="suggested")
     decision = _lowered(decision, doubts, smaller, models, worse)
@@ -176,6 +185,21 @@ def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts) -> Decision:
             return replace(decision, kind="none", effect=None, family=None) if doubted else decision
 
 
+def _or_pair(decision: Decision, doubts: Doubts) -> Decision:
+    """Return the suggestion of two effects that are far likelier than an event, where neither stands alone.
+
+    Where each is confirmed beside the other, ``--auto`` adds both, as it does with rivals.
+    """
+    if decision.kind != "none" or doubts.likelier_pair is None:
+        return decision
+    first, second = doubts.likelier_pair.names
+    beside = (second,) if second in doubts.models else ()
+    family = doubts.found[first].family
+    return replace(
+        decision, kind="suggested", effect=first, family=family, indistinguishable=beside, rivals=beside
+    )
+
+
 def _lowered(
     decision: Decision,
     doubts: Doubts,
@@ -190,7 +214,9 @@ def _lowered(
     words = doubts.lowered.get(effect)
     if words is None and decision.kind != "suggested" and worse(smaller.fit, models[effect].fit):
         words = WORSE_ELSEWHERE
-    lacks = tuple(each for each in (words, doubts.lacks.get(effect)) if each is not None)
+    pair = doubts.likelier_pair
+    together = None if pair is None or effect != pair.names[0] else far_likelier_words(pair)
+    lacks = tuple(each for each in (words, together, doubts.lacks.get(effect)) if each is not None)
     return replace(decision, kind=decision.kind if words is None else "suggested", lacks=lacks)
 
 

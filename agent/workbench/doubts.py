@@ -12,12 +12,14 @@ from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.checks.lacking import DYNAMICS, dominates, lacks_words, larger_dynamics
 from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
 from agent.workbench.checks.own_cycle import keeps_time_of_loop
+from agent.workbench.checks.pairs import as_likely_words, far_likelier_than, is_as_likely
 from agent.workbench.likeliest import less_likely
 from agent.workbench.other_event import is_another_gain, is_only_another_level
 from agent.workbench.residual.state_dependence import failing, state_dependence, still_fails
 from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
 if TYPE_CHECKING:
+    from agent.workbench.checks.pairs import Pair
     from agent.workbench.decision import Decision
     from agent.workbench.evidence import Evidence
     from agent.workbench.residual.state_dependence import Dependence
@@ -38,6 +40,10 @@ def never(name: str, other: str) -> bool:  # noqa: ARG001
     return False
 
 
+def no_pair() -> None:
+    """Return that there are no two effects to compare with."""
+
+
 @dataclass(slots=True)
 class Doubts:
     """Of the candidates on top of one model."""
@@ -50,12 +56,16 @@ class Doubts:
     """Whether the record is far likelier with two of the effects than with either, and they explain it."""
     beside_dynamics: Callable[[str, str], bool] = never
     """Whether an effect is needed beside larger dynamics, the second, and both explain the record."""
+    pair: Callable[[], Pair | None] = no_pair
+    """The likeliest two effects that act on OP; fitted only where an event would be confirmed."""
     objections: dict[str, str] = field(default_factory=dict)
     """What rejects an effect, in words; ``object_to`` adds to it."""
     lowered: dict[str, str] = field(default_factory=dict)
     """What makes an effect a suggestion at most, in words."""
     lacks: dict[str, str] = field(default_factory=dict)
     """What the model still lacks with an effect that is plainly there, in words."""
+    likelier_pair: Pair | None = None
+    """That rejected an event."""
     _seen: set[str] = field(default_factory=set)
     _dependences: dict[str, Mapping[str, Dependence]] = field(default_factory=dict)
 
@@ -76,10 +86,23 @@ class Doubts:
             if self._is_another_event(each):
                 self.objections[each] = OTHER_EVENT
                 self.objections.update(dict.fromkeys(self._unlikelier_than_event(each), UNLIKELY))
+            elif self.found[each].once and each not in self.objections:
+                self._compare_with_pair(each)
         if len(self.objections) == before:
             criteria = {each: self.found[each].criterion for each in rivals}
             self.objections.update(dict.fromkeys(less_likely(criteria), UNLIKELY))
         return len(self.objections) > before
+
+    def _compare_with_pair(self, name: str) -> None:
+        """Reject an event where two effects are far likelier; lower it where they are as likely."""
+        pair = self.pair()
+        if pair is None:
+            return
+        if far_likelier_than(pair, self.found[name]):
+            self.objections[name] = UNLIKELY
+            self.likelier_pair = pair
+        elif is_as_likely(pair, self.found[name]):
+            self.lowered[name] = as_likely_words(pair)
 
     def _stands_for_another(self, name: str) -> bool:
         """Whether what made the smaller model fail is still there with an effect, and no other explains it.

@@ -14,7 +14,7 @@ import numpy as np
 from scipy import stats
 
 from agent.workbench.paired_blocks import CONFIDENCE
-from agent.workbench.search import lowered_by_simplex
+from agent.workbench.simplex import lowered_by_simplex
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray

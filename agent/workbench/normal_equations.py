@@ -11,10 +11,10 @@ FloatArray = NDArray[np.float64]
 
 
 @kernel
-def gain_and_lowered(
+def coefficients_and_lowered(
     products: FloatArray, gram: FloatArray, along: FloatArray, first: int, vanishes: float
-) -> tuple[float, float]:
-    """Return the coefficient of the first column taken, and by how much all lower the squares of the values.
+) -> tuple[FloatArray, float]:
+    """Return the coefficient of each column, (k,), and by how much all lower the squares of the values.
 
     Compiled, for it is called hundreds of thousands of times, and numpy takes longer to be called than to
     reckon.
@@ -23,7 +23,7 @@ def gain_and_lowered(
         products: Of the columns, (k, k).
         gram: The same less what the nuisance explains of them.
         along: Products of columns and values, (k,).
-        first: Columns before this one are left out.
+        first: Columns before this one get zero.
         vanishes: A column with no more than this part of its squares left gets zero; as a ridge on columns of
             length one it shares between those that are the same.
     """
@@ -34,8 +34,9 @@ def gain_and_lowered(
         if gram[i, i] > vanishes * products[i, i]:
             there[left] = i
             left += 1
+    coefficients = np.zeros(count)
     if left == 0:
-        return 0.0, 0.0
+        return coefficients, 0.0
     lengths, unit = np.empty(left), np.empty(left)
     for i in range(left):
         lengths[i] = np.sqrt(gram[there[i], there[i]])
@@ -53,5 +54,5 @@ def gain_and_lowered(
         for k in range(left):
             explained += scaled[i, k] * found[k]
         lowered += found[i] * (2 * unit[i] - explained)
-    coefficient = found[0] / lengths[0] if there[0] == first else 0.0
-    return coefficient, lowered
+        coefficients[there[i]] = found[i] / lengths[i]
+    return coefficients, lowered

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.normal_equations import gain_and_lowered
+from agent.workbench.normal_equations import coefficients_and_lowered
 from agent.workbench.nuisance import nuisance
 
 if TYPE_CHECKING:
@@ -75,17 +75,23 @@ def solve(columns: FloatArray, target: ProjectedPv) -> Solved:
     """Return the coefficients of ``columns`` (n, 1 + k), the response first, that leave the least squares."""
     if not np.isfinite(columns).all():
         return Solved(np.inf, np.zeros(columns.shape[1]), target.pv)
+    if not target.fixed_gain:
+        return _with_gain(columns, target)
     free = columns * target.weight[:, None]
     squares = np.einsum("ij,ij->j", free, free)
     free = free - target.basis @ (target.basis.T @ free)
-    if target.fixed_gain:
-        rest = target.pv - free[:, 0]
-        coefficients = np.concatenate(([1.0], _least_squares(free[:, 1:], rest, squares[1:])))
-    else:
-        coefficients = _least_squares(free, target.pv, squares)
-        if coefficients[0] * target.gain_sign < 0:
-            coefficients = np.concatenate(([0.0], _least_squares(free[:, 1:], target.pv, squares[1:])))
+    rest = target.pv - free[:, 0]
+    coefficients = np.concatenate(([1.0], _least_squares(free[:, 1:], rest, squares[1:])))
     residual = target.pv - free @ coefficients
+    return Solved(float(residual @ residual), coefficients, residual)
+
+
+def _with_gain(columns: FloatArray, target: ProjectedPv) -> Solved:
+    """Return ``solve`` of a response that has a gain, by sums of products."""
+    free = columns * target.weight[:, None]
+    outside = target.basis.T @ free
+    coefficients, _ = _by_sums(free, outside, target)
+    residual = target.pv - free @ coefficients + target.basis @ (outside @ coefficients)
     return Solved(float(residual @ residual), coefficients, residual)
 
 
@@ -95,16 +101,28 @@ def least_error(columns: FloatArray, target: ProjectedPv) -> float:
     Right to about 1e-12 of the squares of PV. Only for a response that has a gain.
     """
     free = columns * target.weight[:, None]
-    outside = target.basis.T @ free
+    lowered = _by_sums(free, target.basis.T @ free, target)[1]
+    return max(float(target.pv @ target.pv) - lowered, 0.0)
+
+
+def _by_sums(free: FloatArray, outside: FloatArray, target: ProjectedPv) -> tuple[FloatArray, float]:
+    """Return the best coefficients, (1 + k,), and by how much they lower the squares of PV.
+
+    Right to about 1e-12 of the latter; minus infinity where a column is not finite.
+
+    Args:
+        free: The columns where PV counts, (n, 1 + k), the response first.
+        outside: Their products with the nuisance, (q, 1 + k).
+        target: With a gain of its sign.
+    """
     products, along = free.T @ free, free.T @ target.pv
     gram = products - outside.T @ outside
     if not np.isfinite(gram).all():
-        return np.inf
-    total = float(target.pv @ target.pv)
-    gain, lowered = gain_and_lowered(products, gram, along, 0, VANISHES)
-    if gain * target.gain_sign < 0:
-        lowered = gain_and_lowered(products, gram, along, 1, VANISHES)[1]
-    return max(total - lowered, 0.0)
+        return np.zeros(len(gram)), -np.inf
+    found = coefficients_and_lowered(products, gram, along, 0, VANISHES)
+    if found[0][0] * target.gain_sign < 0:
+        found = coefficients_and_lowered(products, gram, along, 1, VANISHES)
+    return found
 
 
 def _least_squares(columns: FloatArray, values: FloatArray, squares: FloatArray) -> FloatArray:

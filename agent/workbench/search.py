@@ -10,16 +10,16 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import minimize
 from scipy.stats.qmc import LatinHypercube
 
 from agent.workbench.gauss_newton import lowest
 from agent.workbench.nuisance import nuisance
 from agent.workbench.projection import ProjectedPv, Solved, least_error, solve, target_behind
+from agent.workbench.simplex import lowered_by_simplex
 from agent.workbench.space import Space, space_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -230,41 +230,6 @@ def is_rough(objective: Objective | Pinned) -> bool:
     return any(
         each.stage == "valve" or any(one.instant for one in each.parameters(facts)) for each in model.effects
     )
-
-
-def lowered_by_simplex(
-    error: Callable[[FloatArray], float],
-    start: FloatArray,
-    step: float,
-    evaluations: int,
-    *,
-    near: float,
-    flat: float,
-) -> FloatArray:
-    """Return the best point of the unit cube that Nelder and Mead's search finds from ``start`` (k,).
-
-    Args:
-        error: What is lowered.
-        start: Where it begins.
-        step: To the first corners, inward where it would leave the cube.
-        evaluations: For each coordinate.
-        near: It ends where the corners are as near to each other as this,
-        flat: and their errors, in the unit of ``error``.
-    """
-    steps = np.where(start + step > 1.0, -step, step)
-    found = minimize(
-        error,
-        start,
-        method="Nelder-Mead",
-        bounds=[(0.0, 1.0)] * len(start),
-        options={
-            "initial_simplex": np.vstack((start, start + np.diag(steps))),
-            "maxfev": evaluations * len(start),
-            "xatol": near,
-            "fatol": flat,
-        },
-    )
-    return np.asarray(found.x, dtype=np.float64)
 
 
 def searched(objective: Objective | Pinned, starts: FloatArray, rounds: Sequence[Round]) -> FloatArray:

@@ -17,7 +17,7 @@ from agent.workbench.event_scan import course_p, instant_p, instants_seen
 from agent.workbench.evidence import far_likelier
 from agent.workbench.fit import contributions, fit
 from agent.workbench.inputs.measured_input import MeasuredInput
-from agent.workbench.library import happens_once, missing
+from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.shown.information import Shown, shown_by
@@ -103,9 +103,16 @@ class Trials:
         def also(found: Tried) -> list[Effect]:
             return self._hinted(found, able or effects)
 
+        def answering(found: Tried) -> list[Effect]:
+            facts = self.record.facts
+            lasting = [
+                each for each in able or effects if acts_on_op(each, facts) and not happens_once(each, facts)
+            ]
+            return self._hinted(found, lasting)
+
         event_p = {each.name: self.event_p(step, each) for each in effects}
         models = self._tried(step, effects)
-        return judged(step, models, self.record, event_p, self._both, self._is_worse, also)
+        return judged(step, models, self.record, event_p, self._both, self._is_worse, also, answering)
 
     def _hinted(self, found: Tried, able: Sequence[Effect]) -> list[Effect]:
         """Return the effects that the innovations hint at most beside those of a model, none by chance."""

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import chain
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -13,10 +15,14 @@ from agent.physics.effects import EFFECTS
 from agent.workbench.nuisance import nuisance
 from agent.workbench.record import Record
 from agent.workbench.session import Workbench
-from agent.workbench.step import Step
+from agent.workbench.step import Step, Verdict
 from benchmarks.cases.decoy import Decoy
+from simulators.draws.effect_draws import SETTLING
 from simulators.draws.hidden_effects import HiddenEffectPlant, HiddenTruth, hidden_effect_plant
+from simulators.draws.open_records import open_record
 
+RecordKind = Literal["closed_loop", "steps", "bump", "prbs"]
+RECORD_KINDS: tuple[RecordKind, ...] = get_args(RecordKind)
 DECOYS = 2
 FAMILIES = {effect.name: effect.family for effect in EFFECTS}
 
@@ -53,6 +59,9 @@ class HiddenCase:
     """Verdict with a library without the true family and its indistinguishable effects; empty: not run."""
     cpu_seconds: float
     """Of ``auto`` alone."""
+    record: RecordKind = "closed_loop"
+    without_effect: str = ""
+    """That this verdict names; empty where it names none."""
 
     @property
     def testable(self) -> bool:
@@ -100,32 +109,34 @@ def effects_of(truth: HiddenTruth) -> tuple[str, ...]:
     return tuple(truth.split("_")) if truth == "stiction_sinusoid" else (truth,) * (truth in FAMILIES)
 
 
-def judge(truth: HiddenTruth, seed: int, *, test_without: bool = True) -> HiddenCase:
-    """Draw one loop and let the workbench find what it hides.
+def judge(
+    truth: HiddenTruth, seed: int, record: RecordKind = "closed_loop", *, test_without: bool = True
+) -> HiddenCase:
+    """Draw one loop and let the workbench find what it hides in a record of this kind.
 
     ``test_without``: where one effect is hidden, run it again with the true family out of the library.
     """
-    plant = hidden_effect_plant(seed, truth)
-    window = LoopWindow(plant.scenario.loop, 0.0, plant.scenario.ts, plant.op, plant.pv, plant.sp)
+    plant, window = drawn(truth, seed, record)
     decoys = tuple(Decoy(DECOYS * seed + each) for each in range(DECOYS))
     started = time.process_time()
     bench = Workbench(window, extra=decoys)
     steps = bench.auto()
     spent = time.process_time() - started
     if not steps:
-        return _untestable(truth, seed, len(plant.op), spent)
+        return _untestable(truth, seed, record, len(window.op), spent)
     found = bench.comparison()
     last = steps[-1]
     floor = floor_of(plant, bench.record)
     took = [step for step in steps if step.added in last.effects and step.verdict is not None]
     alike = set(chain.from_iterable(step.verdict.indistinguishable for step in took if step.verdict))
     first = took[0].verdict if took else found.verdict
-    covered = covers(plant, last)
+    covered = covers(parameters_of(plant, record), last)
     one_effect = test_without and len(plant.effects) == 1
+    without = without_truth(window, plant, alike, decoys) if one_effect else None
     return HiddenCase(
         truth=truth,
         seed=seed,
-        samples=len(plant.op),
+        samples=len(window.op),
         share_percent=100 * max(0.0, 1 - (floor / steps[0].rmse_fit) ** 2),
         floor=floor,
         kind=first.kind if first is not None else "",
@@ -137,12 +148,36 @@ def judge(truth: HiddenTruth, seed: int, *, test_without: bool = True) -> Hidden
         floor_high=found.noise_floor.high if found.noise_floor else np.nan,
         covered=sum(covered),
         parameters=len(covered),
-        without_kind=without_truth(window, plant, alike, decoys) if one_effect else "",
+        without_kind=without.kind if without else "",
         cpu_seconds=spent,
+        record=record,
+        without_effect=(without.effect if without else None) or "",
     )
 
 
-def _untestable(truth: HiddenTruth, seed: int, samples: int, spent: float) -> HiddenCase:
+def drawn(truth: HiddenTruth, seed: int, record: RecordKind) -> tuple[HiddenEffectPlant, LoopWindow]:
+    """Return a loop in a record of this kind, and what the workbench gets of it: in manual no set point."""
+    plant = hidden_effect_plant(seed, truth)
+    scenario = plant.scenario
+    if record == "closed_loop":
+        return plant, LoopWindow(scenario.loop, 0.0, scenario.ts, plant.op, plant.pv, plant.sp)
+    manual = open_record(seed, record, truth)
+    plant = replace(
+        plant, scenario=manual.scenario, op=manual.op, pv=manual.pv, sp=manual.pv, floor=manual.floor
+    )
+    return plant, LoopWindow(scenario.loop, 0.0, scenario.ts, manual.op, manual.pv)
+
+
+def parameters_of(plant: HiddenEffectPlant, record: RecordKind) -> dict[str, tuple[float, ...]]:
+    """Return the true parameters; a record in manual has no samples before it that settle the loop."""
+    early = 0.0 if record == "closed_loop" else SETTLING * plant.scenario.ts
+    return {
+        name: tuple(each + early for each in values) if name.endswith(".time") else values
+        for name, values in plant.parameters.items()
+    }
+
+
+def _untestable(truth: HiddenTruth, seed: int, record: RecordKind, samples: int, spent: float) -> HiddenCase:
     numbers = dict.fromkeys(
         ("share_percent", "floor", "rmse_base", "rmse_last", "floor_low", "floor_high"), np.nan
     )
@@ -157,16 +192,17 @@ def _untestable(truth: HiddenTruth, seed: int, samples: int, spent: float) -> Hi
         parameters=0,
         without_kind="",
         cpu_seconds=spent,
+        record=record,
         **numbers,
     )
 
 
 def without_truth(
     window: LoopWindow, plant: HiddenEffectPlant, alike: set[str], decoys: tuple[Decoy, ...]
-) -> str:
+) -> Verdict:
     """Return the verdict with a library without the true family and its indistinguishable effects."""
     out = {FAMILIES[name] for name in (*plant.effects, *alike) if name in FAMILIES}
-    return Workbench(window, without=out, extra=decoys).comparison().verdict.kind
+    return Workbench(window, without=out, extra=decoys).comparison().verdict
 
 
 def floor_of(plant: HiddenEffectPlant, record: Record) -> float:
@@ -177,10 +213,10 @@ def floor_of(plant: HiddenEffectPlant, record: Record) -> float:
     return float(np.sqrt(np.mean(left**2)))
 
 
-def covers(plant: HiddenEffectPlant, step: Step) -> list[bool]:
+def covers(known: Mapping[str, Sequence[float]], step: Step) -> list[bool]:
     """Return for each known parameter of a named effect whether its interval holds the truth."""
     return [
-        any(parameter.low <= value <= parameter.high for value in plant.parameters[parameter.name])
+        any(parameter.low <= value <= parameter.high for value in known[parameter.name])
         for parameter in step.parameters
-        if parameter.name in plant.parameters
+        if parameter.name in known
     ]

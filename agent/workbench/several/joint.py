@@ -18,7 +18,8 @@ from agent.workbench.innovations import innovations
 from agent.workbench.likelihood_profile import QUANTILE, WIDER
 from agent.workbench.predictor import Predictor, predictor_behind
 from agent.workbench.projection import VANISHES, nuisance_part
-from agent.workbench.search import COARSE, STEPS, is_rough, lowered_by_simplex
+from agent.workbench.search import COARSE, SAME, STEPS, is_rough
+from agent.workbench.simplex import lowered_by_simplex
 from agent.workbench.space import Space, space_of
 
 if TYPE_CHECKING:
@@ -169,8 +170,7 @@ def _lowered(joint: Joint, start: FloatArray) -> FloatArray:
     found = lowest(joint.residual, start, STEPS, COARSE)
     if not any(is_rough(each.objective) for each in joint.predictors):
         return found
-    flat = 1e-7 * joint.error(found)
-    return lowered_by_simplex(joint.error, found, STEP, EVALUATIONS, near=1e-5, flat=flat)
+    return lowered_by_simplex(joint.error, found, STEP, EVALUATIONS, near=1.0, flat=SAME)
 
 
 def _judged(joint: Joint, at: FloatArray) -> JointFit | None:

@@ -1,0 +1,81 @@
+"""Two effects that go on all the time against one event: hypotheses of one set, by one likelihood and price.
+
+Steps of a load have heights, instants and a lag of their own, so that they may take over what two effects do,
+where neither of these alone does as much. So an event is compared with the likeliest pair of effects that act
+on OP, as it is with each of them alone.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from agent.workbench.evidence import evidence_of
+from agent.workbench.likeliest import comparable
+from agent.workbench.residual.very_strong import VERY_STRONG
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from agent.physics.effect import Effect
+    from agent.workbench.evidence import Evidence
+    from agent.workbench.record import Record
+    from agent.workbench.step import Step
+    from agent.workbench.trial import Tried
+
+
+class Pair(NamedTuple):
+    """Two effects, and how much likelier the record is with both: ``Evidence.criterion`` of one after one."""
+
+    names: tuple[str, str]
+    criterion: float
+
+
+def likeliest_pair(
+    found: Mapping[str, Evidence],
+    models: Mapping[str, Tried],
+    also: Callable[[Tried], Iterable[Effect]],
+    together: Callable[[Step | Tried, Effect], Tried],
+    record: Record,
+) -> Pair | None:
+    """Return the likeliest two effects that act on OP all the time; None where there are none.
+
+    Args:
+        found: What the innovations say of each effect on the smaller model.
+        models: With each of them.
+        also: Those that the innovations hint at beside the effect of a model, the best first.
+        together: Tries an effect on top of one of the models.
+        record: What they were fitted to.
+    """
+    able = [name for name in comparable(found) if found[name].explains]
+    if not able:
+        return None
+    first = max(able, key=lambda name: found[name].criterion)
+    larger = {each.name: together(models[first], each) for each in also(models[first])}
+    pairs = [
+        Pair((first, name), found[first].criterion + second.criterion)
+        for name, each in larger.items()
+        if (second := evidence_of(models[first], each, record, len(models))).answers and second.explains
+    ]
+    return max(pairs, key=lambda each: each.criterion, default=None)
+
+
+def far_likelier_than(pair: Pair, event: Evidence) -> bool:
+    """Return whether the record is very much likelier with a pair than with an event."""
+    return pair.criterion - event.criterion > VERY_STRONG
+
+
+def far_likelier_words(pair: Pair) -> str:
+    """Return in words that a pair rejects an event."""
+    one, other = (each.replace("_", " ") for each in pair.names)
+    return f"{one} and {other} together make the record far more likely than what happened once"
+
+
+def as_likely_words(pair: Pair) -> str:
+    """Return in words that a pair cannot be distinguished from an event."""
+    one, other = (each.replace("_", " ") for each in pair.names)
+    return f"{one} and {other} together make the record as likely"
+
+
+def is_as_likely(pair: Pair, event: Evidence) -> bool:
+    """Return whether the record is not very much likelier with an event than with a pair."""
+    return event.criterion - pair.criterion <= VERY_STRONG

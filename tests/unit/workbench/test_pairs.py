@@ -1,0 +1,121 @@
+"""An event is compared with the likeliest two effects that act on OP, by the likelihood of all hypotheses."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from loops import GAIN, LEVEL, made
+
+from agent.analysis.record.recording import LoopWindow
+from agent.physics.bases import Fopdt
+from agent.physics.effects import EFFECTS
+from agent.physics.loop_model import LoopModel
+from agent.workbench import candidates
+from agent.workbench.checks import pairs
+from agent.workbench.checks.pairs import Pair, as_likely_words, far_likelier_words, likeliest_pair
+from agent.workbench.evidence import Evidence, evidence_of
+from agent.workbench.hooks import silent
+from agent.workbench.record import bare_record
+from agent.workbench.residual.very_strong import VERY_STRONG
+from agent.workbench.session.opening import opened
+from agent.workbench.step import step_of
+
+NAMED = {each.name: each for each in EFFECTS}
+
+
+def evidence(criterion, family="valve", *, answers=True, once=False, explains=True):
+    return Evidence(explains, 1e-6, criterion, family, answers, once)
+
+
+def pair_of(monkeypatch, found, beside):
+    """The likeliest pair of ``found``, where ``beside`` is found on top of the first of them."""
+    monkeypatch.setattr(pairs, "evidence_of", lambda smaller, larger, *_: beside[smaller, larger])
+    models = {name: name for name in found}
+
+    def also(model):
+        return [SimpleNamespace(name=other) for first, other in beside if first == model]
+
+    return likeliest_pair(found, models, also, lambda _, other: other.name, None)
+
+
+def test_a_pair_is_the_likeliest_that_acts_on_op_and_the_likeliest_beside_it(monkeypatch):
+    found = {
+        "step": evidence(180.0, "load", answers=False, once=True),
+        "gain": evidence(170.0, "gain", once=True),
+        "answer": evidence(150.0, explains=False),
+        "slack": evidence(90.0),
+        "rate": evidence(60.0, "speed"),
+    }
+    beside = {
+        ("slack", "rate"): evidence(100.0, "speed"),
+        ("slack", "trim"): evidence(40.0, "trim"),
+        ("slack", "idle"): evidence(200.0, "lag", explains=False),
+    }
+    assert pair_of(monkeypatch, found, beside) == Pair(("slack", "rate"), 190.0)
+
+
+def test_there_is_no_pair_without_an_effect_that_acts_on_op_or_one_beside_it(monkeypatch):
+    step = evidence(180.0, "load", answers=False, once=True)
+    assert pair_of(monkeypatch, {"step": step}, {}) is None
+    assert pair_of(monkeypatch, {"step": step, "slack": evidence(90.0)}, {}) is None
+
+
+@pytest.fixture(scope="module")
+def stepped():
+    """A loop with one step of its load: what was opened, the base, and how much likelier a load step is."""
+    window = made(noise=0.05)
+    pv = window.pv + 1.5 * (np.arange(len(window)) > 430)
+    trials, alone = opened(replace(window, pv=pv), Fopdt(), map, silent)
+    base = step_of(alone, trials.record, None)
+    found = trials.judged_on(base, [NAMED["load_step"]])
+    return trials, base, evidence_of(base, found.models["load_step"], trials.record, 1).criterion
+
+
+@pytest.mark.parametrize(
+    ("more", "verdict"),
+    [
+        (-1.5 * VERY_STRONG, ("confirmed", "load_step")),
+        (0.5 * VERY_STRONG, ("suggested", "load_step")),
+        (1.5 * VERY_STRONG, ("suggested", "rate_limit")),
+    ],
+    ids=["far less likely", "as likely", "far likelier"],
+)
+def test_an_event_stands_by_how_likely_the_record_is_with_two_effects(monkeypatch, stepped, more, verdict):
+    trials, base, criterion = stepped
+    pair = Pair(("rate_limit", "saturation"), criterion + more)
+    monkeypatch.setattr(candidates, "likeliest_pair", lambda *_: pair)
+    decision = trials.judged_on(base, [NAMED["rate_limit"], NAMED["load_step"]]).decision
+    assert (decision.kind, decision.effect) == verdict
+    assert (as_likely_words(pair) in decision.lacks) == (verdict == ("suggested", "load_step"))
+    assert (far_likelier_words(pair) in decision.lacks) == (verdict == ("suggested", "rate_limit"))
+
+
+@pytest.fixture(scope="module")
+def moved_twice():
+    """A loop with a dead band and a limited speed, OP moved up and back: what was opened, and the base."""
+    op = np.repeat(np.array([50.0, 50.0, 56.0, 56.0, 56.0, 50.0, 50.0, 50.0]), 80)
+    model = LoopModel(Fopdt(), (NAMED["rate_limit"], NAMED["deadband"]))
+    facts = bare_record(LoopWindow("loop", 0.0, 1.0, op, op)).facts
+    known = {"delay": 4.0, "tau": 9.0, "rate_limit.rate": 0.3, "deadband.s": 2.0, "deadband.damping": 0.1}
+    values = np.array([known.get(name, 0.0) for name, _ in model.parameters(facts)])
+    noise = 0.15 * np.random.default_rng(1).standard_normal(len(op))
+    pv = LEVEL + GAIN * model.columns(op, values, facts)[:, 0] + noise
+    trials, alone = opened(LoopWindow("loop", 0.0, 1.0, op, pv), Fopdt(), map, silent)
+    return trials, step_of(alone, trials.record, None)
+
+
+def test_two_effects_of_which_neither_stands_alone_are_suggested_in_place_of_an_event(moved_twice):
+    trials, base = moved_twice
+    able = [NAMED[each] for each in ("deadband", "rate_limit", "load_step")]
+    decision = trials.judged_on(base, able).decision
+    assert (decision.kind, decision.effect, decision.rivals) == ("suggested", "rate_limit", ("deadband",))
+    assert "rate limit and deadband together" in decision.lacks[0]
+    event = next(each for each in decision.candidates if each.effect == "load_step")
+    assert "far more likely" in event.objection
+
+
+def test_without_the_second_effect_the_event_is_all_that_the_library_has(moved_twice):
+    trials, base = moved_twice
+    decision = trials.judged_on(base, [NAMED[each] for each in ("rate_limit", "load_step")]).decision
+    assert decision.effect == "load_step"
