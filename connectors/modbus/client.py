@@ -74,10 +74,11 @@ class ModbusClient:
             "discrete": self._client.read_discrete_inputs,
         }[table]
         answer = await self._ask(read, address, count=count)
-        values = answer.bits[:count] if table in ("coil", "discrete") else answer.registers
+        bits = table in ("coil", "discrete")
+        values: list[int] = [int(bit) for bit in answer.bits[:count]] if bits else answer.registers
         if len(values) != count:
             raise ConnectionLostError(f"the device sent {len(values)} values of {count} requested")
-        return [int(value) for value in values]
+        return values
 
     async def write_coil(self, address: int, value: bool) -> None:  # noqa: FBT001 - the value is what it is
         """Set one coil; raises DeviceError."""

@@ -76,6 +76,13 @@ class NeighbourReader:
             raise answer
         return span.part(answer, block)
 
+    async def read_together(self, span: Span) -> list[int] | None:
+        """Return the answer to a span; None where its blocks are to be read one by one, for their reasons."""
+        if id(span.parts[0]) not in self._span_of or not await self._read_whole(span):
+            return None
+        answer = self._answers[id(span)]
+        return None if isinstance(answer, DeviceError) else answer
+
     async def _read_whole(self, span: Span) -> bool:
         """Read a span; return whether it stays one."""
         try:

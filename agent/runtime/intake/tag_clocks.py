@@ -9,6 +9,12 @@ from __future__ import annotations
 
 import math
 from array import array
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from agent.runtime.intake.rows import Times
 
 COMPARED = ("pv", "op")
 NEWEST = 30
@@ -36,6 +42,14 @@ class _Newest:
         place = self._count % NEWEST
         self._times[place], self._ahead[place] = time, time - arrival
         self._count += 1
+
+    def take(self, times: Times) -> None:
+        n = len(times.source)
+        newest = slice(max(n - NEWEST, 0), None)
+        places = np.arange(self._count, self._count + n)[newest] % NEWEST
+        np.frombuffer(self._times)[places] = times.source[newest]
+        np.frombuffer(self._ahead)[places] = times.ahead[newest]
+        self._count += n
 
     def offset(self) -> float:
         """Return how far the clock is ahead of this machine's monotonic one, s; NaN where not known."""
@@ -65,6 +79,12 @@ class TagClocks:
         seen = self._seen.get(role)
         if seen is not None:
             seen.see(time, arrival)
+
+    def take(self, role: str, times: Times) -> None:
+        """Take the times of many values, as ``see`` does one by one."""
+        seen = self._seen.get(role)
+        if seen is not None:
+            seen.take(times)
 
     @property
     def apart(self) -> float:
