@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.runtime.intake.rows import Rows, Times
+from agent.runtime.intake.rows import Rows, Times, short_of
 from connectors.base import Sample
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from connectors.base import LoopRole
     from connectors.readings import Readings
 
-ROWS = 30
+ROWS = 60
 """Readings that wait at most: what an array costs is then shared by as many values, and memory is small."""
 
 
@@ -66,12 +66,12 @@ class Gathering:
         waiting, self._waiting = self._waiting, []
         source, arrivals = zip(*((readings.time, arrival) for readings, arrival in waiting), strict=True)
         times = Times(np.array(source), np.array(arrivals))
-        values = np.array([readings.values for readings, _ in waiting])
-        usable = np.isfinite(values).all(axis=0)
-        each_is = times.increasing and bool(usable.all())
+        values = np.array([readings.values for readings, _ in waiting]).T
+        finite = np.isfinite(values).all(axis=1).tolist()
+        short = short_of(values)
         for part in self._parts:
-            plain = each_is or (times.increasing and bool(usable[part.columns].all()))
-            rows = Rows(part.roles, times, values[:, part.columns])
+            rows = Rows(part.roles, times, values[part.columns], short[part.columns])
+            plain = times.increasing and all(finite[part.columns])
             if not (plain and part.intake.take(rows)):
                 _one_by_one(part, waiting)
         self._settles = min((part.intake.window.due_from for part in self._parts), default=math.inf)

@@ -5,6 +5,7 @@ What depends on the times alone is computed once for all loops that were read to
 
 from __future__ import annotations
 
+from array import array
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -30,6 +31,10 @@ class Filled(NamedTuple):
     """Which row's value each has, from 1; 0: that which was there before the rows, (m,)."""
     reports: NDArray[np.int8]
     """When each was reported, in parts of a sampling time from its slot, or ``HELD``, (m,)."""
+    at: NDArray[np.int64]
+    """Where each is in the ring, (m,)."""
+    added: int
+    """How many of them are behind ``newest``."""
 
 
 class Places:
@@ -49,23 +54,25 @@ class Places:
         self._slots = rounded.astype(np.int64)
         self._reports = np.rint((places - rounded) * FINE).astype(np.int8)
         self.first, self.last = int(self._slots[0]), int(self._slots[-1])
-        self._filled: dict[int, Filled] = {}
+        self._filled: dict[tuple[int, int], Filled] = {}
 
-    def filled(self, newest: int) -> Filled:
+    def filled(self, newest: int, capacity: int) -> Filled:
         """Return what becomes of the slots from ``newest``, the last one that has a value, on.
 
         The last value of a slot counts, and one holds until the next. ``newest`` itself is among them where
         the first time belongs to it.
         """
-        if newest not in self._filled:
+        if (newest, capacity) not in self._filled:
             first = newest + (self.first != newest)
             counts = np.flatnonzero(np.append(self._slots[1:] != self._slots[:-1], [True]))
             slots = self._slots[counts] - first
             reports = np.full(self.last - first + 1, HELD, dtype=np.int8)
             reports[slots] = self._reports[counts]
             before = np.searchsorted(slots, np.arange(len(reports)), side="right")
-            self._filled[newest] = Filled(np.append([0], counts + 1)[before], reports)
-        return self._filled[newest]
+            source = np.append([0], counts + 1)[before]
+            at = np.arange(first, self.last + 1) % capacity
+            self._filled[newest, capacity] = Filled(source, reports, at, self.last - newest)
+        return self._filled[newest, capacity]
 
 
 class Times:
@@ -76,6 +83,7 @@ class Times:
         self.source = times
         self.arrivals = arrivals
         self._places: dict[tuple[float, float], Places] = {}
+        self._turned: dict[tuple[int, int], tuple[array[float], array[float]]] = {}
         self._off: float | None = None
 
     @cached_property
@@ -92,6 +100,17 @@ class Times:
     def leap(self) -> float:
         """Most by which one went ahead more than its arrival did, s; -inf where there is only one."""
         return float(np.max(self.ahead[1:] - self.ahead[:-1], initial=-np.inf))
+
+    def newest(self, count: int, place: int) -> tuple[array[float], array[float]]:
+        """Return the newest ``count`` times, and how far they are ahead of their arrivals, in a ring.
+
+        ``count`` is at most n; ``place`` is that of the oldest in the ring of ``count``.
+        """
+        if (count, place) not in self._turned:
+            turned = (np.roll(each[-count:], place).tolist() for each in (self.source, self.ahead))
+            times, ahead = (array("d", each) for each in turned)
+            self._turned[count, place] = (times, ahead)
+        return self._turned[count, place]
 
     def off(self, now: float) -> float:
         """Return how far the worst was from this machine's clock when it came; that shows ``now``, s UTC."""
@@ -113,4 +132,14 @@ class Rows:
     roles: tuple[str, ...]
     times: Times
     values: FloatArray
-    """(n, roles), all finite."""
+    """(roles, n), all finite."""
+    short: NDArray[np.float32]
+    """The same in the bits of a ring, with room for what it has before, (roles, 1 + n)."""
+
+
+def short_of(values: FloatArray) -> NDArray[np.float32]:
+    """Return values, (k, n), in 32 bits and behind a column of zeros, (k, 1 + n)."""
+    short = np.zeros((len(values), values.shape[1] + 1), dtype=np.float32)
+    with np.errstate(over="ignore"):  # beyond 32 bits is infinite, as it is one by one
+        short[:, 1:] = values
+    return short

@@ -107,12 +107,10 @@ class SlotRing:
 
     def take(self, places: Places, values: NDArray[np.float32]) -> None:
         """Take values at places for which ``can_take`` holds; (1 + n,), the first of any value."""
-        source, reports = places.filled(self.newest)
+        source, reports, at, added = places.filled(self.newest, self._capacity)
         values[0] = self._values[self.newest % self._capacity]
-        n, added = len(source), places.last - self.newest
-        at = np.arange(places.last - n + 1, places.last + 1) % self._capacity
         told = np.frombuffer(self._reports, np.int8)
-        over = (told[at[n - added :]] != HELD).nonzero()[0]
+        over = (told[at[len(at) - added :]] != HELD).nonzero()[0]
         if over.size:
             slot = self.newest + 1 + int(over[-1])
             self._before = (slot - self._capacity) * FINE + int(told[slot % self._capacity])

@@ -45,11 +45,13 @@ class _Newest:
 
     def take(self, times: Times) -> None:
         n = len(times.source)
-        newest = slice(max(n - NEWEST, 0), None)
-        places = np.arange(self._count, self._count + n)[newest] % NEWEST
-        np.frombuffer(self._times)[places] = times.source[newest]
-        np.frombuffer(self._ahead)[places] = times.ahead[newest]
         self._count += n
+        if n >= NEWEST:
+            self._times[:], self._ahead[:] = times.newest(NEWEST, self._count % NEWEST)
+            return
+        places = np.arange(self._count - n, self._count) % NEWEST
+        np.frombuffer(self._times)[places] = times.source
+        np.frombuffer(self._ahead)[places] = times.ahead
 
     def offset(self) -> float:
         """Return how far the clock is ahead of this machine's monotonic one, s; NaN where not known."""

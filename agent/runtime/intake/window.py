@@ -148,18 +148,15 @@ class RollingWindow:
 
     def take(self, rows: Rows, places: Places) -> None:
         """Do what ``push`` would do with each value of rows; ``places`` are from ``places_for``."""
-        values = np.empty((len(rows.roles), len(rows.values) + 1), dtype=np.float32)
-        with np.errstate(over="ignore"):  # beyond 32 bits is infinite, as it is one by one
-            values[:, 1:] = rows.values.T
-        for k, role in enumerate(rows.roles):
+        for role, values, short in zip(rows.roles, rows.values, rows.short, strict=True):
             ring = self._rings.get(role)
             if ring is None:
                 continue
             if role == "mode":
-                values[k, 1:] = [self._mode(value) for value in rows.values[:, k].tolist()]
-            ring.take(places, values[k])
+                short[1:] = [self._mode(value) for value in values.tolist()]
+            ring.take(places, short)
             self.clocks.take(role, rows.times)
-            self.counters.samples += len(rows.values)
+            self.counters.samples += len(values)
         self._backward_run = 0
         self.arrival = float(rows.times.arrivals[-1])
 
