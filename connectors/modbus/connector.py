@@ -6,7 +6,7 @@ import asyncio
 import logging
 import math
 from collections.abc import AsyncGenerator, AsyncIterator, Mapping, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import AsyncExitStack, aclosing, asynccontextmanager
 
 from connectors.base import (
     ConfigError,
@@ -89,12 +89,14 @@ class ModbusSession:
     async def readings(self) -> AsyncGenerator[Sample | Readings]:
         """Yield the same, those of one request in one piece; raises ConnectionLostError."""
         tags = {name: loop.tags for name, loop in self._loops.items()}
-        rounds = Rounds(self._clients, tags, self._options.address_base, self._parking)
+        lanes = [client for client in self._clients for _ in range(self._options.requests)]
+        rounds = Rounds(lanes, tags, self._options.address_base, self._parking)
         clock = asyncio.get_running_loop()
         due = clock.time()
         while True:
-            async for each in rounds.read():
-                yield each
+            async with aclosing(rounds.read()) as round_:
+                async for each in round_:
+                    yield each
             due = max(due + self._options.poll, clock.time())
             await asyncio.sleep(due - clock.time())
 

@@ -6,7 +6,7 @@ import asyncio
 import math
 import time
 from collections import deque
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncGenerator, Mapping, Sequence
 
 from connectors.base import LoopRole, Sample
 from connectors.modbus.block_reader import BlockReader
@@ -65,16 +65,13 @@ class Group:
             self._whole = WholeAnswer(self._span.whole.address, [each.blocks[0] for each in pollers])
             self._tags = tuple(tag for each in pollers for tag in each.tags.values())
 
-    async def poll(self, lane: NeighbourReader) -> AsyncIterator[Sample | Readings]:
-        """Yield what is new, in one piece where it comes in one; raises ConnectionLostError."""
+    async def poll(self, lane: NeighbourReader) -> Sequence[Sample | Readings]:
+        """Return what is new, in one piece where it comes in one; raises ConnectionLostError."""
         if self._span is not None:
             answer = await lane.read_together(self._span)
             if answer is not None:
-                yield Readings(self._tags, time.time(), self._whole.values(answer))
-                return
-        for poller in self._pollers:
-            for sample in await poller.poll(lane):
-                yield sample
+                return [Readings(self._tags, time.time(), self._whole.values(answer))]
+        return [sample for poller in self._pollers for sample in await poller.poll(lane)]
 
 
 class Rounds:
@@ -90,7 +87,7 @@ class Rounds:
         """Plan it.
 
         Args:
-            clients: Connections to the device, one request under way on each.
+            clients: Connections to the device, one as often as requests may be under way on it.
             loops: Loop -> role -> tag; those without tags are left out.
             address_base: Number of a table's first register.
             parking: Of the device.
@@ -104,15 +101,16 @@ class Rounds:
             NeighbourReader(BlockReader(client, blocks, parking), parking, together) for client in clients
         ]
 
-    async def read(self) -> AsyncIterator[Sample | Readings]:
+    async def read(self) -> AsyncGenerator[Sample | Readings]:
         """Yield the values of every loop once; raises ConnectionLostError."""
         for lane in self._lanes:
             lane.begin_round()
         waiting = deque(self._groups)
         tasks = {asyncio.create_task(_poll(waiting, lane), name="poll") for lane in self._lanes[1:]}
         try:
-            async for each in _poll_each(waiting, self._lanes[0]):
-                yield each
+            while waiting:
+                for each in await waiting.popleft().poll(self._lanes[0]):
+                    yield each
             for task in tasks:
                 for each in await task:
                     yield each
@@ -123,15 +121,12 @@ class Rounds:
                 await asyncio.wait(tasks)
 
 
-async def _poll_each(waiting: deque[Group], lane: NeighbourReader) -> AsyncIterator[Sample | Readings]:
-    """Read what waits until nothing does."""
-    while waiting:
-        async for each in waiting.popleft().poll(lane):
-            yield each
-
-
 async def _poll(waiting: deque[Group], lane: NeighbourReader) -> list[Sample | Readings]:
-    return [each async for each in _poll_each(waiting, lane)]
+    """Read what waits until nothing does."""
+    found: list[Sample | Readings] = []
+    while waiting:
+        found += await waiting.popleft().poll(lane)
+    return found
 
 
 def _groups(pollers: Sequence[LoopPoller], together: Mapping[int, Span]) -> list[Group]:

@@ -16,10 +16,11 @@ from agent.analysis.results import IntervalEstimate, MethodResult, Quantificatio
 from agent.report.ranking import GROUPS, group_of
 from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
+from agent.runtime.operate import breath
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, HttpSettings, Settings
 from agent.web.plant import Look, Plant
 from agent.web.plant_page import address, plant_page
-from agent.web.ranking import Item, area_of
+from agent.web.ranking import Item, area_of, widest
 from agent.web.rows import row_of, sparkline_of
 from agent.web.screens.work_list import Wanted, listed, map_of
 from connectors.options import Options
@@ -246,27 +247,56 @@ def judge_as(name, verdict, s):
     )
 
 
-def large(loops=5000):
+async def large(loops=5000):
     verdicts = ("stiction", "no_stiction", "undecided", "not_testable")
     items = tuple(item_of(k, verdicts[k % 4]) for k in range(loops))
-    return Look(START, items, None, {item.status.loop: item for item in items})
+    return await Look.of(START, items, None)
 
 
-def test_a_plant_of_5000_loops_sends_little():
-    look = large()
-    parts = listed(look, Wanted(size=50))
+async def test_others_have_their_turn_while_a_large_plant_is_listed(monkeypatch):
+    """Each step over all loops is in slices: with slices of one loop, others come in between each two."""
+    monkeypatch.setattr(breath, "AT_ONCE", 0.0)
+    turns = 0
+
+    async def other():
+        nonlocal turns
+        while True:
+            turns += 1
+            await asyncio.sleep(0)
+
+    async def turns_of(work):
+        nonlocal turns
+        turns = 0
+        await work
+        return turns
+
+    task = asyncio.create_task(other())
+    loops = 600
+    look = await large(loops)
+    assert await turns_of(large(loops)) >= loops - 1
+    assert await turns_of(listed(look, Wanted(search="FIC"))) >= loops - 1
+    assert await turns_of(listed(look, Wanted(sort="s"))) >= loops - 1
+    assert await turns_of(map_of(look)) >= loops - 1
+    task.cancel()
+
+
+async def test_a_plant_of_5000_loops_sends_little():
+    look = await large()
+    parts = await listed(look, Wanted(size=50))
+    assert parts["plant"]["widest"] == pytest.approx(widest(look.items))
     assert len(parts["order"]) == 50
     assert sum(parts["counts"][group] for group in GROUPS) == 5000
     rows = [row_of(look.by_name[name]) for name in parts["order"]]
     sparks = 50 * json.dumps({"pv": [100] * 48, "op": [100] * 48})
     assert len(json.dumps([parts, rows])) + len(sparks) < 60_000
-    assert len(gzip.compress(json.dumps(map_of(look)).encode())) < 60_000
+    assert len(gzip.compress(json.dumps(await map_of(look)).encode())) < 60_000
 
 
-def test_pages_of_the_list_are_each_loop_once_in_any_order():
-    look = large(237)
+async def test_pages_of_the_list_are_each_loop_once_in_any_order():
+    look = await large(237)
     for sort in ("next", "name", "s", "probability", "since"):
-        names = [name for page in range(5) for name in listed(look, Wanted(sort=sort, page=page))["order"]]
+        pages = [await listed(look, Wanted(sort=sort, page=page)) for page in range(5)]
+        names = [name for page in pages for name in page["order"]]
         assert len(names) == len(set(names)) == 237
 
 
