@@ -26,6 +26,8 @@ from connectors.readings import Readings
 
 WATCHED = 50
 """Of so many loops one has the delay of each sample from wire to window measured."""
+WATCH = "watch"
+"""What the parent sends to have the loop watched from now on; True ends that."""
 TICK = 0.02
 """How often it is seen whether the loop that reads stands still, s."""
 
@@ -56,11 +58,16 @@ class Stops:
 
     def __init__(self) -> None:
         self.longest: list[float] = []
+        self.wanted = asyncio.Event()
+        """Set while it is watched: fifty looks a second are a good part of the CPU of 1000 loops."""
 
     async def watch(self) -> None:
-        """Look every ``TICK`` s."""
+        """Look every ``TICK`` s while it is wanted."""
         before = time.perf_counter(), time.thread_time()
         while True:
+            if not self.wanted.is_set():
+                await self.wanted.wait()
+                before = time.perf_counter(), time.thread_time()
             await asyncio.sleep(TICK)
             now = time.perf_counter(), time.thread_time()
             late = min(now[0] - before[0] - TICK, now[1] - before[1])
@@ -146,8 +153,11 @@ async def answer(
         marked.clear()
         if not says.poll():
             continue
-        if says.recv() is None:
+        wanted = says.recv()
+        if wanted is None:
             return
+        if stops is not None:
+            (stops.wanted.set if wanted == WATCH else stops.wanted.clear)()
         cpu, wall, values, missed = before
         before = time.process_time(), time.perf_counter(), await count(), lost()
         says.send(
@@ -156,7 +166,7 @@ async def answer(
                 before[1] - wall,
                 before[2] - values,
                 tuple(np.quantile(delays, [0.5, 0.99, 1.0])) if delays else (),
-                tuple(stops.longest) if stops is not None else (),
+                tuple(stops.longest) if stops is not None and stops.longest else (0.0,),
                 before[3] - missed,
             )
         )

@@ -149,3 +149,13 @@ def test_a_sample_comes_after_the_rows_before_it():
     loop.intake.push(Sample.measured(TAGS[0], START + 5.0, 99.0), 5.0)
     _, columns = loop.intake.window.recent()
     assert columns["pv"].tolist() == [50.0, 51.0, 52.0, 53.0, 54.0, 99.0]
+
+
+def test_a_server_that_is_slower_than_the_loop_leaves_gaps_between_its_values():
+    loop = Loop(seconds=40.0)
+    for k in range(14):
+        loop.put(readings(3.0 * k, [50.0 + k, 40.0, 45.0, 1.0]), 3.0 * k)
+    ((window, _),) = loop.due
+    known = np.flatnonzero(np.isfinite(window.pv))
+    assert np.array_equal(known % 3, np.zeros(len(known)))
+    assert len(known) == pytest.approx(len(window.pv) / 3, abs=1)
