@@ -71,6 +71,8 @@ class ModbusClient:
         self._options = options
         self._tls = tls
         self._numbered = NumberedReads(client.ctx, options.unit, options.timeout)
+        self._turns = asyncio.Semaphore(options.requests)
+        """Of reads and writes: many a device does not see the second of two requests that come together."""
         self._answered = False
         self.timeout = options.timeout
         """Longest wait for an answer, s."""
@@ -79,7 +81,7 @@ class ModbusClient:
 
     async def read(self, table: Table, address: int, count: int) -> Sequence[int]:
         """Return ``count`` registers, or bits as 0 and 1; ``address`` as on the wire. Raises DeviceError."""
-        pdu = await self._answer(self._numbered.ask(_READS[table], address, count))
+        pdu = await self._answer(lambda: self._numbered.ask(_READS[table], address, count))
         if pdu[0] & _EXCEPTION:
             raise DeviceError(pdu[1])
         data = pdu[2:]
@@ -104,15 +106,22 @@ class ModbusClient:
         await self._ask(self._client.write_registers, address, values)
 
     async def _ask(self, request: Request, *args: int | list[int]) -> None:
-        answer = await self._answer(request(*args, device_id=self._options.unit))
+        async def asked() -> ModbusPDU:  # pymodbus raises before there is anything to await
+            return await request(*args, device_id=self._options.unit)
+
+        answer = await self._answer(asked)
         if answer.isError():
             raise DeviceError(answer.exception_code)
 
-    async def _answer(self, request: Awaitable[AnswerT]) -> AnswerT:
+    async def _answer(self, request: Callable[[], Awaitable[AnswerT]]) -> AnswerT:
+        async with self._turns:
+            return await self._answer_now(request)
+
+    async def _answer_now(self, request: Callable[[], Awaitable[AnswerT]]) -> AnswerT:
         clock = asyncio.get_running_loop()
         began = clock.time()
         try:
-            answer = await request
+            answer = await request()
         except (ModbusException, OSError) as error:
             self.silent = self._client.connected and clock.time() - began >= self.timeout
             if not self._answered:

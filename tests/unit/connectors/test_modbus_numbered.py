@@ -62,9 +62,13 @@ async def device():
 
 
 @asynccontextmanager
-async def reading(wait=LONG):
-    async with device() as (made, port), connected(ModbusOptions(port=port, timeout=wait)) as client:
+async def reading(wait=LONG, requests=4):
+    async with device() as (made, port), connected(_options(port, wait, requests)) as client:
         yield made, client
+
+
+def _options(port, wait, requests):
+    return ModbusOptions(port=port, timeout=wait, requests=requests)
 
 
 async def within(work):
@@ -203,3 +207,31 @@ async def test_as_many_requests_are_under_way_as_the_options_allow(connections, 
             assert await within(reading_all) == {(f"L{k}", 100.0 * k) for k in range(6)}
             await samples.aclose()
     assert there.most == requests
+
+
+async def test_writing_to_a_device_that_has_hung_up_is_a_loss():
+    async with reading() as (there, client):
+        read = asyncio.create_task(client.read("holding", 0, 1))
+        await within(there.requests.get())
+        there.writer.close()
+        with pytest.raises(ConnectionLostError):
+            await within(read)
+        with pytest.raises(ConnectionLostError):
+            await within(client.write_coil(5, value=True))
+
+
+async def test_one_request_at_a_time_holds_for_reads_and_writes_together():
+    async with reading(requests=1) as (there, client):
+        read = asyncio.create_task(client.read("holding", 3, 1))
+        asked = await within(there.requests.get())
+        write = asyncio.create_task(client.write_coil(5, value=True))
+        again = asyncio.create_task(client.read("holding", 4, 1))
+        await asyncio.sleep(0)
+        there.answer(asked)
+        assert list(await within(read)) == [3]
+        number, *_ = await within(there.requests.get())
+        assert there.requests.empty()
+        there.send(struct.pack(">HHHBBHH", number, 0, 6, 1, 5, 5, 0xFF00))
+        await within(write)
+        there.answer(await within(there.requests.get()))
+        assert list(await within(again)) == [4]
