@@ -11,6 +11,7 @@ from agent.alarms import Alarm
 from agent.analysis.memory.valve_memory import ValveMemory
 from agent.analysis.routine import Diagnose
 from agent.runtime.intake.gathering import Gatherings
+from agent.runtime.intake.intake import Intake
 from agent.runtime.intake.source_clock import SourceClock
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
@@ -53,7 +54,7 @@ class Wiring:
             recorder: Keeps raw samples; None: nobody does.
         """
         self.pipelines: dict[str, LoopPipeline] = {}
-        self._gatherings = Gatherings(self.pipelines)
+        self._gatherings = Gatherings(self._intake_of)
         self.connections: dict[str, Connection] = {}
         self.outboxes: dict[str, Outbox] = {}
         self.health: dict[str, Health] = {}
@@ -127,6 +128,10 @@ class Wiring:
             else self.connections[name]
             for name, plan in plans.items()
         }
+
+    def _intake_of(self, loop: str) -> Intake | None:
+        pipeline = self.pipelines.get(loop)
+        return None if pipeline is None else pipeline.intake
 
     def _discard(self, connection: str, waiting: Mapping[int, Publication]) -> None:
         """Discard publications for a connection that is no longer in the settings."""

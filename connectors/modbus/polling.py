@@ -54,7 +54,7 @@ class LoopPoller:
         ]
 
 
-class Group:
+class PolledTogether:
     """Loops that are read in one request, as long as the device allows it."""
 
     def __init__(self, pollers: Sequence[LoopPoller], span: Span | None) -> None:
@@ -121,7 +121,7 @@ class Rounds:
                 await asyncio.wait(tasks)
 
 
-async def _poll(waiting: deque[Group], lane: NeighbourReader) -> list[Sample | Readings]:
+async def _poll(waiting: deque[PolledTogether], lane: NeighbourReader) -> list[Sample | Readings]:
     """Read what waits until nothing does."""
     found: list[Sample | Readings] = []
     while waiting:
@@ -129,10 +129,10 @@ async def _poll(waiting: deque[Group], lane: NeighbourReader) -> list[Sample | R
     return found
 
 
-def _groups(pollers: Sequence[LoopPoller], together: Mapping[int, Span]) -> list[Group]:
+def _groups(pollers: Sequence[LoopPoller], together: Mapping[int, Span]) -> list[PolledTogether]:
     """Return the loops of each request, in the order of the first of them."""
     groups: dict[int, tuple[list[LoopPoller], Span | None]] = {}
     for poller in pollers:
         span = together.get(id(poller.blocks[0])) if len(poller.blocks) == 1 else None
         groups.setdefault(id(poller if span is None else span), ([], span))[0].append(poller)
-    return [Group(*each) for each in groups.values()]
+    return [PolledTogether(*each) for each in groups.values()]

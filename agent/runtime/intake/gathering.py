@@ -14,14 +14,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.runtime.intake.rows import Rows, Times, short_of
+from agent.runtime.intake.rows import RowTimes, ValueRows, short_of
 from connectors.base import Sample
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from agent.runtime.intake.intake import Intake
-    from agent.runtime.loop.pipeline import LoopPipeline
     from connectors.base import LoopRole
     from connectors.readings import Readings
 
@@ -30,7 +29,7 @@ ROWS = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class LoopColumns:
     """What is one loop's of readings."""
 
     intake: Intake
@@ -42,7 +41,7 @@ class Part:
 class Gathering:
     """Readings with the same tags that wait."""
 
-    def __init__(self, tags: tuple[LoopRole, ...], parts: Sequence[Part]) -> None:
+    def __init__(self, tags: tuple[LoopRole, ...], parts: Sequence[LoopColumns]) -> None:
         """Make it of the tags and what each loop has of them."""
         self.tags = tags
         self._parts = parts
@@ -65,12 +64,12 @@ class Gathering:
             return
         waiting, self._waiting = self._waiting, []
         source, arrivals = zip(*((readings.time, arrival) for readings, arrival in waiting), strict=True)
-        times = Times(np.array(source), np.array(arrivals))
+        times = RowTimes(np.array(source), np.array(arrivals))
         values = np.array([readings.values for readings, _ in waiting]).T
         finite = np.isfinite(values).all(axis=1).tolist()
         short = short_of(values)
         for part in self._parts:
-            rows = Rows(part.roles, times, values[part.columns], short[part.columns])
+            rows = ValueRows(part.roles, times, values[part.columns], short[part.columns])
             plain = times.increasing and all(finite[part.columns])
             if not (plain and part.intake.take(rows)):
                 _one_by_one(part, waiting)
@@ -84,9 +83,9 @@ class Gathering:
 class Gatherings:
     """Gives readings to the loops that they are of."""
 
-    def __init__(self, pipelines: Mapping[str, LoopPipeline]) -> None:
-        """Make it for these loops; ``end`` before one of them is replaced."""
-        self._pipelines = pipelines
+    def __init__(self, intake_of: Callable[[str], Intake | None]) -> None:
+        """Make it for loops, by name; ``end`` before one of them is replaced."""
+        self._intake_of = intake_of
         self._known: dict[int, Gathering] = {}
         """By the ``id`` of its tags, which it keeps, so that no others get the same."""
 
@@ -104,20 +103,20 @@ class Gatherings:
         self._known.clear()
 
     def _begun(self, tags: tuple[LoopRole, ...]) -> Gathering:
-        parts: list[Part] = []
+        parts: list[LoopColumns] = []
         first = 0
         for loop, each in groupby(tags, key=lambda tag: tag.loop):
             own = tuple(each)
             columns = slice(first, first + len(own))
             first = columns.stop
-            if loop in self._pipelines:
-                intake = self._pipelines[loop].intake
+            intake = self._intake_of(loop)
+            if intake is not None:
                 intake.settle()
-                parts.append(Part(intake, own, tuple(tag.role for tag in own), columns))
+                parts.append(LoopColumns(intake, own, tuple(tag.role for tag in own), columns))
         return Gathering(tags, parts)
 
 
-def _one_by_one(part: Part, waiting: Sequence[tuple[Readings, float]]) -> None:
+def _one_by_one(part: LoopColumns, waiting: Sequence[tuple[Readings, float]]) -> None:
     for readings, arrival in waiting:
         for tag, value in zip(part.tags, readings.values[part.columns].tolist(), strict=True):
             part.intake.push_one(Sample.measured(tag, readings.time, value), arrival)

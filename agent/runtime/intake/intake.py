@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from agent.runtime.intake.usable import UsableValues
 from agent.runtime.intake.window import RollingWindow
@@ -11,12 +11,21 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from agent.analysis.record.recording import LoopWindow
-    from agent.runtime.intake.gathering import Gathering
-    from agent.runtime.intake.rows import Rows
+    from agent.runtime.intake.rows import ValueRows
     from agent.runtime.intake.source_clock import SourceClock
     from agent.runtime.samples.recorder import SampleRecorder
     from agent.settings import LoopSettings
     from connectors.base import Sample
+
+
+class WaitingReadings(Protocol):
+    """Readings that wait until loops take them in."""
+
+    def settle(self) -> None:
+        """Have the loops take in what waits."""
+
+    def hurry(self) -> None:
+        """Take the next readings in at once."""
 
 
 class Intake:
@@ -43,7 +52,7 @@ class Intake:
         self.heard: float | None = None
         """Monotonic time at which anything arrived, also what was known already, s."""
         self.came_due = came_due
-        self.gathering: Gathering | None = None
+        self.gathering: WaitingReadings | None = None
         """Where readings of this loop wait; None while there were none."""
         self._recorder = recorder
 
@@ -59,7 +68,7 @@ class Intake:
         if self.gathering is not None:
             self.gathering.settle()
 
-    def take(self, rows: Rows) -> bool:
+    def take(self, rows: ValueRows) -> bool:
         """Take rows in at once; return False, and take nothing, where one needs a look of its own."""
         if self._recorder is not None or not self.usable.well(rows.roles):
             return False

@@ -1,4 +1,4 @@
-"""Rows of a loop: values of its roles at one time each, gathered to be taken in together.
+"""ValueRows of a loop: values of its roles at one time each, gathered to be taken in together.
 
 What depends on the times alone is computed once for all loops that were read together.
 """
@@ -37,7 +37,7 @@ class Filled(NamedTuple):
     """How many of them are behind ``newest``."""
 
 
-class Places:
+class GridPlaces:
     """Where times lie on the grid of a window."""
 
     def __init__(self, times: FloatArray, origin: float, ts: float) -> None:
@@ -75,14 +75,14 @@ class Places:
         return self._filled[newest, capacity]
 
 
-class Times:
+class RowTimes:
     """When rows came."""
 
     def __init__(self, times: FloatArray, arrivals: FloatArray) -> None:
         """Keep source times (s UTC) and arrivals (monotonic, s), oldest first, (n,) each."""
         self.source = times
         self.arrivals = arrivals
-        self._places: dict[tuple[float, float], Places] = {}
+        self._places: dict[tuple[float, float], GridPlaces] = {}
         self._turned: dict[tuple[int, int], tuple[array[float], array[float]]] = {}
         self._off: float | None = None
 
@@ -118,19 +118,19 @@ class Times:
             self._off = float(np.abs(self.source - (now - (self.arrivals[-1] - self.arrivals))).max())
         return self._off
 
-    def places(self, origin: float, ts: float) -> Places:
+    def places(self, origin: float, ts: float) -> GridPlaces:
         """Return where they lie on a grid that begins at ``origin``, s UTC, and goes on by ``ts``, s."""
         if (origin, ts) not in self._places:
-            self._places[origin, ts] = Places(self.source, origin, ts)
+            self._places[origin, ts] = GridPlaces(self.source, origin, ts)
         return self._places[origin, ts]
 
 
 @dataclass(frozen=True, slots=True)
-class Rows:
+class ValueRows:
     """What came of one loop, oldest first."""
 
     roles: tuple[str, ...]
-    times: Times
+    times: RowTimes
     values: FloatArray
     """(roles, n), all finite."""
     short: NDArray[np.float32]

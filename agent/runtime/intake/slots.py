@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
-    from agent.runtime.intake.rows import Places
+    from agent.runtime.intake.rows import GridPlaces
 
 NEVER = int(np.iinfo(np.int64).min)
 """Slot of a value that is older than all."""
@@ -96,7 +96,7 @@ class SlotRing:
         self._append(slot, value, round((place - slot) * FINE))
         return Taken.NEW
 
-    def can_take(self, places: Places) -> bool:
+    def can_take(self, places: GridPlaces) -> bool:
         """Whether ``take`` does what ``put`` would do with each: all are newer, nothing is interrupted."""
         return (
             self._unknown_from is None
@@ -105,7 +105,7 @@ class SlotRing:
             and places.last - self.newest < self._capacity
         )
 
-    def take(self, places: Places, values: NDArray[np.float32]) -> None:
+    def take(self, places: GridPlaces, values: NDArray[np.float32]) -> None:
         """Take values at places for which ``can_take`` holds; (1 + n,), the first of any value."""
         source, reports, at, added = places.filled(self.newest, self._capacity)
         values[0] = self._values[self.newest % self._capacity]

@@ -19,7 +19,7 @@ from agent.runtime.intake.window import LAST_TIME
 from connectors.base import Quality, Sample
 
 if TYPE_CHECKING:
-    from agent.runtime.intake.rows import Rows
+    from agent.runtime.intake.rows import ValueRows
 
 LOG = logging.getLogger(__name__)
 LEAP = 60.0
@@ -36,7 +36,7 @@ EARLY = 2.0
 
 @dataclass(slots=True)
 class _Track:
-    """Times of one role, or of the whole loop."""
+    """RowTimes of one role, or of the whole loop."""
 
     newest: float = math.nan
     """Newest time that was believed, s UTC."""
@@ -112,7 +112,7 @@ class SourceClock:
         self._any.follow(time, arrival, set_back=doubted)
         return replace(sample, time=time) if absurd else sample
 
-    def follows(self, rows: Rows) -> bool:
+    def follows(self, rows: ValueRows) -> bool:
         """Follow rows whose times are all believed, as ``checked`` does one by one; else return False.
 
         The times increase. An absurd one, a leap or a role that was not seen yet needs a look of its own.

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from agent.runtime.intake.rows import Times
+    from agent.runtime.intake.rows import RowTimes
 
 COMPARED = ("pv", "op")
 NEWEST = 30
@@ -28,7 +28,7 @@ SAMPLES, SECONDS = 2.0, 2.0
 
 
 class _Newest:
-    """Times of the newest samples of a role, in plain arrays: thousands of loops have them."""
+    """RowTimes of the newest samples of a role, in plain arrays: thousands of loops have them."""
 
     __slots__ = ("_ahead", "_count", "_times")
 
@@ -43,7 +43,7 @@ class _Newest:
         self._times[place], self._ahead[place] = time, time - arrival
         self._count += 1
 
-    def take(self, times: Times) -> None:
+    def take(self, times: RowTimes) -> None:
         n = len(times.source)
         self._count += n
         if n >= NEWEST:
@@ -82,7 +82,7 @@ class TagClocks:
         if seen is not None:
             seen.see(time, arrival)
 
-    def take(self, role: str, times: Times) -> None:
+    def take(self, role: str, times: RowTimes) -> None:
         """Take the times of many values, as ``see`` does one by one."""
         seen = self._seen.get(role)
         if seen is not None:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
-    from agent.runtime.intake.rows import Places, Rows
+    from agent.runtime.intake.rows import GridPlaces, ValueRows
     from agent.settings import LoopSettings
 
 LATEST = 150
@@ -137,7 +137,7 @@ class RollingWindow:
             return -math.inf
         return self._origin + (self._due_at - NEARLY) * self._settings.ts
 
-    def places_for(self, rows: Rows) -> Places | None:
+    def places_for(self, rows: ValueRows) -> GridPlaces | None:
         """Return where ``take`` puts rows; None where one needs ``push``, as when a window comes due."""
         if self._origin is None or self._due_at is None or not abs(rows.times.source[-1]) <= LAST_TIME:
             return None
@@ -146,7 +146,7 @@ class RollingWindow:
         takes = places.last < self._due_at and all(ring is None or ring.can_take(places) for ring in rings)
         return places if takes else None
 
-    def take(self, rows: Rows, places: Places) -> None:
+    def take(self, rows: ValueRows, places: GridPlaces) -> None:
         """Do what ``push`` would do with each value of rows; ``places`` are from ``places_for``."""
         for role, values, short in zip(rows.roles, rows.values, rows.short, strict=True):
             ring = self._rings.get(role)

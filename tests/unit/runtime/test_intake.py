@@ -1,4 +1,4 @@
-"""Rows that are taken in at once leave the same as their values one by one."""
+"""ValueRows that are taken in at once leave the same as their values one by one."""
 
 import math
 from dataclasses import asdict
@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.runtime.intake.gathering import ROWS, Gathering, Part
+from agent.runtime.intake.gathering import ROWS, Gathering, LoopColumns
 from agent.runtime.intake.intake import Intake
 from agent.runtime.intake.source_clock import SourceClock
 from agent.runtime.intake.window import RollingWindow
@@ -42,7 +42,7 @@ class Loop:
         )
         clocks = SourceClock("FIC101", DAY, lambda: START + self.now) if clock else None
         self.intake = Intake(options, lambda window, at: self.due.append((window, at)), clocks)
-        self.gathering = Gathering(TAGS, [Part(self.intake, TAGS, ROLES, slice(0, len(ROLES)))])
+        self.gathering = Gathering(TAGS, [LoopColumns(self.intake, TAGS, ROLES, slice(0, len(ROLES)))])
 
     def put(self, readings, arrival):
         self.now = arrival

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.runtime.intake.rows import FINE, Places
+from agent.runtime.intake.rows import FINE, GridPlaces
 from agent.runtime.intake.slots import SlotRing, Taken
 
 CAPACITY = 8
@@ -57,7 +57,7 @@ def test_many_at_once_leave_the_same_ring(runs):
     for steps in runs:
         times = time + np.cumsum(steps)
         time = float(times[-1])
-        places = Places(times, 0.0, 1.0)
+        places = GridPlaces(times, 0.0, 1.0)
         if other.can_take(places):
             other.take(places, np.concatenate([[np.nan], times]).astype(np.float32))
         else:

@@ -16,7 +16,6 @@ from agent.analysis.results import IntervalEstimate, MethodResult, Quantificatio
 from agent.report.ranking import GROUPS, group_of
 from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
-from agent.runtime.operate import breath
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, HttpSettings, Settings
 from agent.web.plant import Look, Plant
 from agent.web.plant_page import address, plant_page
@@ -251,33 +250,6 @@ async def large(loops=5000):
     verdicts = ("stiction", "no_stiction", "undecided", "not_testable")
     items = tuple(item_of(k, verdicts[k % 4]) for k in range(loops))
     return await Look.of(START, items, None)
-
-
-async def test_others_have_their_turn_while_a_large_plant_is_listed(monkeypatch):
-    """Each step over all loops is in slices: with slices of one loop, others come in between each two."""
-    monkeypatch.setattr(breath, "AT_ONCE", 0.0)
-    turns = 0
-
-    async def other():
-        nonlocal turns
-        while True:
-            turns += 1
-            await asyncio.sleep(0)
-
-    async def turns_of(work):
-        nonlocal turns
-        turns = 0
-        await work
-        return turns
-
-    task = asyncio.create_task(other())
-    loops = 600
-    look = await large(loops)
-    assert await turns_of(large(loops)) >= loops - 1
-    assert await turns_of(listed(look, Wanted(search="FIC"))) >= loops - 1
-    assert await turns_of(listed(look, Wanted(sort="s"))) >= loops - 1
-    assert await turns_of(map_of(look)) >= loops - 1
-    task.cancel()
 
 
 async def test_a_plant_of_5000_loops_sends_little():
