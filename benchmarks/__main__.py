@@ -28,6 +28,7 @@ from benchmarks import (
     quiet_records,
     real_recordings,
     record_length,
+    s_errors,
     sampling_rate,
     simulated,
     simulated_weeks,
@@ -75,6 +76,7 @@ ONLY_NAMED = {
     "evidence_weights": evidence_weights.run,
     "gallery": gallery.run,
     "memory_rates": memory_rates.run,
+    "s_errors": s_errors.run,
     "wrong_cases": wrong_cases.run,
 }
 """Run only if named: they set something, or write into the docs."""

@@ -13,10 +13,12 @@ from rich.console import Console
 from rich.progress import track
 
 from agent.analysis.memory.weighing_windows import BASE_RATE
-from agent.analysis.wear.trend import DAY, trend_of
+from agent.analysis.wear.trend import trend_of
 from agent.runtime.loop.process_pool import process_pool
+from benchmarks.cases.followed import days_held, repair_noticed
 from benchmarks.cases.options import Options
 from benchmarks.cases.weeks import DiagnosedValve, WeeksJob, diagnosed_valve
+from benchmarks.tables.calibration import calibration_error, error_by_chance
 from benchmarks.tables.markdown import table
 from benchmarks.tables.ranking import area
 
@@ -24,10 +26,12 @@ LOOPS, LOOPS_FULL = 10, 300
 WINDOWS, WINDOWS_FULL = 6, 42
 DAYS = 42.0
 WEEK = 7.0
-BINS = 5
-"""Of the probabilities, for the calibration error."""
 COURSES, COURSES_FULL = 2, 40
 """Valves that wear, and that are repaired."""
+WEEKS = 28.0
+"""Length of such a course, days; a repair is in its middle."""
+SOON = 3.0
+"""Days within which a repair should be noticed."""
 SHOWN = 0.5
 """Probability from which a valve counts as found."""
 
@@ -38,8 +42,8 @@ def run(options: Options) -> None:
     windows = WINDOWS_FULL if options.full else WINDOWS
     courses = COURSES_FULL if options.full else COURSES
     jobs = [WeeksJob(2 * k + 1, DAYS, windows, k % 5 == 0) for k in range(loops)]
-    changing = [WeeksJob(2 * k + 1, 28.0, windows, True, "wear") for k in range(courses)]
-    changing += [WeeksJob(2 * k + 1, 28.0, windows, True, "repair") for k in range(courses)]
+    changing = [WeeksJob(2 * k + 1, WEEKS, windows, True, "wear") for k in range(courses)]
+    changing += [WeeksJob(2 * k + 1, WEEKS, windows, True, "repair") for k in range(courses)]
     with process_pool() as pool:
         answers = pool.map(diagnosed_valve, [*jobs, *changing])
         console = Console(stderr=True)
@@ -60,7 +64,9 @@ def print_weeks(valves: Sequence[DiagnosedValve]) -> None:
     columns = ("valve", "valves", "some window accuses it", "P > 0.5 within a week", "at the end", "median P")
     print(table("### Simulated weeks", columns, rows))
     print(ranking_table(valves))
-    print(f"Expected calibration error at the base rate {BASE_RATE}: {calibration_error(valves):.3f}\n")
+    p, stuck = [each.memories[-1].probability() for each in valves], [each.sticks for each in valves]
+    errors = f"{calibration_error(p, stuck):.3f}, {error_by_chance(p, stuck):.3f} by chance alone"
+    print(f"Expected calibration error at the base rate {BASE_RATE}: {errors}\n")
 
 
 def ranking_table(valves: Sequence[DiagnosedValve]) -> str:
@@ -69,7 +75,8 @@ def ranking_table(valves: Sequence[DiagnosedValve]) -> str:
     for title, seldom in (("seldom", True), ("often", False)):
         ones = [each for each in valves if each.name.startswith("seldom") == seldom]
         p = [[each.memories[-1].probability() for each in ones if each.sticks == s] for s in (True, False)]
-        rows.append((title, len(p[0]), len(p[1]), f"{area(*p):.2f}", f"{calibration_error(ones):.3f}"))
+        error = calibration_error([*p[0], *p[1]], [True] * len(p[0]) + [False] * len(p[1]))
+        rows.append((title, len(p[0]), len(p[1]), f"{area(*p):.2f}", f"{error:.3f}"))
     columns = ("moves", "stick", "sound", "area under the curve", "calibration error")
     return table("### Ranking by P at the end", columns, rows)
 
@@ -80,35 +87,21 @@ def found_by(valve: DiagnosedValve, days: float) -> bool:
     return bool(known) and valve.memories[known[-1]].probability() > SHOWN
 
 
-def calibration_error(valves: Sequence[DiagnosedValve]) -> float:
-    """Return the mean distance of P and the part that sticks, over bins of P, weighted to the base rate."""
-    p = np.array([each.memories[-1].probability() for each in valves])
-    sticks = np.array([each.sticks for each in valves])
-    share = sticks.mean()
-    if not 0 < share < 1:
-        return float("nan")
-    weight = np.where(sticks, BASE_RATE / share, (1 - BASE_RATE) / (1 - share))
-    place = np.minimum((p * BINS).astype(int), BINS - 1)
-    error = 0.0
-    for k in range(BINS):
-        here = place == k
-        if here.any():
-            true = float((weight * sticks)[here].sum() / weight[here].sum())
-            said = float((weight * p)[here].sum() / weight[here].sum())
-            error += float(weight[here].sum() / weight.sum()) * abs(true - said)
-    return error
-
-
 def courses_table(wear: Sequence[DiagnosedValve], repair: Sequence[DiagnosedValve]) -> str:
-    """Return how often a slope has the right sign, and a repair is seen."""
+    """Return how often a slope has the right sign, a repair is seen, and the interval of S holds."""
     trends = [trend_of(each.memories[-1].s_days) for each in wear]
-    known = [each for each in trends if each is not None]
-    signs = sum(each.slope > 0 for each in known)
-    seen = [trend_of(each.memories[-1].s_days) for each in repair]
-    repaired = sum(each is not None and each.repaired is not None for each in seen)
+    signs = sum(each is not None and each.slope > 0 for each in trends)
+    noticed = [found for each in repair if (found := repair_noticed(each, WEEKS / 2)) is not None]
+    soon = sum(found <= SOON for found in noticed)
     rows = [
-        ("wear from S to 4 S", len(wear), len(known), signs),
-        ("repair", len(repair), sum(each is not None for each in seen), repaired),
+        ("wear from S to 4 S", len(wear), *showing(wear), f"rises: {signs}"),
+        ("repair", len(repair), *showing(repair), f"noticed: {len(noticed)}, within {SOON:g} days: {soon}"),
     ]
-    columns = ("course", "valves", "with a trend", "right: rises, repaired")
-    return table(f"### Wear and repair in {28} days of {DAY / 3600:.0f} h", columns, rows)
+    columns = ("course", "valves", "with a trend", "days on which S is within its 90 % interval", "right")
+    return table(f"### Wear and repair in {WEEKS:g} days", columns, rows)
+
+
+def showing(valves: Sequence[DiagnosedValve]) -> tuple[int, str]:
+    """Return how many valves have a trend, and how often its interval has the true S."""
+    held = [days_held(each) for each in valves]
+    return sum(days > 0 for _, days in held), f"{sum(k for k, _ in held)} of {sum(n for _, n in held)}"

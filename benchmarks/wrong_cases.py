@@ -18,7 +18,7 @@ from agent.analysis.one_valve import judged_together
 from agent.analysis.oscillation.acf_zero_crossings import autocorrelation
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.record.window_of_recording import loop_window
-from agent.cli.common.one_valve import valves
+from agent.cli.diagnosing.one_valve import valves
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, VALVE, legend_above, tidy
 from agent.plots.time_units import time_of
 from agent.runtime.loop.process_pool import process_pool

@@ -53,7 +53,7 @@ def read_recording(
     names = export.loops.names
     found = [place for place, name in enumerate(names) if loop in {None, name}]
     if len(found) == 1:
-        return export.loops[found[0]]
+        return replace(export.loops[found[0]], problems=export.problems)
     if not found:
         raise RecordingError(f"{path}: has no loop {loop!r}, it holds: {', '.join(names[:10])}")
     _only(path, names)

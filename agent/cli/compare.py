@@ -16,6 +16,7 @@ import typer
 from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
 from agent.cli.common.errors import BAD_INPUT, complain
+from agent.cli.common.window import remarks_on, window_of
 from agent.cli.comparing import several
 from agent.cli.comparing.hooks import pool_of_cores, progress_on_terminal
 from agent.cli.comparing.names import check_names, named_columns, usable
@@ -266,7 +267,8 @@ def _window(path: Path, options: ReadOptions, loop: str | None) -> LoopWindow:
 
     # In manual OP moves the valve as well: a bump test is the best record that there is.
     recording = replace(read_recording(path, options.columns, options, loop), mode=None)
-    return option.window_of(recording, LoopHints())
+    complain(*remarks_on(recording))
+    return window_of(recording, LoopHints())
 
 
 def _inputs(

@@ -13,6 +13,7 @@ from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
 from agent.cli.common.columns import aligned
 from agent.cli.common.errors import BAD_INPUT, complain
+from agent.cli.common.window import window_of
 
 if TYPE_CHECKING:
     from agent.report.export_summary import LoopSummary
@@ -95,7 +96,7 @@ def _summaries(export: Export, options: ReadOptions) -> tuple[list[LoopSummary],
     problems = list(export.problems)
     for loop in export.loops:
         try:
-            window = option.window_of(loop, LoopHints())
+            window = window_of(loop, LoopHints())
         except RecordingError as error:
             problems.append(f"{loop.name}: {error.faults[0]}")
             continue

@@ -18,6 +18,7 @@ from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
 from agent.cli.common.errors import BAD_INPUT, complain
 from agent.cli.common.recordings import Bus
+from agent.cli.common.window import window_of
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
@@ -121,7 +122,7 @@ async def _play(recording: RecordedLoop, bus: Bus, speed: float | None, executor
     from simulators.source import RecordingSource
 
     started = wall.monotonic()
-    whole = option.window_of(recording, LoopHints())
+    whole = window_of(recording, LoopHints())
     known = whole.valid.nonzero()[0]
     if len(known) == 0 or len(whole) - known[0] < LEAST_WINDOW:
         return Played(None, seen=False, seconds=wall.monotonic() - started)

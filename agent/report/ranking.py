@@ -57,10 +57,14 @@ def probability_of(diagnosis: Diagnosis | None) -> float | None:
 
 
 def estimate_of(diagnosis: Diagnosis | None) -> IntervalEstimate | None:
-    """Return S where the valve sticks or may stick; None else."""
+    """Return S where the valve sticks or may stick; None else.
+
+    Where PV does not respond to OP, the stick band of the best fit is the range of OP, and no estimate.
+    """
     if diagnosis is None or diagnosis.quantification is None or diagnosis.quantification.stiction is None:
         return None
-    return diagnosis.quantification.stiction.s if diagnosis.verdict in ("stiction", "undecided") else None
+    may = diagnosis.verdict == "undecided" and diagnosis.no_response is None
+    return diagnosis.quantification.stiction.s if diagnosis.verdict == "stiction" or may else None
 
 
 def _suspected(diagnosis: Diagnosis) -> bool:

@@ -77,6 +77,8 @@ class RecordedLoop:
     """Values that are no number, or whose quality forbids their use; each is a gap."""
     modes: Mapping[str, bool] = field(default_factory=dict)
     """As ``ReadOptions.modes``."""
+    problems: tuple[str, ...] = ()
+    """What was left out of its file or may be wrong there, a line each."""
 
 
 @dataclass(frozen=True, slots=True)

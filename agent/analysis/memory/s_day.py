@@ -36,44 +36,44 @@ class SDay:
     weight: float
     """Windows that it comes from, each by what was new in it."""
     upper: bool = False
-    """Whether it is only a bound: the windows show that S is not more than ``s`` + 2 ``sd``."""
+    """Whether it is only a bound: the windows show that S is not more than ``bound``."""
+
+    @property
+    def bound(self) -> float:
+        """Largest S that the windows of a bound allow, OP units."""
+        return self.s + 2 * self.sd
 
 
 def s_seen(diagnosis: Diagnosis, time: float) -> SDay | None:
-    """Return S of a window; None where it does not show it.
+    """Return S of a window; None where it has no fit with S.
 
-    A firm ``no_stiction`` whose interval of S is narrow shows how small S is, as after a repair.
+    Where a window does not show that its valve sticks, the upper end of its interval is a bound: so a repair
+    is seen.
     """
     found = diagnosis.quantification
     if found is None or found.stiction is None or diagnosis.weighed is None:
         return None
     s = found.stiction.s
-    return s_of_window(time, (s.value, s.low, s.high), diagnosis.weighed.probability, diagnosis.verdict)
+    return s_of_window(time, (s.value, s.low, s.high), diagnosis.weighed.probability)
 
 
 def s_of_window(
-    time: float,
-    s: tuple[float | None, float | None, float | None],
-    probability: float | None,
-    verdict: str,
+    time: float, s: tuple[float | None, float | None, float | None], probability: float | None
 ) -> SDay | None:
-    """Return S of a window from its numbers, as a history has them; None where it does not show S.
+    """Return S of a window from its numbers, as a history has them; None where they are not known.
 
     Args:
         time: End of the window, s UTC.
         s: S with the ends of its 90 % interval, OP units.
         probability: That the valve sticks, from this window alone.
-        verdict: Of the window.
     """
     value, low, high = s
     if value is None or low is None or high is None or probability is None:
         return None
-    sd = max((high - low) / (2 * NORMAL_90), LEAST_SD * value, 1e-6)
+    least = max(LEAST_SD * value, 1e-6)
     if probability > SHOWS:
-        return SDay(time, value, sd, 1.0)
-    if verdict == "no_stiction":
-        return SDay(time, value, sd, 1.0, upper=True)
-    return None
+        return SDay(time, value, max((high - low) / (2 * NORMAL_90), least), 1.0)
+    return SDay(time, value, max((high - value) / 2, least), 1.0, upper=True)
 
 
 def with_s(days: Sequence[SDay], new: SDay, weight: float) -> tuple[SDay, ...]:

@@ -1,7 +1,7 @@
 """S of a valve against time: where it jumped, how it rises, when it reaches a limit.
 
-The most likely partition of the days into stretches without a jump (dynamic programming over all partitions),
-each a local linear trend. A repair is a jump down. See docs/methods/wear.md.
+Stretches without a jump, each a local linear trend of the logarithm of S: wear and repair multiply S, and so
+do errors of a window. A repair is a jump down. See docs/methods/wear.md.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.results import NORMAL_90
-from agent.analysis.wear.filter import Filtered, LevelWalk, begin, forecast, step
+from agent.analysis.wear.filter import Filtered, SeenLevel, forecast
+from agent.analysis.wear.stretches import LACKS, WALK, follow
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,14 +25,8 @@ DAY = 86400.0
 """s"""
 FEWEST = 3
 """Days below which there is no trend."""
-JUMPS_A_DAY = 1 / 365
-"""Rate of repairs and sudden damages: one a year."""
-WALK = 0.01
-"""Standard deviation of the walk of S in a day, over its middle: 8 % in two months."""
-SLOPE = 0.05
-"""Standard deviation of the slope before anything is seen, a day, over the middle of S: weeks double it."""
-LEAST_SD = 0.05
-"""Smallest standard deviation of a day, over the middle of S: what models lack is in all of its windows."""
+LEAST = 1e-3
+"""Least S over its middle that a day may have: below it, one is as good as none."""
 FELL = 0.5
 """Part to which S must fall at least where a jump down is called a repair."""
 FAR = 3650.0
@@ -47,7 +42,7 @@ class Level:
     s: float
     low: float
     high: float
-    """OP units, with a 90 % interval."""
+    """OP units, with a 90 % interval; from 0 where the stretch has nothing but bounds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,11 +71,10 @@ class Trend:
     slope: float
     slope_low: float
     slope_high: float
-    """Of S since the last jump, OP units a day, with a 90 % interval."""
+    """Of S since the last jump, as it is on the last day, OP units a day, with a 90 % interval."""
     worse_since: float | None
     """Time from which S rises, s UTC; None: it does not rise for certain."""
     last: Filtered
-    walk: LevelWalk
 
     @property
     def repaired(self) -> float | None:
@@ -108,41 +102,27 @@ def trend_of(days: Sequence[SDay]) -> Trend | None:
     """
     if len(days) < FEWEST:
         return None
-    times = np.array([each.time for each in days]) / DAY
-    values = np.array([each.s for each in days])
-    middle = max(float(np.median(values)), 1e-9)
-    top = float(values.max())
-    sds = np.hypot([each.sd for each in days], LEAST_SD * middle)
-    walk = LevelWalk(WALK * middle, SLOPE * middle, max(top, middle), middle)
-    starts = _starts(times, values, sds, walk)
-    levels: list[Level] = []
+    times = [each.time / DAY for each in days]
+    known = [each.s for each in days if not each.upper] or [each.bound for each in days]
+    middle = max(float(np.median(known)), 1e-9)
+    seen = [_seen(each, LEAST * middle) for each in days]
+    followed = follow(times, seen, math.log(middle))
     jumps: list[Jump] = []
-    state = begin(walk, float(times[0]))
-    for k in range(len(days)):
-        before = float(state.mean[0])
-        if k in starts:
-            state = begin(walk, float(times[k]))
-        state = step(state, walk, float(times[k]), float(values[k]), float(sds[k]))
-        if k in starts and k:
-            end = next((each for each in starts if each > k), len(days))
-            jumps.append(Jump(days[k].time, before, float(np.median(values[k:end]))))
-        sd = math.sqrt(max(float(state.covariance[0, 0]), 0.0))
-        s = float(state.mean[0])
-        levels.append(
-            Level(days[k].time, max(s, 0.0), max(s - NORMAL_90 * sd, 0.0), max(s + NORMAL_90 * sd, 0.0))
-        )
-    slope, sd = float(state.mean[1]), math.sqrt(max(float(state.covariance[1, 1]), 0.0))
-    rises = slope - NORMAL_90 * sd > 0
-    return Trend(
-        tuple(levels),
-        tuple(jumps),
-        slope,
-        slope - NORMAL_90 * sd,
-        slope + NORMAL_90 * sd,
-        days[max(starts)].time if rises else None,
-        state,
-        walk,
-    )
+    levels: list[Level] = []
+    first = 0
+    for k, (start, state) in enumerate(followed):
+        if start != first:
+            first = start
+            end = next((j for j in range(k, len(days)) if followed[j].first != first), len(days))
+            after = math.exp(np.median([each.value for each in seen[k:end]]))
+            jumps.append(Jump(days[k].time, levels[-1].s, after))
+        s, low, high = (math.exp(each) for each in _interval(state, 0))
+        only_bounds = all(each.upper for each in days[first : k + 1])
+        levels.append(Level(days[k].time, s, 0.0 if only_bounds else low, high))
+    last = followed[-1].state
+    slope, low, high = (levels[-1].s * each for each in _interval(last, 1))
+    worse_since = days[first].time if low > 0 else None
+    return Trend(tuple(levels), tuple(jumps), slope, low, high, worse_since, last)
 
 
 def reaches(trend: Trend, limit: float) -> Reached:
@@ -155,8 +135,8 @@ def _first_beyond(trend: Trend, limit: float, z: float) -> float | None:
     """Return the first time, to the day, at which S plus ``z`` standard deviations is at the limit, s UTC."""
 
     def beyond(days: float) -> bool:
-        ahead = forecast(trend.last, trend.walk, trend.last.time + days)
-        return bool(ahead.mean[0] + z * math.sqrt(max(float(ahead.covariance[0, 0]), 0.0)) >= limit)
+        ahead = forecast(trend.last, WALK, trend.last.time + days)
+        return bool(ahead.mean[0] + z * math.sqrt(ahead.covariance[0, 0]) >= math.log(max(limit, 1e-9)))
 
     if beyond(0.0):
         return trend.last.time * DAY
@@ -164,23 +144,18 @@ def _first_beyond(trend: Trend, limit: float, z: float) -> float | None:
     return next(((trend.last.time + days) * DAY for days in tried.tolist() if beyond(days)), None)
 
 
-def _starts(times: np.ndarray, values: np.ndarray, sds: np.ndarray, walk: LevelWalk) -> tuple[int, ...]:
-    """Return the first day of each stretch of the most likely partition, 0 first."""
-    count = len(times)
-    best = np.full(count + 1, -math.inf)
-    best[0] = 0.0
-    origin = [0] * (count + 1)
-    for first in range(count):
-        days = times[first] - times[first - 1] if first else 0.0
-        jumped = math.log(-math.expm1(-JUMPS_A_DAY * max(days, 1.0))) if first else 0.0
-        state = begin(walk, float(times[first]))
-        for last in range(first, count):
-            state = step(state, walk, float(times[last]), float(values[last]), float(sds[last]))
-            score = best[first] + jumped + state.log_likelihood
-            if score > best[last + 1]:
-                best[last + 1], origin[last + 1] = score, first
-    starts, end = [], count
-    while end > 0:
-        starts.append(origin[end])
-        end = origin[end]
-    return tuple(reversed(starts))
+def _seen(day: SDay, least: float) -> SeenLevel:
+    """Return what a day shows of log S: a lognormal distribution with mean and deviation of its S.
+
+    A bound is as soft as a short S.
+    """
+    if day.upper:
+        return SeenLevel(math.log(max(day.bound, least)), LACKS, upper=True)
+    s = max(day.s, least)
+    return SeenLevel(math.log(s), math.sqrt(math.log1p((day.sd / s) ** 2)), upper=False)
+
+
+def _interval(state: Filtered, place: int) -> tuple[float, float, float]:
+    """Return the level (0) or the slope (1) with its 90 % interval."""
+    mean, sd = float(state.mean[place]), math.sqrt(max(float(state.covariance[place, place]), 0.0))
+    return mean, mean - NORMAL_90 * sd, mean + NORMAL_90 * sd

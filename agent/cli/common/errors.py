@@ -8,6 +8,7 @@ BAD_INPUT = 2
 """Exit code of bad usage and of input that cannot be read."""
 
 
-def complain(fault: str) -> None:
-    """Print one fault on stderr."""
-    print(f"slipjump: {fault}", file=sys.stderr)  # noqa: T201 - the command line speaks
+def complain(*faults: str) -> None:
+    """Print faults on stderr, a line each."""
+    for fault in faults:
+        print(f"slipjump: {fault}", file=sys.stderr)  # noqa: T201 - the command line speaks

@@ -13,9 +13,6 @@ from agent.cli.common.errors import complain
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from agent.analysis.record.recording import LoopHints, LoopWindow
-    from connectors.recording import RecordedLoop
-
 PANEL = "Columns of the recordings"
 
 SUFFIXES = {".csv", ".parquet", ".pq", ".tsv", ".xlsx", ".xls", ".xlsm", ".ods", ".gz", ".zip"}
@@ -81,18 +78,3 @@ def positive(ts: float | None) -> float | None:
     if ts is not None and not 0 < ts < float("inf"):
         raise typer.BadParameter(f"{ts:g} is not a positive number of seconds", param_hint="'--ts'")
     return ts
-
-
-def window_of(recording: RecordedLoop, hints: LoopHints) -> LoopWindow:
-    """Return the whole recording on a uniform grid.
-
-    Raises:
-        RecordingError: The times cannot be put on a grid; the text names the file.
-    """
-    from agent.analysis.record.window_of_recording import loop_window
-    from connectors.recording import RecordingError
-
-    try:
-        return loop_window(recording, hints)
-    except ValueError as error:
-        raise RecordingError(f"{recording.path}: {error}") from error

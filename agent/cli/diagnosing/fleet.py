@@ -10,10 +10,10 @@ import typer
 
 from agent.cli.common.columns import terminal_width
 from agent.cli.common.errors import complain
-from agent.cli.common.one_valve import valve_of
+from agent.cli.diagnosing.one_valve import valve_of
 
 if TYPE_CHECKING:
-    from agent.cli.common.answer import Answer
+    from agent.cli.diagnosing.answer import Answer
     from agent.report.fleet.rows import RecordFinding, ValveRow
 
 FORMATS = (".html", ".pdf", ".csv")

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.plant.plant import PlantFinding
     from agent.analysis.record.recording import LoopWindow
-    from agent.cli.common.answer import Answer
+    from agent.cli.diagnosing.answer import Answer
 
 PICTURE = "plant.png"
 

@@ -8,11 +8,15 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from agent.cli.common import recordings as option
-from agent.cli.common.answer import Answer, Task, found_of
 from agent.cli.common.compilation import announce_compilation
-from agent.cli.common.pictures import draw
+from agent.cli.common.window import remarks_on, window_of
+from agent.cli.diagnosing.answer import Answer, Task, printed_of
+
+if TYPE_CHECKING:
+    from agent.analysis.diagnosis import Diagnosis
+    from agent.analysis.record.recording import LoopWindow
 
 NEEDED = (
     "agent.analysis.diagnose",
@@ -43,24 +47,32 @@ def work_out(task: Task) -> Answer:
     """Read, diagnose and draw one recording; runs in a process of the pool."""
     from agent.analysis.data_quality import data_quality
     from agent.analysis.diagnose import diagnose as judge
+    from agent.identify.slices import on_cores
     from agent.report.fleet.thumbnail import thumbnail
     from connectors.base import ConfigError
     from connectors.recording import read_recording
 
     try:
-        window = option.window_of(
-            read_recording(task.path, task.columns, task.options, task.loop), task.hints
-        )
+        recording = read_recording(task.path, task.columns, task.options, task.loop)
+        window = window_of(recording, task.hints)
     except ConfigError as error:
         return Answer(task, None, tuple(error.faults))
     if task.delay is not None:
         window = window.with_hints(replace(task.hints, delay=task.delay.at(window.ts)))
-    diagnosis = judge(window, quantifier=task.quantifier)
-    faults = () if task.picture is None else draw(window, diagnosis, task.picture)
+    with on_cores(task.cores):
+        diagnosis = judge(window, quantifier=task.quantifier)
+    faults = () if task.picture is None else _drawn(window, diagnosis, task.picture)
     quality = data_quality(window, diagnosis)
     small = thumbnail(window, diagnosis) if task.small_picture else None
-    found = found_of(task, diagnosis, quality, small)
-    return Answer(task, found, faults, diagnosis, window) if task.shared else Answer(task, found, faults)
+    found = printed_of(task, diagnosis, quality, small)
+    answer = Answer(task, found, faults, remarks_on(recording))
+    return replace(answer, diagnosis=diagnosis, window=window) if task.shared else answer
+
+
+def _drawn(window: LoopWindow, diagnosis: Diagnosis, file: Path) -> tuple[str, ...]:
+    from agent.cli.common.pictures import draw
+
+    return draw(window, diagnosis, file)
 
 
 def answers(tasks: Sequence[Task], advance: Callable[[], None]) -> Iterator[Answer]:
@@ -76,13 +88,15 @@ def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
     workers = min(len(tasks), cores())
     if workers == 1:
         announce_compilation(threading.Event())
-        yield from map(work_out, tasks)
+        yield from (work_out(on_all(task) if len(tasks) == 1 else task) for task in tasks)
         return
     from agent.runtime.loop.process_pool import CONTEXT, results_of
 
     announced = CONTEXT.Event()
     order = longest_first([_bytes(task.path) for task in tasks])
-    found = results_of(work_out, [tasks[k] for k in order], workers, announce_compilation, announced)
+    in_turn = [tasks[k] for k in order]
+    in_turn[-1] = on_all(in_turn[-1])  # the others end while it runs
+    found = results_of(work_out, in_turn, workers, announce_compilation, announced)
     done: dict[int, Answer] = {}
     place = 0
     for k, answer in zip(order, found, strict=True):
@@ -91,6 +105,13 @@ def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
         while place in done:
             yield done.pop(place)
             place += 1
+
+
+def on_all(task: Task) -> Task:
+    """Return a task that takes all cores."""
+    from agent.runtime.capabilities import cores
+
+    return replace(task, cores=cores())
 
 
 def longest_first(sizes: Sequence[int]) -> list[int]:

@@ -7,7 +7,7 @@ from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from agent.cli.common.one_valve import valve_of
+from agent.cli.diagnosing.one_valve import valve_of
 from agent.counted import counted
 from agent.report.fleet.of_survey import survey_rows
 from agent.report.fleet.page import fleet_html

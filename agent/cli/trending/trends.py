@@ -59,12 +59,8 @@ def s_days_of(entries: Sequence[Entry]) -> dict[str, tuple[SDay, ...]]:
         if entry.kind != "diagnosis":
             continue
         s = entry.content["stiction"]["s"]
-        seen = s_of_window(
-            entry.time,
-            (s["value"], s["low"], s["high"]),
-            entry.content.get("probability"),
-            entry.content["verdict"],
-        )
+        numbers = (s["value"], s["low"], s["high"])
+        seen = s_of_window(entry.time, numbers, entry.content.get("probability"))
         if seen is not None:
             found[entry.loop] = with_s(found[entry.loop], seen, 1.0)
     return dict(found)

@@ -29,6 +29,7 @@ from agent.identify.objective import (
 from agent.identify.problem import Problem, from_blocks
 from agent.identify.search.population import Candidates
 from agent.identify.search.process_bank import Processes, delays_of, processes_of
+from agent.identify.slices import in_slices
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import GIVE
 
@@ -65,29 +66,39 @@ def valves_from_anywhere(
     """
     processes = processes_of(problem, structures, LAGS)
     near = bank(part, processes.taus, processes.ratios, ALL)
-    return scored(count, part, near, delays_of(problem, DELAYS, FARTHEST), processes, rng)
+    delays = delays_of(problem, DELAYS, FARTHEST)
+    valves = drawn(count, part, near, rng)
+    in_slices(lambda begin, end: score(valves, part, near, delays, processes, begin, end), 0, count)
+    return valves
 
 
 @kernel
-def scored(
-    count: int,
+def drawn(count: int, part: Problem, bank: Bank, rng: np.random.Generator) -> Candidates:
+    """Draw valves; they have no process yet."""
+    candidates = np.zeros((count, SIZE))
+    early = bank.op[: min(bank.op.size, bank.early)]
+    low, high = early.min(), early.max()
+    for i in range(count):
+        draw_valve(candidates[i], low, high, part, rng)
+    return Candidates(candidates, np.zeros(count, np.int64), np.full(count, np.inf))
+
+
+@kernel
+def score(
+    valves: Candidates,
     part: Problem,
     bank: Bank,
     delays: IntArray,
     processes: Processes,
-    rng: np.random.Generator,
-) -> Candidates:
-    """Draw valves and give each the process of the bank that explains most of PV behind it."""
-    candidates = np.zeros((count, SIZE))
-    structures = np.zeros(count, np.int64)
-    costs = np.full(count, np.inf)
+    begin: int,
+    end: int,
+) -> None:
+    """Give some of the valves, in place, the process of the bank that explains most of PV behind each."""
+    candidates, structures, costs = valves
     room = room_for(bank, delays)
     squares = np.dot(part.pv, part.pv)
-    early = bank.op[: min(bank.op.size, bank.early)]
-    low, high = early.min(), early.max()
-    for i in range(count):
+    for i in range(begin, end):
         candidate = candidates[i]
-        draw_valve(candidate, low, high, part, rng)
         position = valve_position(candidate, part)[: bank.op.size]
         share, place = best_share(position, bank, delays, LEAST_MOVES, room)
         k, q = place // delays.size, place % delays.size
@@ -96,7 +107,6 @@ def scored(
         keep_in_bounds(candidate, part)
         structures[i] = processes.structure[k]
         costs[i] = (1.0 - share) * squares
-    return Candidates(candidates, structures, costs)
 
 
 @kernel

@@ -28,9 +28,8 @@ from agent.identify.objective import (
     S,
 )
 from agent.identify.problem import Problem
-from agent.identify.process_columns import passes_for
 from agent.identify.search.anywhere import draw_stem, drawn_bristles
-from agent.identify.search.population import Candidates, cost_of
+from agent.identify.search.population import Candidates, refit
 from agent.jit import kernel
 
 CROSSED = 0.4
@@ -52,7 +51,6 @@ MOVES = 9
 """Kinds of a step."""
 
 
-@kernel
 def generation(
     parents: Candidates,
     children: int,
@@ -71,15 +69,31 @@ def generation(
         possible: 1 for each structure that is possible, else 0, (3,).
         rng: Where chance comes from.
     """
+    k = len(parents.costs)
+    if k == 0:  # nothing fits a record whose hints contradict it
+        return parents
+    grown = brood(parents, children, step, problem, possible, rng)
+    give_up = float(np.sort(parents.costs)[min(k - 1, int(HOPELESS * k))])
+    refit(grown, problem, EVALUATIONS, k, give_up)
+    return grown
+
+
+@kernel
+def brood(
+    parents: Candidates,
+    children: int,
+    step: float,
+    problem: Problem,
+    possible: IntArray,
+    rng: np.random.Generator,
+) -> Candidates:
+    """Return the parents, as they are, and their children, whose processes are not yet fitted."""
     k = len(parents.candidates)
     total = k * (1 + children)
     candidates = np.empty((total, SIZE))
     structures = np.empty(total, np.int64)
-    costs = np.empty(total)
+    costs = np.full(total, np.inf)
     candidates[:k], structures[:k], costs[:k] = parents.candidates, parents.structures, parents.costs
-    give_up = np.sort(parents.costs)[min(k - 1, int(HOPELESS * k))]
-    squares = np.dot(problem.pv, problem.pv)
-    room = passes_for(problem)
     for i in range(k, total):
         parent = (i - k) % k
         candidates[i] = candidates[parent]
@@ -88,7 +102,6 @@ def generation(
         if rng.random() < OTHER_STRUCTURE:
             structures[i] = other_structure(candidates[i], structures[i], problem, possible, rng)
         keep_in_bounds(candidates[i], problem)
-        costs[i] = cost_of(candidates[i], structures[i], problem, squares, EVALUATIONS, room, give_up)
     return Candidates(candidates, structures, costs)
 
 

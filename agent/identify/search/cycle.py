@@ -102,9 +102,11 @@ def next_cycle(
         problem: The record.
         structures: Processes that are possible, at least one.
         worth: Cost below which a valve explains enough to go on after a large island, PV units squared.
-        around: What the cycle climbs around; None: it is an island.
+        around: What the cycle climbs around; None, or nothing: it is an island.
         seed: Of the random numbers; the same record gives the same answer.
     """
+    if around is not None and not len(around.costs):
+        around = None  # nothing was found that hints allow
     rng = np.random.default_rng((seed, before.cycles))
     horizon = first_horizon(problem)
     part = first_periods(problem, horizon)

@@ -31,6 +31,7 @@ from agent.identify.objective import (
 from agent.identify.problem import Problem, from_blocks
 from agent.identify.search.population import S_BINS, Candidates
 from agent.identify.search.process_bank import delays_of, processes_of
+from agent.identify.slices import in_slices
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import Motion, stem_at, stem_motion, strokes
 
@@ -94,7 +95,14 @@ def valves_of_grid(problem: Problem, structures: Sequence[int], grid: Grid = COA
     delays = delays_of(problem, DELAYS, FARTHEST)
     near = bank(problem, processes.taus, processes.ratios, grid.periods)
     level_step = LEVEL_STEP * problem.op_span
-    scores, places, levels = scan(near, STEMS, s_values, grid.j_ratios, level_step, delays)
+    shape = (len(STEMS), len(s_values), len(grid.j_ratios))
+    scores, places, levels = np.zeros(shape), np.zeros(shape, np.int64), np.zeros(shape)
+    found = (scores, places, levels)
+    in_slices(
+        lambda begin, end: scan(near, STEMS, s_values, grid.j_ratios, level_step, delays, found, begin, end),
+        0,
+        len(STEMS) * len(s_values),
+    )
     cells = best_cells(scores, (s_values / problem.op_span * S_BINS).astype(int), grid)
     candidates = np.empty((len(cells), SIZE))
     structure, shares = np.empty(len(cells), dtype=np.int64), np.empty(len(cells))
@@ -142,43 +150,54 @@ def scan(
     j_ratios: FloatArray,
     level_step: float,
     delays: NDArray[np.int64],
-) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
-    """Return explained shares, (stem, S, J), with the place in the bank and the upper level of each."""
-    shape = (stems.shape[0], s_values.size, j_ratios.size)
-    levels = np.zeros(shape)
+    found: tuple[FloatArray, NDArray[np.int64], FloatArray],
+    begin: int,
+    end: int,
+) -> None:
+    """Find explained shares, (stem, S, J), with the place in the bank and the upper level of each.
+
+    Args:
+        bank: Of processes.
+        stems: Damping, supply and rest of each, (stem, 3).
+        s_values: OP units.
+        j_ratios: J over S.
+        level_step: Between the levels of the first slip, OP units.
+        delays: Of the bank, blocks.
+        found: Shares, places and levels, in place.
+        begin: The first pair of a stem and an S that is looked at, counted through all stems.
+        end: Behind the last.
+    """
+    scores, places, levels = found
     meeting = min(bank.op.size, bank.early)
     early_op = bank.op[:meeting]
     low = early_op.min()
     high = early_op.max()
-    scores = np.zeros(shape)
-    places = np.zeros(shape, np.int64)
     looks = np.array([max(1, (look + 1) * early_op.size // LOOKS) for look in range(LOOKS)])
     room = room_for(bank, delays)
     met = np.empty((LOOKS, int((high - low) / level_step) + 4))
     position = np.empty(bank.op.size)
-    for k in range(stems.shape[0]):
+    for pair in range(begin, end):
+        k, i = pair // s_values.size, pair % s_values.size
         motion = stem_motion(stems[k, 0], stems[k, 1], stems[k, 2])
-        for i in range(s_values.size):
-            for j in range(j_ratios.size):
-                f_s = s_values[i] * (1.0 + j_ratios[j]) / 2.0
-                f_d = s_values[i] * (1.0 - j_ratios[j]) / 2.0
-                bands = (f_s, f_s, f_d)
-                n_met = 0
-                count = max(1, int((high - low - s_values[i]) / level_step))
-                for r in range(count):
-                    up = low + s_values[i] + (high - low - s_values[i]) * (r + 0.5) / count
-                    if s_values[i] > high - low:
-                        up = high - 0.5 * level_step
-                    level, direction = first_slip(bank.op, s_values[i], up)
-                    state = stem_at(level - direction * f_s, bank.op[0])
-                    if meets(bank.op, looks, state, bands, motion, position, met, n_met, TOGETHER):
-                        continue
-                    n_met += 1
-                    strokes(bank.op, looks[-1], bank.op.size, state, bands, motion, position, bank.op.size)
-                    best, place = best_share(position, bank, delays, LEAST_MOVES, room)
-                    if best > scores[k, i, j]:
-                        scores[k, i, j], places[k, i, j], levels[k, i, j] = best, place, up
-    return scores, places, levels
+        for j in range(j_ratios.size):
+            f_s = s_values[i] * (1.0 + j_ratios[j]) / 2.0
+            f_d = s_values[i] * (1.0 - j_ratios[j]) / 2.0
+            bands = (f_s, f_s, f_d)
+            n_met = 0
+            count = max(1, int((high - low - s_values[i]) / level_step))
+            for r in range(count):
+                up = low + s_values[i] + (high - low - s_values[i]) * (r + 0.5) / count
+                if s_values[i] > high - low:
+                    up = high - 0.5 * level_step
+                level, direction = first_slip(bank.op, s_values[i], up)
+                state = stem_at(level - direction * f_s, bank.op[0])
+                if meets(bank.op, looks, state, bands, motion, position, met, n_met, TOGETHER):
+                    continue
+                n_met += 1
+                strokes(bank.op, looks[-1], bank.op.size, state, bands, motion, position, bank.op.size)
+                best, place = best_share(position, bank, delays, LEAST_MOVES, room)
+                if best > scores[k, i, j]:
+                    scores[k, i, j], places[k, i, j], levels[k, i, j] = best, place, up
 
 
 @kernel

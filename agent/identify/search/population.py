@@ -28,6 +28,7 @@ from agent.identify.objective import (
 from agent.identify.problem import Problem
 from agent.identify.process_columns import Passes, pass_high, passes_for
 from agent.identify.search.price import price
+from agent.identify.slices import in_slices
 from agent.jit import kernel
 from agent.physics.valves.damped_stem import GIVE
 
@@ -149,12 +150,32 @@ def counted_blocks(problem: Problem) -> float:
     return count
 
 
+def refit(
+    population: Candidates, problem: Problem, evaluations: int, first: int = 0, give_up: float = math.inf
+) -> None:
+    """Fit the processes of a population to a record, in place.
+
+    Args:
+        population: Its valves stay.
+        problem: The record.
+        evaluations: Passes over the record for each, at most.
+        first: Place of the first that is fitted.
+        give_up: Cost above which a fit is ended early.
+    """
+    in_slices(
+        lambda begin, end: _refit(population, problem, evaluations, begin, end, give_up),
+        first,
+        len(population.costs),
+    )
+
+
 @kernel
-def refit(population: Candidates, problem: Problem, evaluations: int) -> None:
-    """Fit the processes of a population to a record, in place."""
+def _refit(
+    population: Candidates, problem: Problem, evaluations: int, begin: int, end: int, give_up: float
+) -> None:
     squares = np.dot(problem.pv, problem.pv)
     room = passes_for(problem)
-    for i in range(len(population.candidates)):
+    for i in range(begin, end):
         population.costs[i] = cost_of(
             population.candidates[i],
             population.structures[i],
@@ -162,7 +183,7 @@ def refit(population: Candidates, problem: Problem, evaluations: int) -> None:
             squares,
             evaluations,
             room,
-            np.inf,
+            give_up,
         )
 
 

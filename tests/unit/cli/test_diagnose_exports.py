@@ -81,3 +81,14 @@ def test_replay_takes_what_the_preview_settles(export, capsys, tmp_path):
     code, _, fault = run(capsys, "replay", path, "--mapping", mapping, "--loop", "NOPE")
     assert code == 2
     assert fault == f"slipjump: {path}: has no loop 'NOPE', it holds: FIC9\n"
+
+
+def test_what_is_left_out_of_a_file_is_stated_once(tmp_path, capsys):
+    path = tmp_path / "two.csv"
+    rows = [f"{k},{50 + k % 7},{20 + k % 5},{30 + k % 7},{40 + k % 5},1" for k in range(120)]
+    rows[40], rows[60] = "cut off", "60,oops,20,30,40,1"
+    path.write_text("\n".join(["time,FIC101.OP,FIC101.PV,PIC202.OP,PIC202.PV,SPEED.X", *rows]))
+    code, answers, said = run(capsys, "diagnose", path, "--quantifier", "lee2008", "--ts", 1, "--json")
+    assert (code, len(answers)) == (0, 2)
+    assert said.count(f"{path}: line 42: has another number of cells, it is a gap") == 1
+    assert said.count("line 62: FIC101.OP is 'oops'") == 1

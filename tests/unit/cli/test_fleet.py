@@ -13,9 +13,10 @@ from agent.analysis.data_quality import data_quality
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
 from agent.analysis.record.interesting_stretch import LEAST, interesting_stretch
 from agent.analysis.record.recording import LoopWindow
+from agent.analysis.response.no_response import NoResponse
 from agent.analysis.results import CauseShare, IntervalEstimate, Oscillation, Quantification, StictionEstimate
-from agent.cli.common.answer import Answer, Task, found_of
 from agent.cli.common.pictures import picture_files
+from agent.cli.diagnosing.answer import Answer, Task, printed_of
 from agent.cli.diagnosing.fleet import Fleet
 from agent.report.fleet.page import fleet_html
 from agent.report.fleet.quality_words import quality_words, record_instead
@@ -169,6 +170,13 @@ def fleet(tmp_path, name):
     return Fleet([tmp_path / "FIC101_1.csv", tmp_path / "FIC101_2.csv"], [0, 0], tmp_path / name)
 
 
+def test_where_pv_does_not_respond_the_range_of_op_is_no_estimate_of_s():
+    stands = NoResponse("unknown", 0, 600, 50.0, 9.0, 0.09, 3.0, 90.0, 0.95)
+    assert finding("FIC101", "undecided").s is not None
+    assert finding("FIC101", "undecided", no_response=stands).s is None
+    assert finding("FIC101", "stiction", no_response=stands).s is not None
+
+
 @pytest.mark.parametrize("name", ["plant.html", "plant.csv", "plant.pdf"])
 def test_the_report_is_written_in_each_format(tmp_path, name):
     own = fleet(tmp_path, name)
@@ -177,7 +185,7 @@ def test_the_report_is_written_in_each_format(tmp_path, name):
         found = diagnosis(loop)
         task = Task(tmp_path / f"{loop}.csv", Columns(), window(loop).hints, None, None)
         quality, small = data_quality(window(loop), found), thumbnail(window(loop), found)
-        own.add(place, Answer(task, found_of(task, found, quality, small)))
+        own.add(place, Answer(task, printed_of(task, found, quality, small)))
     assert own.write()
     assert (tmp_path / name).stat().st_size > 500
     assert [row.name for row in own.rows()] == ["FIC101"]
@@ -188,7 +196,7 @@ def test_the_report_is_written_in_each_format(tmp_path, name):
 def test_the_report_lists_what_could_not_be_read(tmp_path, name):
     found = diagnosis("FIC101_1")
     task = Task(tmp_path / "FIC101_1.csv", Columns(), window("FIC101_1").hints, None, None)
-    read = Answer(task, found_of(task, found, data_quality(window("FIC101_1"), found), None))
+    read = Answer(task, printed_of(task, found, data_quality(window("FIC101_1"), found), None))
     refused = Answer(
         replace(task, path=tmp_path / "FIC101_2.csv"), None, ("FIC101_2.csv, line 2: no <number>",)
     )

@@ -8,7 +8,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from agent.cli import COMMANDS, app
+from agent.cli.commands import COMMANDS, app
 from agent.cli.common.delay import delay_of
 from agent.cli.common.examples import EXAMPLES
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from agent.cli import app
+from agent.cli.commands import app
 from agent.runtime.store.history_file import Entry, HistoryFile, history_path
 
 DAY = 86400.0

@@ -6,7 +6,8 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
-from agent.cli import app, main
+from agent.cli import main
+from agent.cli.commands import app
 from tests.exports.corpus import CASES
 from tests.exports.truth import LOOPS
 

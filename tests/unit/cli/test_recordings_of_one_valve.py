@@ -10,8 +10,8 @@ from agent.analysis.data_quality import data_quality
 from agent.analysis.diagnose import diagnose
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Quantification, StictionEstimate
-from agent.cli.common.answer import Answer, Task, found_of
-from agent.cli.common.one_valve import together, valve_of, valves
+from agent.cli.diagnosing.answer import Answer, Task, printed_of
+from agent.cli.diagnosing.one_valve import together, valve_of, valves
 from agent.report.reasons import reasons
 from agent.units import FrictionBands
 from connectors.recording import Columns
@@ -42,7 +42,7 @@ def answer(name, seed, **other):
     window = LoopWindow(name, 0.0, 1.0, op=op, pv=pv)
     task = Task(Path(f"{name}.csv"), Columns(), LoopHints(), None, None, shared=True)
     alone = diagnose(window, quantifier=Told())
-    found = found_of(task, alone, data_quality(window, alone), None)
+    found = printed_of(task, alone, data_quality(window, alone), None)
     return replace(Answer(task, found, diagnosis=alone, window=window), **other)
 
 

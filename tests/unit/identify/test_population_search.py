@@ -1,5 +1,7 @@
 """The population search on the shipped plants: the right valve, the same answer, bounded work."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -73,6 +75,13 @@ def test_a_load_that_wanders_makes_the_quick_view_likelier_and_white_noise_the_s
         chosen.append([surprise(found[0], view) for view in both])
     assert chosen[0][0] < chosen[0][1]
     assert chosen[1][1] < chosen[1][0]
+
+
+def test_a_cycle_around_nothing_is_an_island():
+    view = views()[0]
+    before = replace(nothing(), cycles=1)
+    island, around = (next_cycle(before, view, (FOPDT,), around=each) for each in (None, before.finalists))
+    np.testing.assert_array_equal(around.finalists.costs, island.finalists.costs)
 
 
 def test_structures_that_are_not_possible_are_not_found():

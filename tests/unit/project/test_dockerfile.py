@@ -4,7 +4,7 @@ import re
 
 from typer.testing import CliRunner
 
-from agent.cli import app
+from agent.cli.commands import app
 from agent.settings import HttpSettings
 from tests.conftest import ROOT
 

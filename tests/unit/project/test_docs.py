@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from agent.analysis.oscillation import DETECTORS
 from agent.analysis.quantify import QUANTIFIERS
 from agent.analysis.stiction import DETECTORS as STICTION_DETECTORS
-from agent.cli import app
+from agent.cli.commands import app
 from agent.physics.processes import PROCESSES
 from agent.settings.load import settings_of
 from connectors.kinds import KINDS

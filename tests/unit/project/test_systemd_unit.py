@@ -8,7 +8,7 @@ import sys
 import pytest
 from typer.testing import CliRunner
 
-from agent.cli import app
+from agent.cli.commands import app
 from tests.conftest import ROOT
 
 UNIT = ROOT / "config" / "systemd" / "slipjump.service"

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from typer.main import get_command
 
-from agent.cli import app
+from agent.cli.commands import app
 
 ROOT = Path(__file__).parents[3]
 FORBIDDEN = re.compile(

@@ -13,7 +13,8 @@ from typer.testing import CliRunner
 
 from agent.alarms import Alarm, Delay
 from agent.analysis.record.recording import LoopWindow
-from agent.cli import app, main
+from agent.cli import main
+from agent.cli.commands import app
 from agent.runtime.agent import Agent
 from agent.runtime.loop.judged import Judged
 from agent.runtime.loop.workers import InlineExecutor

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from agent.cli.common.answer import Task
 from agent.cli.diagnosing import work
+from agent.cli.diagnosing.answer import Task
 from agent.runtime.loop.process_pool import results_of
 
 

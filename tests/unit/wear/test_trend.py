@@ -1,9 +1,11 @@
-"""S against time: wear, repairs, outliers, and when a limit is reached; simulated valves by hand."""
+"""S against time: wear, repairs, bounds, short days, outliers, and limits; simulated valves by hand."""
 
 import numpy as np
 import pytest
 
 from agent.analysis.memory.s_day import SDay
+from agent.analysis.wear.filter import forecast
+from agent.analysis.wear.stretches import WALK
 from agent.analysis.wear.trend import DAY, reaches, trend_of
 
 START = 1.7e9
@@ -54,6 +56,41 @@ def test_the_interval_holds():
     assert 0.8 <= np.mean(inside) <= 1.0
 
 
+def test_the_interval_holds_where_the_windows_of_two_valves_in_five_are_short():
+    inside = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        lacks = rng.exponential(0.083, 12) if seed % 5 < 2 else 0.0
+        seen = 3.0 * np.exp(0.03 * rng.standard_normal(12) - lacks)
+        record = [SDay(START + k * DAY, float(s), 0.09, 1.0) for k, s in enumerate(seen)]
+        inside += [each.low <= 3.0 <= each.high for each in trend_of(record).levels]
+    assert 0.85 <= np.mean(inside) <= 1.0
+
+
+def bounds(values, after=0.0):
+    """Return days that show no more than that S is at most each of ``values``."""
+    times = [START + (after + k) * DAY for k in range(len(values))]
+    return [SDay(time, each / 2, each / 4, 1.0, upper=True) for time, each in zip(times, values, strict=True)]
+
+
+def test_a_repair_is_seen_by_bounds_alone():
+    found = trend_of([*days([4.0] * 15), *bounds([0.5] * 3, after=15)])
+    assert [each.repair for each in found.jumps] == [True]
+    assert found.repaired == START + 15 * DAY
+    assert found.levels[-1].low == 0.0
+    assert found.levels[-1].high < 1.0
+
+
+def test_bounds_above_s_say_nothing_and_many_say_no_more_than_one():
+    known = trend_of(days([4.0] * 15))
+    above = trend_of([*days([4.0] * 15), *bounds([9.0] * 10, after=15)])
+    ahead = forecast(known.last, WALK, above.last.time)
+    assert above.last.mean == pytest.approx(ahead.mean)
+    assert above.last.covariance == pytest.approx(ahead.covariance)
+    few, many = (trend_of(bounds([2.0] * n)).levels[-1] for n in (3, 30))
+    assert many.high > 0.7 * few.high > 1.0
+
+
 def test_one_wrong_day_moves_nothing():
     levels = np.full(30, 3.0)
     record = days(levels)
@@ -64,10 +101,10 @@ def test_one_wrong_day_moves_nothing():
 
 
 def test_a_limit_is_reached_at_the_time_that_the_slope_gives():
-    found = trend_of(days(np.linspace(1.0, 4.0, 31)))
+    found = trend_of(days(np.geomspace(1.0, 4.0, 31)))
     at = reaches(found, 6.0)
     assert at.low < at.time
-    assert (at.time - START) / DAY == pytest.approx(50, abs=8)
+    assert (at.time - START) / DAY == pytest.approx(30 * np.log(6) / np.log(4), abs=4)
     assert reaches(found, 0.5).time == pytest.approx(START + 30 * DAY)
     assert reaches(trend_of(days([3.0] * 30)), 1000.0).time is None
 

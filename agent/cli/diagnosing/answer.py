@@ -42,14 +42,16 @@ class Task:
     """Whether a report shows it."""
     as_json: bool = False
     """Whether its text is a JSON object."""
+    cores: int = 1
+    """That the search may take: all of them where nothing else is to be done."""
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class Printed:
     """What is shown of a diagnosis, made where the diagnosis is: the process that prints never reads it."""
 
     text: str
-    """For the terminal, as its task asks."""
+    """For the terminal, as its task states."""
     finding: RecordFinding
     """Its line among those of many."""
 
@@ -59,22 +61,24 @@ class Answer:
     """The result of a task."""
 
     task: Task
-    found: Found | None
+    found: Printed | None
     """None where the recording could not be read."""
     faults: tuple[str, ...] = ()
     """What went wrong, a line each."""
+    remarks: tuple[str, ...] = ()
+    """What was left out of its file or may be wrong there, a line each."""
     diagnosis: Diagnosis | None = None
     """Of a recording that is judged with others; else None, for it is large and its parts many."""
     window: LoopWindow | None = None
     """As the diagnosis."""
 
 
-def found_of(task: Task, diagnosis: Diagnosis, quality: DataQuality, thumbnail: Thumbnail | None) -> Found:
+def printed_of(task: Task, diagnosis: Diagnosis, quality: DataQuality, small: Thumbnail | None) -> Printed:
     """Return what is shown of a diagnosis."""
     from agent.report.fleet.rows import finding_of
 
     name = task.path.name
-    return Found(_text(task, diagnosis), finding_of(name, diagnosis, quality, thumbnail))
+    return Printed(_text(task, diagnosis), finding_of(name, diagnosis, quality, small))
 
 
 def _text(task: Task, diagnosis: Diagnosis) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from agent.cli.common.answer import Answer
+    from agent.cli.diagnosing.answer import Answer
 
 TAG_AND_DATE = re.compile(r"(?P<valve>(?:.*[^A-Za-z0-9])?[A-Z]{2,4}\d{3,}[A-Z]?)[_-]\d[\dTZ:.+_-]*")
 """Stem of a recording that names its valve: a tag as ISA-5.1 has it (FIC20102, PIC101B), maybe with the
@@ -68,13 +68,13 @@ def _judge(places: Sequence[int], come: list[Answer]) -> None:
     if len(known) < 2:
         return
     from agent.analysis.one_valve import judged_together
-    from agent.cli.common.answer import found_of
     from agent.cli.common.pictures import draw
+    from agent.cli.diagnosing.answer import printed_of
 
     judged = judged_together([each[1] for each in known], [each[2] for each in known])
     for (k, window, alone, shown), diagnosis in zip(known, judged, strict=True):
         task, faults, picture = come[k].task, come[k].faults, come[k].task.picture
         if picture is not None and diagnosis.verdict != alone.verdict:
             faults = draw(window, diagnosis, picture)  # its title says the verdict
-        found = found_of(task, diagnosis, shown.finding.quality, shown.finding.thumbnail)
+        found = printed_of(task, diagnosis, shown.finding.quality, shown.finding.thumbnail)
         come[k] = replace(come[k], found=found, diagnosis=diagnosis, faults=faults)

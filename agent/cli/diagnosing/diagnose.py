@@ -10,12 +10,12 @@ import typer
 
 from agent.cli.common import read_options as reading
 from agent.cli.common import recordings as option
-from agent.cli.common.answer import Task
 from agent.cli.common.delay import delay_of
 from agent.cli.common.errors import BAD_INPUT, complain
-from agent.cli.common.one_valve import together, valves
 from agent.cli.common.pictures import picture_files
+from agent.cli.diagnosing.answer import Task
 from agent.cli.diagnosing.fleet import Fleet
+from agent.cli.diagnosing.one_valve import together, valves
 from agent.cli.diagnosing.plant import PlantLoops
 from agent.cli.diagnosing.work import answers, get_ready, progress_of
 
@@ -159,11 +159,12 @@ def diagnose(
         for (path, name), picture, of in zip(entries, pictures, valve, strict=True)
     ]
     failed, whole = False, PlantLoops(plot) if plant else None
+    remarked: set[str] = set()
     with progress_of(len(tasks)) as advance:
         for place, answer in enumerate(together(answers(tasks, advance), valve)):
             failed |= bool(answer.faults)
-            for fault in answer.faults:
-                complain(fault)
+            complain(*answer.faults, *(each for each in answer.remarks if each not in remarked))
+            remarked.update(answer.remarks)
             fleet.add(place, answer)
             if answer.found is not None:
                 print(answer.found.text, flush=True)  # noqa: T201 - this is the command's output
