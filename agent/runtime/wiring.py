@@ -10,11 +10,13 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from agent.alarms import Alarm
 from agent.analysis.memory.valve_memory import ValveMemory
 from agent.analysis.routine import Diagnose
+from agent.runtime.intake.gathering import Gatherings
+from agent.runtime.intake.intake import Intake
+from agent.runtime.intake.source_clock import SourceClock
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.loop.judged import Observer
 from agent.runtime.loop.pipeline import LoopPipeline
-from agent.runtime.loop.source_clock import SourceClock
 from agent.runtime.loop.workers import Executor
 from agent.runtime.operate.orders import Orders
 from agent.runtime.operate.plan import connection_plans
@@ -24,6 +26,7 @@ from agent.runtime.store.journal import Journal
 from agent.runtime.supervisor import Health
 from agent.settings import AgentSettings, LoopSettings, Settings
 from connectors.base import Connector, Publication, Sample
+from connectors.readings import Readings
 
 LOG = logging.getLogger(__name__)
 
@@ -51,6 +54,7 @@ class Wiring:
             recorder: Keeps raw samples; None: nobody does.
         """
         self.pipelines: dict[str, LoopPipeline] = {}
+        self._gatherings = Gatherings(self._intake_of)
         self.connections: dict[str, Connection] = {}
         self.outboxes: dict[str, Outbox] = {}
         self.health: dict[str, Health] = {}
@@ -107,6 +111,7 @@ class Wiring:
                 pipeline.resume(self._kept.get(name), self._remembered.get(name))
         self._remembered |= {name: pipeline.memory for name, pipeline in former.items()}
         self._kept |= {name: pipeline.alarm for name, pipeline in former.items()}
+        self._gatherings.end()
         self.pipelines.clear()  # the same object still: others look loops up in it
         self.pipelines |= {loop.name: changed.get(loop.name) or former[loop.name] for loop in settings.loops}
         self.health = {
@@ -123,6 +128,10 @@ class Wiring:
             else self.connections[name]
             for name, plan in plans.items()
         }
+
+    def _intake_of(self, loop: str) -> Intake | None:
+        pipeline = self.pipelines.get(loop)
+        return None if pipeline is None else pipeline.intake
 
     def _discard(self, connection: str, waiting: Mapping[int, Publication]) -> None:
         """Discard publications for a connection that is no longer in the settings."""
@@ -149,13 +158,18 @@ class Wiring:
         def read() -> list[LoopPipeline]:
             return [each for each in self.pipelines.values() if each.settings.connection == name]
 
-        def deliver(sample: Sample) -> None:
-            pipeline = self.pipelines.get(sample.tag.loop)
+        def deliver(each: Sample | Readings) -> None:
+            arrival = asyncio.get_running_loop().time()
+            if isinstance(each, Readings):
+                self._gatherings.put(each, arrival)
+                return
+            pipeline = self.pipelines.get(each.tag.loop)
             if pipeline is not None:
-                pipeline.push(sample, asyncio.get_running_loop().time())
+                pipeline.push(each, arrival)
 
         def interrupted() -> None:
             outbox.interrupt()
+            self._gatherings.end()
             for pipeline in read():
                 pipeline.window.interrupt()
 

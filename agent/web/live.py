@@ -33,11 +33,12 @@ S = TypeVar("S")
 class Page(Generic[S]):
     """One open page: its view and what waits for it."""
 
-    def __init__(self, view: Callable[[S], Parts], limit: int = QUEUE) -> None:
+    def __init__(self, view: Callable[[S], Parts | Awaitable[Parts]], limit: int = QUEUE) -> None:
         """Make it.
 
         Args:
-            view: Parts of the page, each a JSON value, out of what a look at the plant gave.
+            view: Parts of the page, each a JSON value, out of what a look at the plant gave; awaitable where
+                they take long.
             limit: Changes that may wait.
         """
         self._view = view
@@ -46,6 +47,7 @@ class Page(Generic[S]):
         self._waiting: deque[str] = deque()
         self._full = True
         self._filled = asyncio.Event()
+        self._seeing = asyncio.Lock()
         self.ended = False
         """Whether nothing comes any more."""
 
@@ -53,13 +55,19 @@ class Page(Generic[S]):
         """Changes that wait."""
         return len(self._waiting)
 
-    def offer(self, look: S) -> None:
-        """Queue what changed; a queue that is full is dropped for the full state."""
+    async def see(self, look: S) -> None:
+        """Queue what changed, one look after the other."""
+        async with self._seeing:
+            seen = self._view(look)
+            self.offer(seen if isinstance(seen, Mapping) else await seen)
+
+    def offer(self, seen: Parts) -> None:
+        """Queue which parts changed; a queue that is full is dropped for the full state."""
         if len(self._waiting) >= self._limit:
             self._waiting.clear()
             self._known.clear()
             self._full = True
-        parts = {name: json.dumps(part, separators=(",", ":")) for name, part in self._view(look).items()}
+        parts = {name: json.dumps(part, separators=(",", ":")) for name, part in seen.items()}
         changed = {name: text for name, text in parts.items() if self._known.get(name) != text}
         changed |= dict.fromkeys(self._known.keys() - parts.keys(), "null")
         self._known = parts
@@ -104,13 +112,13 @@ class Live(Generic[S]):
         self._looked = 0.0
         """When ``_newest`` was made, monotonic, s."""
 
-    async def open(self, view: Callable[[S], Parts]) -> Page[S] | None:
+    async def open(self, view: Callable[[S], Parts | Awaitable[Parts]]) -> Page[S] | None:
         """Return a new page that has its full state already; None where there are too many."""
         if len(self.pages) >= MOST_PAGES:
             return None
         page = Page(view)
         self.pages.add(page)
-        page.offer(await self._recent())
+        await page.see(await self._recent())
         self._opened.set()
         return page
 
@@ -140,7 +148,7 @@ class Live(Generic[S]):
         look = self._newest = await self._look()
         self._looked = time.monotonic()
         async for page in breathing(list(self.pages)):
-            page.offer(look)
+            await page.see(look)
 
     async def _recent(self) -> S:
         """Return a look that is younger than the shortest period: pages that open together share it."""

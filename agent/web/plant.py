@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 from agent.alarms import Alarm, Announcement
 from agent.report.diagnosis_json import diagnosis_json
@@ -42,17 +41,23 @@ class Look:
     """All loops, what needs somebody first."""
     status: AgentStatus
     by_name: dict[str, Item]
+    counts: dict[str, int]
+    """Loops of each group, and those that are stale."""
+    widest: float | None
+    """Upper end of the widest interval of S of all loops, OP units; None where there is none."""
 
-    @cached_property
-    def counts(self) -> dict[str, int]:
-        """Loops of each group, and those that are stale; counted once for all pages."""
-        counts = Counter(item.group for item in self.items)
-        return {**{group: counts[group] for group in GROUPS}, "stale": sum(each.stale for each in self.items)}
-
-    @cached_property
-    def widest(self) -> float | None:
-        """Upper end of the widest interval of S of all loops, OP units; None where there is none."""
-        return widest(self.items)
+    @classmethod
+    async def of(cls, time: float, items: tuple[Item, ...], status: AgentStatus) -> Self:
+        """Count the items, a few at a time, once for all pages."""
+        by_name: dict[str, Item] = {}
+        counts = dict.fromkeys([*GROUPS, "stale"], 0)
+        width = None
+        async for item in breathing(items):
+            by_name[item.status.loop] = item
+            counts[item.group] += 1
+            counts["stale"] += item.stale
+            width = widest([item], width)
+        return cls(time, items, status, by_name, counts, width)
 
 
 class Plant:
@@ -124,7 +129,7 @@ class Plant:
                 async for spot, (_, known, judgement) in breathing(enumerate(found))
             ]
         )
-        return Look(self.clock(), items, status, {item.status.loop: item for item in items})
+        return await Look.of(self.clock(), items, status)
 
     def judge(self, loop: str, said: PersonalJudgement) -> None:
         """Keep what a person says of a valve, or withdraw it."""

@@ -57,10 +57,14 @@ def urgency(status: LoopStatus, alarm: Alarm, group: Group) -> tuple[float, ...]
     )
 
 
-def widest(items: Iterable[Item]) -> float | None:
-    """Return the upper end of the widest interval of S, OP units: the scale of the bars; None without any."""
+def widest(items: Iterable[Item], known: float | None = None) -> float | None:
+    """Return the upper end of the widest interval of S, OP units: the scale of the bars; None without any.
+
+    ``known`` is that of other items.
+    """
     found = [s for s in (estimate_of(item.status.diagnosis) for item in items) if s is not None]
-    return max((s.value if s.high is None else s.high for s in found), default=None)
+    ends = [s.value if s.high is None else s.high for s in found]
+    return max(ends if known is None else [known, *ends], default=None)
 
 
 def area_of(loop: str, variables: Mapping[str, str]) -> str:

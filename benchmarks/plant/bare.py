@@ -38,7 +38,11 @@ class _Count:
 
     def answering(self, says: Connection) -> asyncio.Task[None]:
         """Answer marks of the parent meanwhile."""
-        return asyncio.create_task(answer(says, lambda: self.values, None, [], lambda: 0))
+        return asyncio.create_task(answer(says, self.count, None, [], lambda: 0))
+
+    async def count(self) -> int:
+        """Return how many came."""
+        return self.values
 
 
 def mqtt(port: int, _: Sequence[str], says: Connection) -> None:

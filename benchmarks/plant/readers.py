@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -17,12 +17,17 @@ from agent.analysis.diagnosis import Diagnosis
 from agent.cli.common.page import serve_page
 from agent.runtime.agent import Agent
 from agent.runtime.capabilities import run_event_loop
+from agent.runtime.intake.gathering import Gatherings
 from agent.runtime.loop.workers import PoolExecutor
 from agent.runtime.operate import heap
+from agent.runtime.operate.breath import breathing
 from agent.settings import HttpSettings, load_settings
+from connectors.readings import Readings
 
 WATCHED = 50
 """Of so many loops one has the delay of each sample from wire to window measured."""
+WATCH = "watch"
+"""What the parent sends to have the loop watched from now on; True ends that."""
 TICK = 0.02
 """How often it is seen whether the loop that reads stands still, s."""
 
@@ -53,11 +58,16 @@ class Stops:
 
     def __init__(self) -> None:
         self.longest: list[float] = []
+        self.wanted = asyncio.Event()
+        """Set while it is watched: fifty looks a second are a good part of the CPU of 1000 loops."""
 
     async def watch(self) -> None:
-        """Look every ``TICK`` s."""
+        """Look every ``TICK`` s while it is wanted."""
         before = time.perf_counter(), time.thread_time()
         while True:
+            if not self.wanted.is_set():
+                await self.wanted.wait()
+                before = time.perf_counter(), time.thread_time()
             await asyncio.sleep(TICK)
             now = time.perf_counter(), time.thread_time()
             late = min(now[0] - before[0] - TICK, now[1] - before[1])
@@ -71,7 +81,7 @@ def agent(config: Path, quiet: Diagnosis, says: Connection) -> None:
     heap.keep_one_heap()
 
     async def main() -> None:
-        stops, delays = Stops(), []
+        stops, delays = Stops(), list[float]()
         async with PoolExecutor(settings.agent.workers) as executor:
             made = Agent(settings, executor)
             serve_page(made, settings.agent.http or HttpSettings(), lambda _: None)
@@ -79,9 +89,11 @@ def agent(config: Path, quiet: Diagnosis, says: Connection) -> None:
                 pipeline.diagnosis, pipeline.judged_at = replace(quiet, loop=name), 0.0
                 if k % WATCHED == 0:
                     _watch(pipeline.window, delays)
+            _watch_gatherings(delays)
 
-            def count() -> int:
-                return sum(each.window.counters.samples for each in made.pipelines.values())
+            async def count() -> int:
+                pipelines = made.pipelines.values()
+                return sum([each.window.counters.samples async for each in breathing(pipelines)])
 
             def lost() -> int:
                 return sum(each.lost for each in made.connections)
@@ -94,6 +106,16 @@ def agent(config: Path, quiet: Diagnosis, says: Connection) -> None:
             await asyncio.wait({work, watching})
 
     run_event_loop(main())
+
+
+def _watch_gatherings(delays: list[float]) -> None:
+    put = Gatherings.put
+
+    def timed(gatherings: Gatherings, readings: Readings, arrival: float) -> None:
+        put(gatherings, readings, arrival)
+        delays.append(time.time() - readings.time)
+
+    Gatherings.put = timed  # type: ignore[method-assign]
 
 
 def _watch(window: Any, delays: list[float]) -> None:  # noqa: ANN401 - its method is replaced
@@ -109,7 +131,7 @@ def _watch(window: Any, delays: list[float]) -> None:  # noqa: ANN401 - its meth
 
 async def answer(
     says: Connection,
-    count: Callable[[], int],
+    count: Callable[[], Awaitable[int]],
     stops: Stops | None,
     delays: list[float],
     lost: Callable[[], int],
@@ -123,7 +145,7 @@ async def answer(
         delays: Filled by who measures them, s.
         lost: Returns how many were lost.
     """
-    before = cpu, wall, values, missed = time.process_time(), time.perf_counter(), count(), lost()
+    before = cpu, wall, values, missed = time.process_time(), time.perf_counter(), await count(), lost()
     marked = asyncio.Event()
     asyncio.get_running_loop().add_reader(says.fileno(), marked.set)
     while True:
@@ -131,17 +153,20 @@ async def answer(
         marked.clear()
         if not says.poll():
             continue
-        if says.recv() is None:
+        wanted = says.recv()
+        if wanted is None:
             return
+        if stops is not None:
+            (stops.wanted.set if wanted == WATCH else stops.wanted.clear)()
         cpu, wall, values, missed = before
-        before = time.process_time(), time.perf_counter(), count(), lost()
+        before = time.process_time(), time.perf_counter(), await count(), lost()
         says.send(
             Read(
                 before[0] - cpu,
                 before[1] - wall,
                 before[2] - values,
                 tuple(np.quantile(delays, [0.5, 0.99, 1.0])) if delays else (),
-                tuple(stops.longest) if stops is not None else (),
+                tuple(stops.longest) if stops is not None and stops.longest else (0.0,),
                 before[3] - missed,
             )
         )

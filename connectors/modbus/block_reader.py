@@ -37,7 +37,7 @@ class BlockReader:
             for block in blocks:
                 parking.release(block)
 
-    async def read(self, block: Block) -> list[int]:
+    async def read(self, block: Block) -> Sequence[int]:
         """Return its registers or bits; raises DeviceError, and ConnectionLostError where all are silent."""
         clock = asyncio.get_running_loop()
         if block in self._parking:

@@ -1,19 +1,23 @@
-"""The only file that touches pymodbus, whose interface changes with every minor release."""
+"""With ``numbered.py`` all that touches pymodbus, whose interface changes with every minor release."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
 import ssl
-from collections.abc import AsyncIterator, Awaitable, Callable
+import struct
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
+from typing import TypeVar
 
+import numpy as np
 from pymodbus.client import AsyncModbusTcpClient, AsyncModbusTlsClient
-from pymodbus.exceptions import ConnectionException, ModbusException
+from pymodbus.exceptions import ModbusException
 from pymodbus.pdu import ModbusPDU
 
 from connectors.base import AccessDeniedError, ConnectionLostError
 from connectors.cancellation import ends_when_cancelled, obey_cancellation
+from connectors.modbus.numbered import NumberedReads
 from connectors.modbus.options import ModbusOptions, Table
 from connectors.tls import explain
 
@@ -30,7 +34,14 @@ EXCEPTIONS = {
     11: "the unit behind the gateway does not answer",
 }
 """Of the Modbus application protocol 1.1b3, 7, as messages about a device."""
+_READS = {"coil": 1, "discrete": 2, "holding": 3, "input": 4}
+"""Function that reads a table."""
+_EXCEPTION = 0x80
+"""Is added to the function where the device refuses."""
+_BYTE = 8
+"""Bits come in whole bytes."""
 Request = Callable[..., Awaitable[ModbusPDU]]
+AnswerT = TypeVar("AnswerT")
 
 
 class DeviceError(Exception):
@@ -59,25 +70,32 @@ class ModbusClient:
         self._client = client
         self._options = options
         self._tls = tls
+        self._numbered = NumberedReads(client.ctx, options.unit, options.timeout)
+        self._turns = asyncio.Semaphore(options.requests)
+        """Of reads and writes: many a device does not see the second of two requests that come together."""
         self._answered = False
         self.timeout = options.timeout
         """Longest wait for an answer, s."""
         self.silent = False
         """Whether what failed last had no answer on a connection that stands."""
 
-    async def read(self, table: Table, address: int, count: int) -> list[int]:
+    async def read(self, table: Table, address: int, count: int) -> Sequence[int]:
         """Return ``count`` registers, or bits as 0 and 1; ``address`` as on the wire. Raises DeviceError."""
-        read = {
-            "holding": self._client.read_holding_registers,
-            "input": self._client.read_input_registers,
-            "coil": self._client.read_coils,
-            "discrete": self._client.read_discrete_inputs,
-        }[table]
-        answer = await self._ask(read, address, count=count)
-        values = answer.bits[:count] if table in ("coil", "discrete") else answer.registers
+        pdu = await self._answer(lambda: self._numbered.ask(_READS[table], address, count))
+        if pdu[0] & _EXCEPTION:
+            raise DeviceError(pdu[1])
+        data = pdu[2:]
+        if len(data) != pdu[1]:
+            raise ConnectionLostError(f"the device sent {len(data)} bytes of {pdu[1]} announced")
+        values: Sequence[int]
+        if table in ("coil", "discrete"):
+            bits = np.unpackbits(np.frombuffer(data, np.uint8), bitorder="little").tolist()
+            values = bits[:count] if len(bits) - count in range(_BYTE) else bits
+        else:
+            values = struct.unpack(f">{len(data) // 2}H", data[: len(data) // 2 * 2])
         if len(values) != count:
             raise ConnectionLostError(f"the device sent {len(values)} values of {count} requested")
-        return [int(value) for value in values]
+        return values
 
     async def write_coil(self, address: int, value: bool) -> None:  # noqa: FBT001 - the value is what it is
         """Set one coil; raises DeviceError."""
@@ -87,11 +105,23 @@ class ModbusClient:
         """Set adjacent holding registers; raises DeviceError."""
         await self._ask(self._client.write_registers, address, values)
 
-    async def _ask(self, request: Request, *args: int | list[int], **more: int) -> ModbusPDU:
+    async def _ask(self, request: Request, *args: int | list[int]) -> None:
+        async def asked() -> ModbusPDU:  # pymodbus raises before there is anything to await
+            return await request(*args, device_id=self._options.unit)
+
+        answer = await self._answer(asked)
+        if answer.isError():
+            raise DeviceError(answer.exception_code)
+
+    async def _answer(self, request: Callable[[], Awaitable[AnswerT]]) -> AnswerT:
+        async with self._turns:
+            return await self._answer_now(request)
+
+    async def _answer_now(self, request: Callable[[], Awaitable[AnswerT]]) -> AnswerT:
         clock = asyncio.get_running_loop()
         began = clock.time()
         try:
-            answer = await request(*args, device_id=self._options.unit, **more)
+            answer = await request()
         except (ModbusException, OSError) as error:
             self.silent = self._client.connected and clock.time() - began >= self.timeout
             if not self._answered:
@@ -99,8 +129,6 @@ class ModbusClient:
             raise ConnectionLostError(str(error)) from error
         self._answered = True
         obey_cancellation()
-        if answer.isError():
-            raise DeviceError(answer.exception_code)
         return answer
 
 
@@ -115,7 +143,6 @@ async def connected(options: ModbusOptions) -> AsyncIterator[ModbusClient]:
         if tls is None
         else AsyncModbusTlsClient(options.host, sslctx=tls, **common)
     )
-    _tell_at_once(client)
     try:
         if not await ends_when_cancelled(client.connect()):
             await _raise_denial(options, tls)
@@ -123,34 +150,6 @@ async def connected(options: ModbusOptions) -> AsyncIterator[ModbusClient]:
         yield ModbusClient(client, options, tls)
     finally:
         client.close()
-
-
-def _tell_at_once(client: AsyncModbusTcpClient) -> None:
-    """Have garbage and a lost connection end the request that waits.
-
-    pymodbus leaves the one to asyncio to log, and lets the request wait for its whole timeout in both cases.
-    """
-    context = client.ctx
-    decode, disconnected = context.callback_data, context.callback_disconnected
-
-    def end(error: ModbusException) -> None:
-        waiting = context.response_future
-        if not waiting.done():
-            waiting.set_exception(error)
-            waiting.exception()  # it was noticed, though nobody may be waiting
-
-    def on_data(data: bytes, addr: tuple[str, int] | None = None) -> int:
-        try:
-            return int(decode(data, addr))
-        except ModbusException as error:
-            end(error)
-            return len(data)
-
-    def on_disconnected(error: Exception | None) -> None:
-        disconnected(error)
-        end(ConnectionException(f"the device closed the connection{f': {error}' if error else ''}"))
-
-    context.callback_data, context.callback_disconnected = on_data, on_disconnected
 
 
 async def _raise_denial(options: ModbusOptions, tls: ssl.SSLContext | None) -> None:

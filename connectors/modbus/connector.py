@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
-from collections.abc import AsyncIterator, Mapping, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager
+from collections.abc import AsyncGenerator, AsyncIterator, Mapping, Sequence
+from contextlib import AsyncExitStack, aclosing, asynccontextmanager
 
 from connectors.base import (
     ConfigError,
@@ -24,6 +24,7 @@ from connectors.modbus.options import Flag, HoldingRegister, ModbusOptions, Modb
 from connectors.modbus.parking import Parking, probed
 from connectors.modbus.polling import Rounds
 from connectors.options import LoopTags
+from connectors.readings import Readings, one_by_one
 
 _LOG = logging.getLogger(__name__)
 ModbusLoops = Mapping[str, LoopTags[ModbusTag, ModbusTarget]]
@@ -81,15 +82,21 @@ class ModbusSession:
         self._loops = loops
         self._parking = parking
 
-    async def samples(self) -> AsyncIterator[Sample]:
+    def samples(self) -> AsyncIterator[Sample]:
         """Yield the values of every loop at every poll; raises ConnectionLostError."""
+        return one_by_one(self.readings())
+
+    async def readings(self) -> AsyncGenerator[Sample | Readings]:
+        """Yield the same, those of one request in one piece; raises ConnectionLostError."""
         tags = {name: loop.tags for name, loop in self._loops.items()}
-        rounds = Rounds(self._clients, tags, self._options.address_base, self._parking)
+        lanes = [client for client in self._clients for _ in range(self._options.requests)]
+        rounds = Rounds(lanes, tags, self._options.address_base, self._parking)
         clock = asyncio.get_running_loop()
         due = clock.time()
         while True:
-            async for sample in rounds.read():
-                yield sample
+            async with aclosing(rounds.read()) as round_:
+                async for each in round_:
+                    yield each
             due = max(due + self._options.poll, clock.time())
             await asyncio.sleep(due - clock.time())
 

@@ -27,10 +27,10 @@ class Span:
     """The request; it has no tags of its own."""
     parts: tuple[Block, ...]
 
-    def part(self, answer: Sequence[int], block: Block) -> list[int]:
+    def part(self, answer: Sequence[int], block: Block) -> Sequence[int]:
         """Return what a block has of the answer to the whole."""
         first = block.address - self.whole.address
-        return list(answer[first : first + block.count])
+        return answer[first : first + block.count]
 
 
 def spans(blocks: Sequence[Block]) -> list[Span]:
@@ -58,13 +58,13 @@ class NeighbourReader:
         self._reader = reader
         self._parking = parking
         self._span_of = together
-        self._answers: dict[int, list[int] | DeviceError] = {}
+        self._answers: dict[int, Sequence[int] | DeviceError] = {}
 
     def begin_round(self) -> None:
         """Forget the answers of the former round."""
         self._answers.clear()
 
-    async def read(self, block: Block) -> list[int]:
+    async def read(self, block: Block) -> Sequence[int]:
         """Return its registers or bits; raises DeviceError, and ConnectionLostError where all are silent."""
         span = self._span_of.get(id(block))
         if span is None:
@@ -75,6 +75,13 @@ class NeighbourReader:
         if isinstance(answer, DeviceError):
             raise answer
         return span.part(answer, block)
+
+    async def read_together(self, span: Span) -> Sequence[int] | None:
+        """Return the answer to a span; None where its blocks are to be read one by one, for their reasons."""
+        if id(span.parts[0]) not in self._span_of or not await self._read_whole(span):
+            return None
+        answer = self._answers[id(span)]
+        return None if isinstance(answer, DeviceError) else answer
 
     async def _read_whole(self, span: Span) -> bool:
         """Read a span; return whether it stays one."""

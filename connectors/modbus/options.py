@@ -27,7 +27,9 @@ class ModbusOptions(Options):
     poll: Seconds = 1.0
     """Time from one reading of all loops to the next, s."""
     connections: Annotated[int, Field(ge=1, le=16)] = 1
-    """Connections to the device, a request under way on each. More where a round trip takes long."""
+    """Connections to the device. More where a round trip takes long."""
+    requests: Annotated[int, Field(ge=1, le=16)] = 1
+    """Requests under way on each connection. More where the device accepts one before it has answered."""
     timeout: Seconds = 1.0
     """Longest wait for an answer, s; after that the device counts as gone."""
     address_base: Literal[0, 1] = 0

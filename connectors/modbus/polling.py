@@ -6,15 +6,17 @@ import asyncio
 import math
 import time
 from collections import deque
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncGenerator, Mapping, Sequence
 
 from connectors.base import LoopRole, Sample
 from connectors.modbus.block_reader import BlockReader
 from connectors.modbus.blocks import Block, plan
 from connectors.modbus.client import ILLEGAL_ADDRESS, DeviceError, ModbusClient
-from connectors.modbus.neighbours import NeighbourReader, span_of_each, spans
+from connectors.modbus.neighbours import NeighbourReader, Span, span_of_each, spans
 from connectors.modbus.options import ModbusTag
 from connectors.modbus.parking import Parking
+from connectors.modbus.whole import WholeAnswer
+from connectors.readings import Readings
 
 
 class LoopPoller:
@@ -22,8 +24,10 @@ class LoopPoller:
 
     def __init__(self, loop: str, blocks: list[Block]) -> None:
         self.blocks = blocks
-        self._tags = {role: LoopRole(loop, role) for block in blocks for role in block.tags}
-        self._has_time = any("time" in block.tags for block in blocks)
+        self.tags = {role: LoopRole(loop, role) for block in blocks for role in block.tags}
+        """Role -> tag, in the order of the values of its blocks."""
+        self.has_time = any("time" in block.tags for block in blocks)
+        """Whether the source's own time is read with the values."""
         self._last_time = math.nan
 
     async def poll(self, reader: NeighbourReader) -> list[Sample]:
@@ -39,15 +43,35 @@ class LoopPoller:
                     self.blocks = [b for b in self.blocks if b is not block] + block.split()
         arrival = time.time()
         source_time = values.pop("time", math.nan)
-        if self._has_time and "time" not in refused:
+        if self.has_time and "time" not in refused:
             if math.isnan(source_time) or source_time == self._last_time:
                 return []
             self._last_time = arrival = source_time
         refused.pop("time", None)
-        return [Sample.measured(self._tags[role], arrival, value) for role, value in values.items()] + [
-            Sample.missing(self._tags[role], arrival, error.code, str(error))
+        return [Sample.measured(self.tags[role], arrival, value) for role, value in values.items()] + [
+            Sample.missing(self.tags[role], arrival, error.code, str(error))
             for role, error in refused.items()
         ]
+
+
+class PolledTogether:
+    """Loops that are read in one request, as long as the device allows it."""
+
+    def __init__(self, pollers: Sequence[LoopPoller], span: Span | None) -> None:
+        """Make it; ``span`` is None where each loop has requests of its own."""
+        self._pollers = pollers
+        self._span = None if span is None or any(each.has_time for each in pollers) else span
+        if self._span is not None:
+            self._whole = WholeAnswer(self._span.whole.address, [each.blocks[0] for each in pollers])
+            self._tags = tuple(tag for each in pollers for tag in each.tags.values())
+
+    async def poll(self, lane: NeighbourReader) -> Sequence[Sample | Readings]:
+        """Return what is new, in one piece where it comes in one; raises ConnectionLostError."""
+        if self._span is not None:
+            answer = await lane.read_together(self._span)
+            if answer is not None:
+                return [Readings(self._tags, time.time(), self._whole.values(answer))]
+        return [sample for poller in self._pollers for sample in await poller.poll(lane)]
 
 
 class Rounds:
@@ -63,7 +87,7 @@ class Rounds:
         """Plan it.
 
         Args:
-            clients: Connections to the device, one request under way on each.
+            clients: Connections to the device, one as often as requests may be under way on it.
             loops: Loop -> role -> tag; those without tags are left out.
             address_base: Number of a table's first register.
             parking: Of the device.
@@ -77,18 +101,19 @@ class Rounds:
             NeighbourReader(BlockReader(client, blocks, parking), parking, together) for client in clients
         ]
 
-    async def read(self) -> AsyncIterator[Sample]:
+    async def read(self) -> AsyncGenerator[Sample | Readings]:
         """Yield the values of every loop once; raises ConnectionLostError."""
         for lane in self._lanes:
             lane.begin_round()
         waiting = deque(self._groups)
         tasks = {asyncio.create_task(_poll(waiting, lane), name="poll") for lane in self._lanes[1:]}
         try:
-            async for sample in _poll_each(waiting, self._lanes[0]):
-                yield sample
+            while waiting:
+                for each in await waiting.popleft().poll(self._lanes[0]):
+                    yield each
             for task in tasks:
-                for sample in await task:
-                    yield sample
+                for each in await task:
+                    yield each
         finally:
             for task in tasks:
                 task.cancel()
@@ -96,22 +121,18 @@ class Rounds:
                 await asyncio.wait(tasks)
 
 
-async def _poll_each(waiting: deque[list[LoopPoller]], lane: NeighbourReader) -> AsyncIterator[Sample]:
+async def _poll(waiting: deque[PolledTogether], lane: NeighbourReader) -> list[Sample | Readings]:
     """Read what waits until nothing does."""
+    found: list[Sample | Readings] = []
     while waiting:
-        for poller in waiting.popleft():
-            for sample in await poller.poll(lane):
-                yield sample
+        found += await waiting.popleft().poll(lane)
+    return found
 
 
-async def _poll(waiting: deque[list[LoopPoller]], lane: NeighbourReader) -> list[Sample]:
-    return [sample async for sample in _poll_each(waiting, lane)]
-
-
-def _groups(pollers: Sequence[LoopPoller], together: Mapping[int, object]) -> list[list[LoopPoller]]:
+def _groups(pollers: Sequence[LoopPoller], together: Mapping[int, Span]) -> list[PolledTogether]:
     """Return the loops of each request, in the order of the first of them."""
-    groups: dict[int, list[LoopPoller]] = {}
+    groups: dict[int, tuple[list[LoopPoller], Span | None]] = {}
     for poller in pollers:
         span = together.get(id(poller.blocks[0])) if len(poller.blocks) == 1 else None
-        groups.setdefault(id(poller if span is None else span), []).append(poller)
-    return list(groups.values())
+        groups.setdefault(id(poller if span is None else span), ([], span))[0].append(poller)
+    return [PolledTogether(*each) for each in groups.values()]

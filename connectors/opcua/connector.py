@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import time
-from collections.abc import AsyncIterator, Iterator, Mapping
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, asynccontextmanager, contextmanager
 
 from asyncua import Client, ua
@@ -36,6 +37,8 @@ logging.getLogger("asyncua").setLevel(
 
 _SESSION_TIMEOUT = 60_000
 """How long the server keeps a session that it hears nothing from, ms; its watchdog reads more often."""
+_AT_ONCE = 100
+"""Changes that are read before others have their turn: one notification may have thousands."""
 
 OpcUaLoops = Mapping[str, LoopTags[OpcUaTag, OpcUaTarget]]
 
@@ -49,19 +52,30 @@ class OpcUaConnector:
         self.name = name
         self._options = options
         self._loops = loops
+        self.lost = 0
+        """Values that were discarded before they were read, since the start."""
 
     @asynccontextmanager
     async def session(self) -> AsyncIterator[Session]:
         """Connect; raises ConnectionLostError."""
         async with connected(self._options) as client:
-            yield OpcUaSession(client, self._options, self._loops)
+            lost = self.lost
+
+            def count_lost(more: int) -> None:
+                self.lost = lost + more
+
+            yield OpcUaSession(client, self._options, self._loops, count_lost)
 
 
 class OpcUaSession:
     """An open connection."""
 
-    def __init__(self, client: Client, options: OpcUaOptions, loops: OpcUaLoops) -> None:
+    def __init__(
+        self, client: Client, options: OpcUaOptions, loops: OpcUaLoops, count_lost: Callable[[int], None]
+    ) -> None:
         self._client = client
+        self._count_lost = count_lost
+        """Takes how many values were discarded in this session."""
         self._options = options
         self._loops = loops
         self._types: dict[str, ua.VariantType] = {}
@@ -77,7 +91,6 @@ class OpcUaSession:
         """
         with as_connection_lost():
             watched = await subscription(self._client, self._options)
-            nodes = {ua.NodeId.from_string(node): node for node in self._tags}
             silence = Silence()
             absent: set[str] = set()
             wanted = list(self._tags)
@@ -100,15 +113,20 @@ class OpcUaSession:
                     absent = set(refused)
                     wanted = list(refused)
                     due = time.monotonic() + self._options.retry
-                event = await watched.next_change(min(self._options.timeout, self._options.retry))
+                changes = await watched.changes(min(self._options.timeout, self._options.retry))
                 obey_cancellation()
-                if event is None:
-                    continue
-                node, data = nodes[event.node.nodeid], event.data.monitored_item.Value
-                silence.told(node, data)
-                if not is_waiting(data):
-                    for name in self._tags[node]:
-                        yield sample(name, data)
+                self._count_lost(watched.lost)
+                for first in range(0, len(changes), _AT_ONCE):
+                    for each in self._samples_of(changes[first : first + _AT_ONCE], silence):
+                        yield each
+                    await asyncio.sleep(0)
+
+    def _samples_of(self, changes: Sequence[tuple[str, ua.DataValue]], silence: Silence) -> Iterator[Sample]:
+        for node, data in changes:
+            silence.told(node, data)
+            if not is_waiting(data):
+                for name in self._tags[node]:
+                    yield sample(name, data)
 
     async def publish(self, publication: Publication) -> None:
         """Write a state or its end, the flag last; raises ConnectionLostError, RefusedError."""

@@ -43,7 +43,8 @@ class Silence:
 
     def told(self, node: str, data: ua.DataValue) -> None:
         """It reported this."""
-        self._nodes[node] = _Node(_value(data))
+        known = self._nodes.setdefault(node, _Node())
+        known.told, known.heard, known.different = _value(data), True, 0
 
     def silent(self) -> list[str]:
         """Return what was not reported since the last call."""

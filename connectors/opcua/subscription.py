@@ -2,25 +2,29 @@
 
 asyncua's own guard recreates a silent subscription by itself and can lose its nodes while doing so. Therefore
 the subscription is made without the client's knowledge, and whoever reads it gets an error when it is dead.
+Its queue has an object, and its ``next_event`` a task, for each value; here a notification stays one piece.
 """
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from asyncua import Client, ua
-from asyncua.common.subscription import DataChangeEvent, OverflowPolicy, Subscription
+from asyncua.client.ua_session import UaSession
+from asyncua.common.subscription import Subscription
 
 from connectors.base import ConnectionLostError
 from connectors.opcua.batches import Batches
 from connectors.opcua.options import OpcUaOptions
 
 _LOG = logging.getLogger(__name__)
-_WAITING = 10_000
-"""Most values that may wait to be read."""
+WAITING, WAITING_OF_EACH = 10_000, 10
+"""Values that may wait to be read at least, and of each node: ten seconds of values at 1 Hz."""
 _LIFETIME = 60.0
 """How long the server keeps a subscription that nobody reads, s."""
 _NO_FILTER = (
@@ -30,19 +34,49 @@ _NO_FILTER = (
 )
 
 
+class _Notifications(Subscription):  # type: ignore[misc]
+    """Gives the data of each notification as they came."""
+
+    def __init__(
+        self, session: UaSession, wanted: ua.CreateSubscriptionParameters, take: Callable[[list[Any]], None]
+    ) -> None:
+        super().__init__(session, wanted)
+        self._take = take
+
+    async def publish_callback(self, publish_result: ua.PublishResult) -> None:
+        """Take the answer to a publish request; one without data says that the server is alive."""
+        self.last_publish_at = time.monotonic()
+        message = publish_result.NotificationMessage
+        if message.NotificationData is not None:
+            self.last_sequence_number = int(message.SequenceNumber)
+            self._take(message.NotificationData)
+
+
 class NodeSubscription:
     """Changes of many nodes; made by ``subscription``."""
 
-    def __init__(self, subscription: Subscription, options: OpcUaOptions, silence: float) -> None:
-        self._subscription = subscription
-        self._session = subscription.server
+    def __init__(
+        self, session: UaSession, wanted: ua.CreateSubscriptionParameters, options: OpcUaOptions
+    ) -> None:
+        self._subscription = _Notifications(session, wanted, self._take)
+        self._session = session
         self._options = options
-        self._silence = silence
+        self._silence = math.inf
         self._created = time.monotonic()
-        self._handle = 0
-        self._dropped = 0
+        self._nodes: dict[int, str] = {}
+        """By client handle; one that is watched anew has another one."""
+        self._waiting: list[tuple[str, ua.DataValue]] = []
+        self._came = asyncio.Event()
+        self._ended = False
+        self.lost = 0
+        """Values that were discarded because too many waited."""
         self._reads, self._creates = Batches(), Batches()
-        subscription.set_overflow_disconnect_handler(self._count_dropped)
+
+    async def init(self) -> None:
+        """Have the server create it."""
+        granted = await self._subscription.init()
+        alive = granted.RevisedPublishingInterval / 1000 * granted.RevisedMaxKeepAliveCount
+        self._silence = alive + self._options.timeout
 
     async def add(self, nodes: Sequence[str]) -> dict[str, ua.StatusCode]:
         """Watch ``nodes``; return those the server does not have, with what it said."""
@@ -59,17 +93,42 @@ class NodeSubscription:
         answers = await self._reads.ask(self._values, [ua.NodeId.from_string(node) for node in nodes])
         return dict(zip(nodes, answers, strict=True))
 
-    async def next_change(self, timeout: float) -> DataChangeEvent | None:  # noqa: ASYNC109 - not to be cancelled
-        """Return the next change, None if there was none for ``timeout`` s; raises ConnectionLostError."""
-        event = await self._subscription.next_event(timeout)
-        if isinstance(event, DataChangeEvent):
-            return event
-        if event is not None:
+    async def changes(self, timeout: float) -> list[tuple[str, ua.DataValue]]:  # noqa: ASYNC109 - not to be cancelled
+        """Return all changes that wait, oldest first; none came for ``timeout`` s: an empty list.
+
+        Raises:
+            ConnectionLostError: The subscription is dead.
+        """
+        if not self._waiting:
+            try:
+                async with asyncio.timeout(timeout):
+                    await self._came.wait()
+            except TimeoutError:
+                quiet = time.monotonic() - (self._subscription.last_publish_at or self._created)
+                if quiet > self._silence:
+                    text = f"the server sent nothing for {quiet:.1f} s, not even that it is alive"
+                    raise ConnectionLostError(text) from None
+        if self._ended and not self._waiting:
             raise ConnectionLostError("the server ended the subscription")
-        quiet = time.monotonic() - (self._subscription.last_publish_at or self._created)
-        if quiet > self._silence:
-            raise ConnectionLostError(f"the server sent nothing for {quiet:.1f} s, not even that it is alive")
-        return None
+        found, self._waiting = self._waiting, []
+        if not self._ended:
+            self._came.clear()
+        return found
+
+    def _take(self, notifications: list[Any]) -> None:
+        most = max(WAITING, WAITING_OF_EACH * len(self._nodes))
+        for each in notifications:
+            if isinstance(each, ua.DataChangeNotification):
+                room = max(most - len(self._waiting), 0)
+                self._waiting += [
+                    (self._nodes[item.ClientHandle], item.Value)
+                    for item in each.MonitoredItems[:room]
+                    if item.ClientHandle in self._nodes and item.Value is not None
+                ]
+                self._count_lost(len(each.MonitoredItems) - room)
+            elif isinstance(each, ua.StatusChangeNotification):
+                self._ended = True
+        self._came.set()
 
     async def _values(self, nodes: list[ua.NodeId]) -> list[ua.DataValue]:
         found: list[ua.DataValue] = await self._session.read_attributes(nodes, ua.AttributeIds.Value)
@@ -84,14 +143,15 @@ class NodeSubscription:
         return {node: answer for node, answer in pairs if isinstance(answer, ua.StatusCode)}
 
     def _request(self, node: str, changed: ua.DataChangeFilter | None) -> ua.MonitoredItemCreateRequest:
-        self._handle += 1
+        handle = len(self._nodes) + 1
+        self._nodes[handle] = node
         return ua.MonitoredItemCreateRequest(
             ItemToMonitor=ua.ReadValueId(
                 NodeId=ua.NodeId.from_string(node), AttributeId=ua.AttributeIds.Value
             ),
             MonitoringMode=ua.MonitoringMode.Reporting,
             RequestedParameters=ua.MonitoringParameters(
-                ClientHandle=self._handle,
+                ClientHandle=handle,
                 SamplingInterval=1000 * self._options.sampling_interval,
                 QueueSize=self._options.queue,
                 DiscardOldest=True,
@@ -99,10 +159,12 @@ class NodeSubscription:
             ),
         )
 
-    def _count_dropped(self) -> None:
-        if self._dropped == 0:
-            _LOG.warning("%s: values are dropped, the reader is too slow", self._options.url)
-        self._dropped += 1
+    def _count_lost(self, more: int) -> None:
+        if more <= 0:
+            return
+        if self.lost == 0:
+            _LOG.warning("%s: values are discarded, the reader is too slow", self._options.url)
+        self.lost += more
 
 
 async def subscription(client: Client, options: OpcUaOptions) -> NodeSubscription:
@@ -116,10 +178,6 @@ async def subscription(client: Client, options: OpcUaOptions) -> NodeSubscriptio
         MaxNotificationsPerPublish=0,
         PublishingEnabled=True,
     )
-    # the policy named disconnect calls our handler for every dropped value, the others drop unseen
-    made = Subscription(
-        client.uaclient.session, wanted, queue_maxsize=_WAITING, overflow=OverflowPolicy.DISCONNECT
-    )
-    granted = await made.init()
-    alive = granted.RevisedPublishingInterval / 1000 * granted.RevisedMaxKeepAliveCount
-    return NodeSubscription(made, options, alive + options.timeout)
+    made = NodeSubscription(client.uaclient.session, wanted, options)
+    await made.init()
+    return made

@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from agent.analysis.gates.record import too_short
-from agent.runtime.loop.window import RollingWindow
+from agent.runtime.intake.window import RollingWindow
 from agent.settings.load import load_settings, settings_of
 from connectors.base import ConfigError, LoopRole, Quality
 from connectors.modbus.codec import decode, register_count

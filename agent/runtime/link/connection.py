@@ -25,6 +25,7 @@ from connectors.base import (
     Session,
 )
 from connectors.cancellation import obey_cancellation
+from connectors.readings import Readings, incoming
 
 LOG = logging.getLogger(__name__)
 OPEN_WITHIN = 30.0
@@ -44,7 +45,7 @@ class Connection:
         self,
         connector: Connector,
         outbox: Outbox,
-        deliver: Callable[[Sample], None] | None,
+        deliver: Callable[[Sample | Readings], None] | None,
         interrupted: Callable[[], None],
         data_age: float,
         obey: Callable[[Order], Awaitable[None]] | None = None,
@@ -54,7 +55,7 @@ class Connection:
         Args:
             connector: The bus.
             outbox: Publications for it.
-            deliver: Takes each sample; None where nothing is read from this connection.
+            deliver: Takes each sample, or readings; None where nothing is read from this connection.
             interrupted: Called when a session ends, as samples may be lost from then on.
             data_age: Time without a sample after which the peer counts as gone, s.
             obey: Executes an order; None where this connection takes no orders.
@@ -115,13 +116,13 @@ class Connection:
         finally:
             self._interrupted()
 
-    async def _read(self, session: Session, deliver: Callable[[Sample], None] | None) -> None:
+    async def _read(self, session: Session, deliver: Callable[[Sample | Readings], None] | None) -> None:
         """Deliver samples and orders. Orders are no sign of life: people may send none for months."""
         self._expect_data()
         clock, again = asyncio.get_running_loop(), 0.0
         try:
             async with unless_silent(None if deliver is None else self._data_age) as sign_of_life:
-                async for each in session.samples():
+                async for each in incoming(session):
                     if isinstance(each, Order):
                         if self._obey is not None:
                             await self._obey(each)

@@ -1,1 +1,1 @@
-"""ONE LOOP: samples in, windows out, diagnosed in worker processes, the alarm that follows."""
+"""ONE LOOP: windows that are due, diagnosed in worker processes, the alarm that follows."""

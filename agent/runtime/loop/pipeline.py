@@ -28,15 +28,14 @@ from agent.analysis.routine import (
 )
 from agent.analysis.seen import Seen
 from agent.analysis.stiction.online import OnlineShapes
+from agent.runtime.intake.intake import Intake
+from agent.runtime.intake.usable import LOGGED_AGAIN
 from agent.runtime.link.outbox import Outbox
 from agent.runtime.loop.due import Due
 from agent.runtime.loop.judged import Judged, Observer
 from agent.runtime.loop.kept_fit import KeptFit, without_curves
 from agent.runtime.loop.pace import Pace
-from agent.runtime.loop.source_clock import SourceClock
 from agent.runtime.loop.turns import LONGEST_PATIENCE
-from agent.runtime.loop.usable import LOGGED_AGAIN, UsableValues
-from agent.runtime.loop.window import RollingWindow
 from agent.runtime.loop.workers import Executor
 from agent.runtime.store.change import Change
 from agent.runtime.store.journal import Journal
@@ -44,6 +43,9 @@ from agent.settings import AlarmSettings, LoopSettings
 from connectors.base import Publication, Sample
 
 if TYPE_CHECKING:
+    from agent.runtime.intake.source_clock import SourceClock
+    from agent.runtime.intake.usable import UsableValues
+    from agent.runtime.intake.window import RollingWindow
     from agent.runtime.samples.recorder import SampleRecorder
 
 LOG = logging.getLogger(__name__)
@@ -70,11 +72,8 @@ class LoopPipeline:
         recorder: SampleRecorder | None = None,
     ) -> None:
         self.settings = settings
-        self.clock = clock
-        """Which times are believed; None: all."""
-        self.window = RollingWindow(settings)
-        self.usable = UsableValues(settings.name)
-        """Whether PV and OP have values that can be used."""
+        self.intake = Intake(settings, self._came_due, clock, recorder)
+        """Takes what the bus sends."""
         delay = Delay(settings.alarm.on_delay, settings.alarm.off_delay)
         advises = settings.alarm.advisory == "active"
         self.alarm = Alarm(settings.name, settings.alarm.priority, delay, advises=advises)
@@ -93,9 +92,6 @@ class LoopPipeline:
         self._diagnose = diagnose
         self._journal = journal or Journal()
         self._base_rate = base_rate
-        self._recorder = recorder
-        self.heard: float | None = None
-        """Monotonic time at which anything arrived, also what was known already, s."""
         self.began: float | None = None
         """Monotonic time at which ``run`` began, s."""
         self.judged_at: float | None = None
@@ -111,18 +107,29 @@ class LoopPipeline:
         self._clocks_logged = -math.inf
         self._due = asyncio.Event()
 
+    @property
+    def window(self) -> RollingWindow:
+        """The newest stretch of the loop."""
+        self.intake.settle()
+        return self.intake.window
+
+    @property
+    def usable(self) -> UsableValues:
+        """Whether PV and OP have values that can be used."""
+        self.intake.settle()
+        return self.intake.usable
+
+    @property
+    def heard(self) -> float | None:
+        """Monotonic time at which anything arrived, s."""
+        self.intake.settle()
+        return self.intake.heard
+
     def push(self, sample: Sample, arrival: float) -> None:
         """Take a sample that arrived at ``arrival`` (monotonic, s)."""
-        self.heard = arrival
-        self.usable.see(sample, arrival)
-        counts = sample if self.clock is None else self.clock.checked(sample, arrival)
-        if counts is None:
-            return
-        if self._recorder is not None:
-            self._recorder.put(counts, arrival)
-        window = self.window.push(counts, arrival)
-        if window is None:
-            return
+        self.intake.push(sample, arrival)
+
+    def _came_due(self, window: LoopWindow, arrival: float) -> None:
         self._say_clocks_differ(window.clocks_apart, arrival)
         self._shapes.follow(window)
         self.superseded += self._waiting is not None
@@ -148,9 +155,11 @@ class LoopPipeline:
         Its alarm stays in any case, its window where the settings that it is made with are the same.
         """
         if _of_the_window(self.settings) == _of_the_window(former.settings):
-            self.window, self._shapes, self.clock = former.window, former._shapes, former.clock
+            former.intake.settle()
+            self.intake, self._shapes = former.intake, former._shapes
+            self.intake.came_due = self._came_due
             self.diagnosis, self.fitted, self.superseded = former.diagnosis, former.fitted, former.superseded
-            self.heard, self.judged_at, self.usable = former.heard, former.judged_at, former.usable
+            self.judged_at = former.judged_at
             self._waiting, self._cost, self._pace = former._waiting, former._cost, former._pace
             self._fitted_until = former._fitted_until
             if self._waiting is not None:

@@ -44,7 +44,8 @@ class Operators:
             for stored in await self._journal.commands():
                 self._obey(stored)
             now = self._clock()
-            for pipeline in self._pipelines.values():
+            shelved = [each for each in self._pipelines.values() if each.alarm.until is not None]
+            for pipeline in shelved:
                 pipeline.look_at_clock(now)
             await self._journal.flush()
             obey_cancellation()

@@ -123,7 +123,7 @@ def loop_status(pipeline: LoopPipeline, settings: Settings, health: Health) -> L
     window, loop, diagnosis = pipeline.window, pipeline.settings, pipeline.diagnosis
     limit = max(silence(loop, settings.agent), loop.hold or 0.0)
     unusable = pipeline.usable.problem(now, pipeline.began, limit)
-    apart = window.clocks.apart
+    apart, clock = window.clocks.apart, pipeline.intake.clock
     clocks = f"the clock of PV is {apart:.0f} s ahead of that of OP" if apart else ""
     return LoopStatus(
         loop=loop.name,
@@ -133,7 +133,7 @@ def loop_status(pipeline: LoopPipeline, settings: Settings, health: Health) -> L
         samples=window.counters.samples,
         gaps=window.counters.missing,
         bad=window.counters.bad,
-        odd_times=0 if pipeline.clock is None else pipeline.clock.absurd + pipeline.clock.leaps,
+        odd_times=0 if clock is None else clock.absurd + clock.leaps,
         superseded=pipeline.superseded,
         busy=pipeline.busy,
         data_age=None if window.arrival is None else now - window.arrival,

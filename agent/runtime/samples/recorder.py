@@ -9,7 +9,7 @@ from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, NoReturn
 
-from agent.runtime.loop.window import LAST_TIME
+from agent.runtime.intake.window import LAST_TIME
 from agent.runtime.samples.minute import MINUTE, OpenMinute
 from agent.runtime.samples.sample_file import SampleFile, SampleGap
 from agent.runtime.store.database import StoreError

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query
@@ -11,6 +12,7 @@ from starlette.responses import Response
 from agent.analysis.plant.plant import PlantFinding
 from agent.report.fleet.plant_words import plant_json
 from agent.report.ranking import estimate_of, probability_of
+from agent.runtime.operate.breath import breathing, in_order
 from agent.runtime.plant_wide import PlantLook
 from agent.web.event_stream import EventStream
 from agent.web.plant import Look, Plant
@@ -48,16 +50,18 @@ class Rows:
         self._looks = 0
         self._sparklines: dict[str, Any] = {}
 
-    def __call__(self, look: Look) -> dict[str, object]:
+    async def __call__(self, look: Look) -> dict[str, object]:
         """Return the parts of the page."""
-        parts = listed(look, self._wanted)
+        parts = await listed(look, self._wanted)
         shown = parts["order"]
         if self._looks % SPARKLINES_EVERY == 0:
             self._sparklines.clear()
         self._looks += 1
         ages: dict[str, int | None] = {}
-        for name in shown:
-            pipeline = self._plant.agent.pipelines[name]
+        async for name in breathing(shown):
+            pipeline = self._plant.agent.pipelines.get(name)
+            if pipeline is None:
+                continue  # the configuration changed meanwhile
             if name not in self._sparklines:
                 self._sparklines[name] = sparkline_of(pipeline)
             item = look.by_name[name]
@@ -68,12 +72,17 @@ class Rows:
         return parts
 
 
-def listed(look: Look, wanted: Wanted) -> dict[str, Any]:
-    """Return the counts of all loops and the names of those that a page shows, in their order."""
+async def listed(look: Look, wanted: Wanted) -> dict[str, Any]:
+    """Return the counts of all loops and the names of those that a page shows, in their order.
+
+    Others have their turn meanwhile.
+    """
     every = not (wanted.group or wanted.area or wanted.search)
-    fit = look.items if every else [item for item in look.items if _fits(item, wanted)]
+    fit: Sequence[Item] = look.items
+    if not every:
+        fit = [item async for item in breathing(look.items) if _fits(item, wanted)]
     if wanted.sort != "next":
-        fit = sorted(fit, key=lambda item: _key(item, wanted.sort))
+        fit = await in_order(fit, lambda item: _key(item, wanted.sort))
     first = wanted.page * wanted.size
     return {
         "counts": look.counts,
@@ -86,10 +95,10 @@ def listed(look: Look, wanted: Wanted) -> dict[str, Any]:
     }
 
 
-def map_of(look: Look) -> list[dict[str, Any]]:
+async def map_of(look: Look) -> list[dict[str, Any]]:
     """Return the loops of each area: name, group, whether it is stale, and S, the most urgent first."""
     areas: dict[str, list[list[object]]] = {}
-    for item in look.items:
+    async for item in breathing(look.items):
         s = estimate_of(item.status.diagnosis)
         width = None if s is None else plain(float(f"{s.value:.3g}"))
         areas.setdefault(item.area, []).append([item.status.loop, item.group, int(item.stale), width])
@@ -114,8 +123,9 @@ def screen(plant: Plant) -> PageScreen:
     async def work_list(wanted: Annotated[Wanted, Query()]) -> dict[str, Any]:
         """One page of the list: ranked, filtered and counted."""
         look = await plant.look()
-        parts = listed(look, wanted)
-        return parts | {"rows": [row_of(look.by_name[name]) for name in parts.pop("order")]}
+        parts = await listed(look, wanted)
+        rows = [row_of(look.by_name[name]) async for name in breathing(parts.pop("order"))]
+        return parts | {"rows": rows}
 
     @router.get("/stream", response_class=Response)
     async def stream(wanted: Annotated[Wanted, Query()]) -> Response:
@@ -126,7 +136,7 @@ def screen(plant: Plant) -> PageScreen:
     @router.get("/map")
     async def areas() -> list[dict[str, Any]]:
         """Loops by area, each [name, group, stale, S]; S in OP units, null where there is none."""
-        return map_of(await plant.look())
+        return await map_of(await plant.look())
 
     @router.get("/groups")
     async def groups() -> dict[str, Any]:

@@ -89,7 +89,7 @@ class WorkbenchSession:
     def page(self) -> Page[SessionLook]:
         """Return a new stream, with its full state already."""
         page: Page[SessionLook] = Page(_parts)
-        page.offer(self._look)
+        page.offer(_parts(self._look))
         self.pages.add(page)
         return page
 
@@ -183,7 +183,7 @@ class WorkbenchSession:
         known = {name: getattr(self._look, name) for name in SessionLook.__slots__}
         self._look = SessionLook(**{**known, **changed})
         for page in self.pages:
-            page.offer(self._look)
+            page.offer(_parts(self._look))
 
 
 class Sessions:

@@ -8,7 +8,7 @@ import pytest
 
 from agent.analysis.record.recording import LARGEST, LoopHints, LoopWindow
 from agent.analysis.record.window_of_recording import loop_window
-from agent.runtime.loop.window import RollingWindow
+from agent.runtime.intake.window import RollingWindow
 from connectors.recording import RecordedLoop
 from tests.unit.runtime.loops import loop_settings, push_all, sample
 

@@ -34,8 +34,14 @@ async def test_a_task_that_was_not_cancelled_goes_on():
 
 
 async def test_a_poll_of_modbus_that_never_has_news():
-    requests = ("read_holding_registers", "read_input_registers", "read_coils", "read_discrete_inputs")
-    client = ModbusClient(SimpleNamespace(**dict.fromkeys(requests, deaf)), ModbusOptions(), None)
+    pymodbus = SimpleNamespace(ctx=SimpleNamespace(callback_data=None, callback_disconnected=None))
+    client = ModbusClient(pymodbus, ModbusOptions(), None)
+
+    async def ask(*_):
+        await deaf()
+        return b"\x04\x02\x00\x07"
+
+    client._numbered.ask = ask
 
     async def poll():
         while True:

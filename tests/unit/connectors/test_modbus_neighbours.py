@@ -11,6 +11,7 @@ from connectors.modbus.neighbours import spans
 from connectors.modbus.options import ModbusTag
 from connectors.modbus.parking import Parking
 from connectors.modbus.polling import Rounds
+from connectors.readings import one_by_one
 from tests.unit.runtime.agents import virtual
 
 ROUND_TRIP = 0.01
@@ -51,7 +52,7 @@ def loops(n, apart=2, first=0, table="input"):
 
 
 async def read(rounds):
-    return [sample async for sample in rounds.read()]
+    return [sample async for sample in one_by_one(rounds.read())]
 
 
 def test_a_hundred_neighbours_are_two_requests_and_each_has_its_own_values():

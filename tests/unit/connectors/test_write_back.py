@@ -84,7 +84,7 @@ async def test_opcua():
     nodes = {"active": {"node": "ns=2;s=A"}, "fields": {"s": {"node": "ns=2;s=S"}}}
     client = SimpleNamespace(uaclient=SimpleNamespace(write_attributes=write))
     loops = {"FIC101": LoopTags({}, [OpcUaTarget(connection="plant", **nodes)])}
-    session = OpcUaSession(client, OpcUaOptions(url="opc.tcp://plant"), loops)
+    session = OpcUaSession(client, OpcUaOptions(url="opc.tcp://plant"), loops, lambda _: None)
     session._types |= {"ns=2;s=A": ua.VariantType.Boolean, "ns=2;s=S": ua.VariantType.Double}
     await publish(session)
     assert written == ["ns=2;s=S", "ns=2;s=A"]

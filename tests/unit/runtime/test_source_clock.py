@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from agent.runtime.loop.source_clock import SourceClock
-from agent.runtime.loop.window import RollingWindow
+from agent.runtime.intake.source_clock import SourceClock
+from agent.runtime.intake.window import RollingWindow
 from connectors.base import Quality
 from tests.unit.runtime.loops import START, loop_settings, sample
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from agent.analysis.diagnose import diagnose
-from agent.runtime.loop.source_clock import SourceClock
-from agent.runtime.loop.tag_clocks import TagClocks
+from agent.runtime.intake.source_clock import SourceClock
+from agent.runtime.intake.tag_clocks import TagClocks
 from tests.unit.runtime.agents import agent_of, virtual, worked
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import START, sample
@@ -81,7 +81,7 @@ def test_they_are_stated_and_give_no_verdict(off, caplog):
     seen = []
     agent = agent_of(FakeBus(sticking(off)), diagnose=diagnose, seen=seen)
     for pipeline in agent.pipelines.values():
-        pipeline.clock = SourceClock("FIC101", 86400.0, lambda: START)
+        pipeline.intake.clock = SourceClock("FIC101", 86400.0, lambda: START)
     status = virtual(worked(agent, 1400.0))
     assert seen
     assert {each.verdict for each in seen} == {"not_testable"}

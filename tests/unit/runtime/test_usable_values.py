@@ -8,7 +8,7 @@ import stat
 
 import pytest
 
-from agent.runtime.loop.usable import LOGGED_AGAIN, UsableValues
+from agent.runtime.intake.usable import LOGGED_AGAIN, UsableValues
 from agent.runtime.operate.health_json import health_text
 from agent.runtime.store.history_file import HistoryFile
 from agent.runtime.store.lock import only_agent_of

@@ -7,7 +7,7 @@ import pytest
 
 from agent.analysis.gates import gates
 from agent.analysis.oscillation import detect_oscillation
-from agent.runtime.loop.window import RollingWindow
+from agent.runtime.intake.window import RollingWindow
 from tests.unit.runtime.loops import loop_settings, sample
 
 N = 600

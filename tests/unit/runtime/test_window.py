@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.runtime.loop.window import CLOCK_SET_BACK, LATEST, RollingWindow
+from agent.runtime.intake.window import CLOCK_SET_BACK, LATEST, RollingWindow
 from agent.settings import WindowSettings
 from connectors.base import Quality
 from tests.unit.runtime.loops import START, loop_settings, push_all, sample

@@ -20,14 +20,14 @@ async def test_a_page_gets_its_full_state_then_what_changed():
 
 
 async def test_a_page_that_never_reads_keeps_little_and_gets_all_again():
-    page = Page(lambda look: {"row": "x" * 1000, "count": look})
+    page = Page(lambda look: look)
     for k in range(1000):
-        page.offer(k)
+        page.offer({"row": "x" * 1000, "count": k})
     gc.collect()
     tracemalloc.start()
     before = tracemalloc.get_traced_memory()[0]
     for k in range(1000, 11_000):
-        page.offer(k)
+        page.offer({"row": "x" * 1000, "count": k})
     gc.collect()
     grown = tracemalloc.get_traced_memory()[0] - before
     tracemalloc.stop()
@@ -102,3 +102,21 @@ async def test_silence_has_a_sign_of_life():
     await EventStream(page, lambda: None, heartbeat=0.001)({"type": "http"}, never.wait, send)
     assert sent[1]["body"] == b": alive\n\n"
     assert not sent[-1]["more_body"]
+
+
+async def test_a_view_that_takes_long_shows_one_look_after_the_other():
+    """A look that came later is never overtaken by one that began before it."""
+    first = asyncio.Event()
+
+    async def view(look):
+        if look == 1:
+            await first.wait()
+        return {"look": look}
+
+    page = Page(view)
+    seeing = [asyncio.create_task(page.see(look)) for look in (1, 2)]
+    await asyncio.sleep(0)
+    assert len(page) == 0
+    first.set()
+    await asyncio.gather(*seeing)
+    assert [json.loads(await page.next())["parts"]["look"] for _ in range(2)] == [1, 2]

@@ -19,7 +19,7 @@ from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, AlarmSettings, ConnectionSettings, HttpSettings, Settings
 from agent.web.plant import Look, Plant
 from agent.web.plant_page import address, plant_page
-from agent.web.ranking import Item, area_of
+from agent.web.ranking import Item, area_of, widest
 from agent.web.rows import row_of, sparkline_of
 from agent.web.screens.work_list import Wanted, listed, map_of
 from connectors.options import Options
@@ -246,27 +246,29 @@ def judge_as(name, verdict, s):
     )
 
 
-def large(loops=5000):
+async def large(loops=5000):
     verdicts = ("stiction", "no_stiction", "undecided", "not_testable")
     items = tuple(item_of(k, verdicts[k % 4]) for k in range(loops))
-    return Look(START, items, None, {item.status.loop: item for item in items})
+    return await Look.of(START, items, None)
 
 
-def test_a_plant_of_5000_loops_sends_little():
-    look = large()
-    parts = listed(look, Wanted(size=50))
+async def test_a_plant_of_5000_loops_sends_little():
+    look = await large()
+    parts = await listed(look, Wanted(size=50))
+    assert parts["plant"]["widest"] == pytest.approx(widest(look.items))
     assert len(parts["order"]) == 50
     assert sum(parts["counts"][group] for group in GROUPS) == 5000
     rows = [row_of(look.by_name[name]) for name in parts["order"]]
     sparks = 50 * json.dumps({"pv": [100] * 48, "op": [100] * 48})
     assert len(json.dumps([parts, rows])) + len(sparks) < 60_000
-    assert len(gzip.compress(json.dumps(map_of(look)).encode())) < 60_000
+    assert len(gzip.compress(json.dumps(await map_of(look)).encode())) < 60_000
 
 
-def test_pages_of_the_list_are_each_loop_once_in_any_order():
-    look = large(237)
+async def test_pages_of_the_list_are_each_loop_once_in_any_order():
+    look = await large(237)
     for sort in ("next", "name", "s", "probability", "since"):
-        names = [name for page in range(5) for name in listed(look, Wanted(sort=sort, page=page))["order"]]
+        pages = [await listed(look, Wanted(sort=sort, page=page)) for page in range(5)]
+        names = [name for page in pages for name in page["order"]]
         assert len(names) == len(set(names)) == 237
 
 

@@ -9,6 +9,12 @@ from __future__ import annotations
 
 import math
 from array import array
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from agent.runtime.intake.rows import RowTimes
 
 COMPARED = ("pv", "op")
 NEWEST = 30
@@ -22,7 +28,7 @@ SAMPLES, SECONDS = 2.0, 2.0
 
 
 class _Newest:
-    """Times of the newest samples of a role, in plain arrays: thousands of loops have them."""
+    """RowTimes of the newest samples of a role, in plain arrays: thousands of loops have them."""
 
     __slots__ = ("_ahead", "_count", "_times")
 
@@ -36,6 +42,16 @@ class _Newest:
         place = self._count % NEWEST
         self._times[place], self._ahead[place] = time, time - arrival
         self._count += 1
+
+    def take(self, times: RowTimes) -> None:
+        n = len(times.source)
+        self._count += n
+        if n >= NEWEST:
+            self._times[:], self._ahead[:] = times.newest(NEWEST, self._count % NEWEST)
+            return
+        places = np.arange(self._count - n, self._count) % NEWEST
+        np.frombuffer(self._times)[places] = times.source
+        np.frombuffer(self._ahead)[places] = times.ahead
 
     def offset(self) -> float:
         """Return how far the clock is ahead of this machine's monotonic one, s; NaN where not known."""
@@ -65,6 +81,12 @@ class TagClocks:
         seen = self._seen.get(role)
         if seen is not None:
             seen.see(time, arrival)
+
+    def take(self, role: str, times: RowTimes) -> None:
+        """Take the times of many values, as ``see`` does one by one."""
+        seen = self._seen.get(role)
+        if seen is not None:
+            seen.take(times)
 
     @property
     def apart(self) -> float:

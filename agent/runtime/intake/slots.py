@@ -13,20 +13,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.runtime.intake.rows import FINE, HELD
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
+    from agent.runtime.intake.rows import GridPlaces
 
 NEVER = int(np.iinfo(np.int64).min)
 """Slot of a value that is older than all."""
 FOREVER = int(np.iinfo(np.int64).max)
 """Slot of a value that is still to come."""
-FINE = 200
-"""Parts of a sampling time to which it is kept when a value was reported: what matters is whether PV and OP
-are reported together, and for how long nobody reported."""
-_HELD = -128
-"""In place of such a time, at points that hold a former value."""
 
 
 class Taken(Enum):
@@ -59,8 +57,8 @@ class SlotRing:
         self._capacity = capacity
         self._values = array("f", [math.nan]) * capacity
         """That which holds at each slot, at ``slot % capacity``."""
-        self._reports = array("b", [_HELD]) * capacity
-        """When a value was reported, from its slot, in parts of a sampling time; else ``_HELD``."""
+        self._reports = array("b", [HELD]) * capacity
+        """When a value was reported, from its slot, in parts of a sampling time; else ``HELD``."""
         self._before: int | None = None
         """When the newest one was reported that the ring has no room for, as in ``reports``."""
         self._unknown_from: int | None = None
@@ -91,12 +89,34 @@ class SlotRing:
         slot = round(place)
         if self._unknown_from is not None:
             if slot > self._unknown_from:
-                self._append(self._unknown_from, math.nan, _HELD)
+                self._append(self._unknown_from, math.nan, HELD)
             self._unknown_from = None
         self.time = time
         self.first = min(self.first, slot)
         self._append(slot, value, round((place - slot) * FINE))
         return Taken.NEW
+
+    def can_take(self, places: GridPlaces) -> bool:
+        """Whether ``take`` does what ``put`` would do with each: all are newer, nothing is interrupted."""
+        return (
+            self._unknown_from is None
+            and self.newest != NEVER
+            and places.earliest > self.time
+            and places.last - self.newest < self._capacity
+        )
+
+    def take(self, places: GridPlaces, values: NDArray[np.float32]) -> None:
+        """Take values at places for which ``can_take`` holds; (1 + n,), the first of any value."""
+        source, reports, at, added = places.filled(self.newest, self._capacity)
+        values[0] = self._values[self.newest % self._capacity]
+        told = np.frombuffer(self._reports, np.int8)
+        over = (told[at[len(at) - added :]] != HELD).nonzero()[0]
+        if over.size:
+            slot = self.newest + 1 + int(over[-1])
+            self._before = (slot - self._capacity) * FINE + int(told[slot % self._capacity])
+        np.frombuffer(self._values, np.float32)[at] = values[source]
+        told[at] = reports
+        self.time, self.newest = places.latest, places.last
 
     def interrupt(self, slot: int) -> None:
         """From ``slot`` on the value is unknown until it is reported again."""
@@ -131,7 +151,7 @@ class SlotRing:
             return np.empty(0, dtype=np.int64)
         slots = np.arange(begin, end)
         parts = np.frombuffer(self._reports, dtype=np.int8)[slots % self._capacity]
-        there = parts != _HELD
+        there = parts != HELD
         return np.asarray(slots[there] * FINE + parts[there], dtype=np.int64)
 
     def _append(self, slot: int, value: float, report: int) -> None:
@@ -139,7 +159,7 @@ class SlotRing:
         if slot != self.newest:  # else faster than the grid: the last one counts
             if slot != self.newest + 1 and self.newest != NEVER:
                 self._hold_until(slot)
-            if self._reports[place] != _HELD:
+            if self._reports[place] != HELD:
                 self._before = (slot - self._capacity) * FINE + self._reports[place]
         self._values[place], self._reports[place] = value, report
         self.newest = slot
@@ -152,4 +172,4 @@ class SlotRing:
             self._before = int(gone[-1])
         places = np.arange(max(self.newest + 1, slot - self._capacity), slot) % self._capacity
         np.frombuffer(self._values, dtype=np.float32)[places] = self._values[self.newest % self._capacity]
-        np.frombuffer(self._reports, dtype=np.int8)[places] = _HELD
+        np.frombuffer(self._reports, dtype=np.int8)[places] = HELD

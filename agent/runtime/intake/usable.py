@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from connectors.base import Quality
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from connectors.base import Sample
 
 LOG = logging.getLogger(__name__)
@@ -47,6 +49,10 @@ class UsableValues:
             LOG.warning(
                 text, self._loop, role.upper(), self._why[role], extra={"event": "bad", "loop": self._loop}
             )
+
+    def well(self, roles: Sequence[str]) -> bool:
+        """Whether values of these roles that can be used change nothing."""
+        return not self._why or self._why.keys().isdisjoint(roles)
 
     def problem(self, now: float, began: float | None, limit: float) -> str | None:
         """Return which role had no usable value for longer than ``limit`` s, and why; None where none.

@@ -13,9 +13,13 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
-from agent.runtime.loop.window import LAST_TIME
+from agent.runtime.intake.window import LAST_TIME
 from connectors.base import Quality, Sample
+
+if TYPE_CHECKING:
+    from agent.runtime.intake.rows import ValueRows
 
 LOG = logging.getLogger(__name__)
 LEAP = 60.0
@@ -32,7 +36,7 @@ EARLY = 2.0
 
 @dataclass(slots=True)
 class _Track:
-    """Times of one role, or of the whole loop."""
+    """RowTimes of one role, or of the whole loop."""
 
     newest: float = math.nan
     """Newest time that was believed, s UTC."""
@@ -107,6 +111,27 @@ class SourceClock:
         own.follow(time, arrival, set_back=doubted)
         self._any.follow(time, arrival, set_back=doubted)
         return replace(sample, time=time) if absurd else sample
+
+    def follows(self, rows: ValueRows) -> bool:
+        """Follow rows whose times are all believed, as ``checked`` does one by one; else return False.
+
+        The times increase. An absurd one, a leap or a role that was not seen yet needs a look of its own.
+        """
+        tracks = [self._roles.get(role) for role in rows.roles]
+        times, arrivals = rows.times.source, rows.times.arrivals
+        if rows.times.leap > LEAP or rows.times.off(self._now()) > self._limit:
+            return False
+        first, arrival = float(times[0]), float(arrivals[0])
+        for own in tracks:
+            if own is None or own.offset is not None or not first > own.newest or own.doubts(first, arrival):
+                return False
+        newest, arrival = float(times[-1]), float(arrivals[-1])
+        for own in tracks:
+            if own is not None:
+                own.leap = None
+                own.follow(newest, arrival, set_back=False)
+        self._any.follow(newest, arrival, set_back=False)
+        return True
 
     def _believed(self, own: _Track, time: float) -> float:
         if own.offset is not None:

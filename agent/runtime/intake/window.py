@@ -21,14 +21,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.record.recording import LoopWindow
-from agent.runtime.loop.slots import FINE, FOREVER, NEVER, SlotRing, Taken
-from agent.runtime.loop.tag_clocks import TagClocks
+from agent.runtime.intake.rows import FINE
+from agent.runtime.intake.slots import FOREVER, NEVER, SlotRing, Taken
+from agent.runtime.intake.tag_clocks import TagClocks
 from connectors.base import Quality, Sample
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
+    from agent.runtime.intake.rows import GridPlaces, ValueRows
     from agent.settings import LoopSettings
 
 LATEST = 150
@@ -42,6 +44,8 @@ LAST_TIME = 1e11
 """Source times beyond are no times, s UTC: the year 5138."""
 MOST_MODES = 10
 """Modes that no table knows of which a loop remembers the words."""
+NEARLY = 0.501
+"""Sampling times before a point of the grid from which a value belongs to it, and a little for rounding."""
 TOLD_TOGETHER = 1.5
 """Samples without any report that make a gap where all roles are reported together."""
 
@@ -126,6 +130,36 @@ class RollingWindow:
             return None  # at most the slot of this role is settled
         return self._due()
 
+    @property
+    def due_from(self) -> float:
+        """Source time before which no window comes due, s UTC; -inf where any value may make one."""
+        if self._due_at is None or self._origin is None:
+            return -math.inf
+        return self._origin + (self._due_at - NEARLY) * self._settings.ts
+
+    def places_for(self, rows: ValueRows) -> GridPlaces | None:
+        """Return where ``take`` puts rows; None where one needs ``push``, as when a window comes due."""
+        if self._origin is None or self._due_at is None or not abs(rows.times.source[-1]) <= LAST_TIME:
+            return None
+        places = rows.times.places(self._origin, self._settings.ts)
+        rings = (self._rings.get(role) for role in rows.roles)
+        takes = places.last < self._due_at and all(ring is None or ring.can_take(places) for ring in rings)
+        return places if takes else None
+
+    def take(self, rows: ValueRows, places: GridPlaces) -> None:
+        """Do what ``push`` would do with each value of rows; ``places`` are from ``places_for``."""
+        for role, values, short in zip(rows.roles, rows.values, rows.short, strict=True):
+            ring = self._rings.get(role)
+            if ring is None:
+                continue
+            if role == "mode":
+                short[1:] = [self._mode(value) for value in values.tolist()]
+            ring.take(places, short)
+            self.clocks.take(role, rows.times)
+            self.counters.samples += len(values)
+        self._backward_run = 0
+        self.arrival = float(rows.times.arrivals[-1])
+
     def interrupt(self) -> None:
         """The connection is gone: from here on nothing is known until it is reported again."""
         after = max(ring.newest for ring in self._rings.values()) + 1
@@ -182,11 +216,14 @@ class RollingWindow:
         if sample.quality is Quality.BAD:
             return math.nan
         if sample.tag.role == "mode":
-            means = self._settings.mode_means(sample.value)
-            if means is None and len(self._unknown_modes) < MOST_MODES:
-                self._unknown_modes.add(str(sample.value))
-            return float(means or False)
+            return self._mode(sample.value)
         return float(sample.value) if not isinstance(sample.value, str) else math.nan
+
+    def _mode(self, value: float | str) -> float:
+        means = self._settings.mode_means(value)
+        if means is None and len(self._unknown_modes) < MOST_MODES:
+            self._unknown_modes.add(str(value))
+        return float(means or False)
 
     def _due(self) -> LoopWindow | None:
         rings = self._rings.values()

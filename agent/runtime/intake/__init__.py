@@ -1,0 +1,1 @@
+"""INTAKE: values of one loop in, one by one or many at once; clocks checked; windows out."""

@@ -1,0 +1,122 @@
+"""Readings of neighbouring loops that wait, so that the loops take them in many rows at once.
+
+They wait until there are ``ROWS``, until a window of one of the loops may be due, or until anybody looks at
+one. Nothing that is seen of a loop depends on it: where a row needs a look of its own, its values are taken
+one by one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.runtime.intake.rows import RowTimes, ValueRows, short_of
+from connectors.base import Sample
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from agent.runtime.intake.intake import Intake
+    from connectors.base import LoopRole
+    from connectors.readings import Readings
+
+ROWS = 60
+"""Readings that wait at most: what an array costs is then shared by as many values, and memory is small."""
+
+
+@dataclass(frozen=True, slots=True)
+class LoopColumns:
+    """What is one loop's of readings."""
+
+    intake: Intake
+    tags: tuple[LoopRole, ...]
+    roles: tuple[str, ...]
+    columns: slice
+
+
+class Gathering:
+    """Readings with the same tags that wait."""
+
+    def __init__(self, tags: tuple[LoopRole, ...], parts: Sequence[LoopColumns]) -> None:
+        """Make it of the tags and what each loop has of them."""
+        self.tags = tags
+        self._parts = parts
+        self._waiting: list[tuple[Readings, float]] = []
+        """Readings, and when each arrived, monotonic, s."""
+        self._settles = -math.inf
+        """Source time from which readings are taken in at once, s UTC: a window may be due."""
+        for part in parts:
+            part.intake.gathering = self
+
+    def put(self, readings: Readings, arrival: float) -> None:
+        """Take readings that arrived at ``arrival`` (monotonic, s)."""
+        self._waiting.append((readings, arrival))
+        if readings.time >= self._settles or len(self._waiting) >= ROWS:
+            self.settle()
+
+    def settle(self) -> None:
+        """Have the loops take in what waits."""
+        if not self._waiting:
+            return
+        waiting, self._waiting = self._waiting, []
+        source, arrivals = zip(*((readings.time, arrival) for readings, arrival in waiting), strict=True)
+        times = RowTimes(np.array(source), np.array(arrivals))
+        values = np.array([readings.values for readings, _ in waiting]).T
+        finite = np.isfinite(values).all(axis=1).tolist()
+        short = short_of(values)
+        for part in self._parts:
+            rows = ValueRows(part.roles, times, values[part.columns], short[part.columns])
+            plain = times.increasing and all(finite[part.columns])
+            if not (plain and part.intake.take(rows)):
+                _one_by_one(part, waiting)
+        self._settles = min((part.intake.window.due_from for part in self._parts), default=math.inf)
+
+    def hurry(self) -> None:
+        """Take the next readings in at once: something else came of one of the loops."""
+        self._settles = -math.inf
+
+
+class Gatherings:
+    """Gives readings to the loops that they are of."""
+
+    def __init__(self, intake_of: Callable[[str], Intake | None]) -> None:
+        """Make it for loops, by name; ``end`` before one of them is replaced."""
+        self._intake_of = intake_of
+        self._known: dict[int, Gathering] = {}
+        """By the ``id`` of its tags, which it keeps, so that no others get the same."""
+
+    def put(self, readings: Readings, arrival: float) -> None:
+        """Take what arrived at ``arrival`` (monotonic, s)."""
+        known = self._known.get(id(readings.tags))
+        if known is None:
+            known = self._known[id(readings.tags)] = self._begun(readings.tags)
+        known.put(readings, arrival)
+
+    def end(self) -> None:
+        """Have all taken in and begin anew: loops are replaced, or a session ended and its tags with it."""
+        for gathering in self._known.values():
+            gathering.settle()
+        self._known.clear()
+
+    def _begun(self, tags: tuple[LoopRole, ...]) -> Gathering:
+        parts: list[LoopColumns] = []
+        first = 0
+        for loop, each in groupby(tags, key=lambda tag: tag.loop):
+            own = tuple(each)
+            columns = slice(first, first + len(own))
+            first = columns.stop
+            intake = self._intake_of(loop)
+            if intake is not None:
+                intake.settle()
+                parts.append(LoopColumns(intake, own, tuple(tag.role for tag in own), columns))
+        return Gathering(tags, parts)
+
+
+def _one_by_one(part: LoopColumns, waiting: Sequence[tuple[Readings, float]]) -> None:
+    for readings, arrival in waiting:
+        for tag, value in zip(part.tags, readings.values[part.columns].tolist(), strict=True):
+            part.intake.push_one(Sample.measured(tag, readings.time, value), arrival)

@@ -1,0 +1,161 @@
+"""ValueRows that are taken in at once leave the same as their values one by one."""
+
+import math
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from agent.runtime.intake.gathering import ROWS, Gathering, LoopColumns
+from agent.runtime.intake.intake import Intake
+from agent.runtime.intake.source_clock import SourceClock
+from agent.runtime.intake.window import RollingWindow
+from agent.settings import WindowSettings
+from connectors.base import LoopRole, Sample
+from connectors.readings import Readings
+from tests.unit.runtime.loops import START, loop_settings
+
+ROLES = ("pv", "op", "sp", "mode")
+TAGS = tuple(LoopRole("FIC101", role) for role in ROLES)
+DAY = 86_400.0
+STEPS = st.one_of(
+    st.just(1.0),
+    st.floats(0.9, 1.1),
+    st.sampled_from([0.0, 0.2, 0.5, 1.5, 2.0, 7.3, 30.0, 90.0, -1.0, -20.0, -70.0, 3 * DAY]),
+)
+VALUES = st.one_of(
+    st.floats(0.0, 100.0), st.just(50.0), st.sampled_from([math.nan, math.inf, 1e300, 0.0, 1.0])
+)
+LATE = st.sampled_from([0.0, 0.0, 0.0, 0.01, 65.0])
+
+
+class Loop:
+    """An intake, its wall clock and what came due."""
+
+    def __init__(self, *, seconds=40.0, clock=True):
+        self.now = 0.0
+        self.due = []
+        options = loop_settings(
+            roles=ROLES, window=WindowSettings(seconds=seconds, hop=0.25), automatic=(1.0,)
+        )
+        clocks = SourceClock("FIC101", DAY, lambda: START + self.now) if clock else None
+        self.intake = Intake(options, lambda window, at: self.due.append((window, at)), clocks)
+        self.gathering = Gathering(TAGS, [LoopColumns(self.intake, TAGS, ROLES, slice(0, len(ROLES)))])
+
+    def put(self, readings, arrival):
+        self.now = arrival
+        self.gathering.put(readings, arrival)
+
+    def push(self, readings, arrival):
+        self.now = arrival
+        for each in readings.samples():
+            self.intake.push_one(each, arrival)
+
+    def state(self):
+        """All that can be seen of it, and the rings to the last byte."""
+        self.intake.settle()
+        window, clock = self.intake.window, self.intake.clock
+        origin, columns = window.recent()
+        return {
+            "recent": (origin, {role: column.tolist() for role, column in columns.items()}),
+            "newest": (window.newest, window.arrival, self.intake.heard),
+            "counters": asdict(window.counters),
+            "apart": window.clocks.apart,
+            "problem": self.intake.usable.problem(self.now, 0.0, 5.0),
+            "rings": {
+                role: (ring._values.tobytes(), ring._reports.tobytes(), ring._before, ring.first, ring.time)
+                for role, ring in window._rings.items()
+            },
+            "due": [(each.start, at, *_columns(each)) for each, at in self.due],
+            "clock": clock and (clock._any, clock._roles, clock.absurd, clock.leaps),
+        }
+
+
+def _columns(window):
+    return [window.pv.tobytes(), window.op.tobytes(), window.clocks_apart, window.duplicates]
+
+
+def readings(time, values):
+    return Readings(TAGS, START + time, np.array(values))
+
+
+def same(one, other):
+    """Compare with NaN equal to itself, as in their texts."""
+    return repr(one) == repr(other)
+
+
+ROW = st.tuples(STEPS, LATE, st.tuples(*[VALUES] * len(ROLES)), st.integers(0, 40))
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(ROW, min_size=1, max_size=40), st.booleans(), st.integers(3, 9))
+def test_rows_leave_what_values_leave_one_by_one(rows, clock, repeated):
+    many, single = Loop(clock=clock), Loop(clock=clock)
+    source = arrival = 0.0
+    for k, (step, late, values, look) in enumerate(rows):
+        for again in range(repeated):  # mostly as it should be, between two oddities
+            source += step if again == 0 else 1.0
+            arrival += 1.0 + (late if again == 0 else 0.0)
+            shown = values if again == 0 else [50.0 + k, 40.0 + again, 45.0, 1.0]
+            each = readings(source, shown)
+            many.put(each, arrival)
+            single.push(each, arrival)
+        if look == 0:
+            many.intake.settle()  # as the pipeline does whenever its window is looked at
+            many.intake.window.interrupt()
+            single.intake.window.interrupt()
+        if look < 4:
+            assert same(many.state(), single.state())
+    assert same(many.state(), single.state())
+
+
+def test_usual_rows_are_taken_at_once(monkeypatch):
+    pushed = []
+    push = RollingWindow.push
+    monkeypatch.setattr(RollingWindow, "push", lambda *args: pushed.append(args) or push(*args))
+    loop = Loop(seconds=4000.0)
+    for k in range(10 * ROWS):
+        loop.put(readings(k + 0.1 * math.sin(k), [50.0 + k, 40.0, 45.0, 1.0]), float(k))
+    loop.intake.settle()
+    assert loop.intake.window.counters.samples == 10 * ROWS * len(ROLES)
+    assert len(pushed) <= 2 * len(ROLES) + 1, "the first rows alone, until the grid has its origin"
+
+
+@pytest.mark.parametrize("k", [120, 121, 150])
+def test_a_window_comes_due_with_the_row_that_ends_it(k):
+    """Not when somebody looks, and not up to ``ROWS`` later."""
+    loop = Loop(seconds=float(k))
+    for row in range(k - 1):
+        loop.put(readings(float(row), [50.0 + row, 40.0, 45.0, 1.0]), float(row))
+    assert not loop.due
+    loop.put(readings(float(k - 1), [50.0, 40.0, 45.0, 1.0]), float(k - 1))
+    ((window, at),) = loop.due
+    assert (len(window.pv), at) == (k, k - 1)
+
+
+def test_what_waits_is_bounded():
+    loop = Loop(seconds=4000.0)
+    for k in range(1000):
+        loop.put(readings(float(k), [50.0, 40.0, 45.0, 1.0]), float(k))
+        assert len(loop.gathering._waiting) < ROWS
+
+
+def test_a_sample_comes_after_the_rows_before_it():
+    loop = Loop(seconds=4000.0)
+    for k in range(5):
+        loop.put(readings(float(k), [50.0 + k, 40.0, 45.0, 1.0]), float(k))
+    loop.intake.push(Sample.measured(TAGS[0], START + 5.0, 99.0), 5.0)
+    _, columns = loop.intake.window.recent()
+    assert columns["pv"].tolist() == [50.0, 51.0, 52.0, 53.0, 54.0, 99.0]
+
+
+def test_a_server_that_is_slower_than_the_loop_leaves_gaps_between_its_values():
+    loop = Loop(seconds=40.0)
+    for k in range(14):
+        loop.put(readings(3.0 * k, [50.0 + k, 40.0, 45.0, 1.0]), 3.0 * k)
+    ((window, _),) = loop.due
+    known = np.flatnonzero(np.isfinite(window.pv))
+    assert np.array_equal(known % 3, np.zeros(len(known)))
+    assert len(known) == pytest.approx(len(window.pv) / 3, abs=1)
