@@ -19,7 +19,6 @@ from agent.workbench.library import happens_once
 from agent.workbench.predictor import predictor_behind
 from agent.workbench.projection import target_of
 from agent.workbench.search import (
-    SAME,
     best_of,
     lowered,
     objective_of,
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
     from agent.workbench.search import Round
 
 TURNS = 3
-"""At most; a few settle it: the autoregression hardly depends on the last per cent of the values."""
+"""A few settle it: the autoregression hardly depends on the last per cent of the values."""
 STEP = 0.02
 """First step of the search, part of a parameter's range."""
 EVALUATIONS = 40
@@ -161,10 +160,7 @@ def _settled(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray
             return None
         predicts = again
         if len(at):
-            before = predicts.error(at)
             at = lowered(predicts.behind, _placed(predicts, at) if turn < PLACED else at, STEP, EVALUATIONS)
-            if turn and before - predicts.error(at) <= SAME / predicts.behind.count * before:
-                break  # no likelier than what the autoregression is of: the next one is the same
     return predicts, at
 
 

@@ -95,14 +95,7 @@ def valves_of_grid(problem: Problem, structures: Sequence[int], grid: Grid = COA
     delays = delays_of(problem, DELAYS, FARTHEST)
     near = bank(problem, processes.taus, processes.ratios, grid.periods)
     level_step = LEVEL_STEP * problem.op_span
-    shape = (len(STEMS), len(s_values), len(grid.j_ratios))
-    scores, places, levels = np.zeros(shape), np.zeros(shape, np.int64), np.zeros(shape)
-    found = (scores, places, levels)
-    in_slices(
-        lambda begin, end: scan(near, STEMS, s_values, grid.j_ratios, level_step, delays, found, begin, end),
-        0,
-        len(STEMS) * len(s_values),
-    )
+    scores, places, levels = scan(near, STEMS, s_values, grid.j_ratios, level_step, delays)
     cells = best_cells(scores, (s_values / problem.op_span * S_BINS).astype(int), grid)
     candidates = np.empty((len(cells), SIZE))
     structure, shares = np.empty(len(cells), dtype=np.int64), np.empty(len(cells))
@@ -142,8 +135,36 @@ def best_cells(scores: FloatArray, bins: NDArray[np.int64], grid: Grid) -> list[
     return chosen
 
 
-@kernel
 def scan(
+    bank: Bank,
+    stems: FloatArray,
+    s_values: FloatArray,
+    j_ratios: FloatArray,
+    level_step: float,
+    delays: NDArray[np.int64],
+) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
+    """Return explained shares, (stem, S, J), with the place in the bank and the upper level of each.
+
+    Args:
+        bank: Of processes.
+        stems: Damping, supply and rest of each, (stem, 3).
+        s_values: OP units.
+        j_ratios: J over S.
+        level_step: Between the levels of the first slip, OP units.
+        delays: Of the bank, blocks.
+    """
+    shape = (len(stems), len(s_values), len(j_ratios))
+    found = np.zeros(shape), np.zeros(shape, np.int64), np.zeros(shape)
+    in_slices(
+        lambda begin, end: _scan(bank, stems, s_values, j_ratios, level_step, delays, found, begin, end),
+        0,
+        len(stems) * len(s_values),
+    )
+    return found
+
+
+@kernel
+def _scan(
     bank: Bank,
     stems: FloatArray,
     s_values: FloatArray,
@@ -154,19 +175,7 @@ def scan(
     begin: int,
     end: int,
 ) -> None:
-    """Find explained shares, (stem, S, J), with the place in the bank and the upper level of each.
-
-    Args:
-        bank: Of processes.
-        stems: Damping, supply and rest of each, (stem, 3).
-        s_values: OP units.
-        j_ratios: J over S.
-        level_step: Between the levels of the first slip, OP units.
-        delays: Of the bank, blocks.
-        found: Shares, places and levels, in place.
-        begin: The first pair of a stem and an S that is looked at, counted through all stems.
-        end: Behind the last.
-    """
+    """Scan the pairs of a stem and an S from ``begin`` up to ``end``, counted through all stems."""
     scores, places, levels = found
     meeting = min(bank.op.size, bank.early)
     early_op = bank.op[:meeting]
