@@ -32,6 +32,9 @@ FAMILY = {
 FAMILIES = {each.name: each.family for each in EFFECTS}
 LEFT_OPEN = {"wb102", "wb105", "wb106", "wb112"}
 """Records on which what is hidden is not confirmed: OP stands at the stop, or too little shows."""
+STEM_SEEN = {"wb110"}
+"""Records that show that the stem needs time as well (0.4 s, of the valve's own damping): a lag of less than a
+sample is added, which is true and in no list of faults."""
 NAMES = [path.stem for path in sorted((FOLDER / "workbench").glob("*.yaml"))]
 
 
@@ -48,6 +51,6 @@ def test_what_is_hidden_is_added_and_nothing_else(name):
     if bench.reason is None:
         bench.auto()
         added = {FAMILIES[each] for each in bench.comparison().steps[-1].effects}
-    assert added <= hidden
+    assert added <= hidden | ({"extra_lag"} if name in STEM_SEEN else set())
     if name not in LEFT_OPEN:
-        assert added == hidden
+        assert hidden <= added
