@@ -33,8 +33,8 @@ FAMILIES = {each.name: each.family for each in EFFECTS}
 LEFT_OPEN = {"wb102", "wb105", "wb106", "wb112"}
 """Records on which what is hidden is not confirmed: OP stands at the stop, or too little shows."""
 STEM_SEEN = {"wb110"}
-"""Records that show that the stem needs time as well (0.4 s, of the valve's own damping): a lag of less than a
-sample is added, which is true and in no list of faults."""
+"""Records that show that the stem needs time as well (0.4 s, of the valve's own damping): a lag of less than
+a sample is added, which is true and in no list of faults."""
 NAMES = [path.stem for path in sorted((FOLDER / "workbench").glob("*.yaml"))]
 
 
