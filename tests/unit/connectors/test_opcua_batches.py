@@ -64,16 +64,20 @@ async def test_a_subscription_watches_all_nodes_of_such_a_server():
     watched, nodes = [], [f"ns=2;i={n}" for n in range(90)]
     unknown = ua.StatusCode(ua.StatusCodes.BadNodeIdUnknown)
 
-    async def create(requests):
-        if len(requests) > 20:
+    async def create(params):
+        if len(params.ItemsToCreate) > 20:
             raise ua.UaStatusCodeError(ua.StatusCodes.BadTooManyOperations)
-        asked = [request.ItemToMonitor.NodeId.to_string() for request in requests]
+        asked = [request.ItemToMonitor.NodeId.to_string() for request in params.ItemsToCreate]
         watched.extend(asked)
-        return [unknown if node == nodes[33] else 7 for node in asked]
+        return [
+            ua.MonitoredItemCreateResult(
+                StatusCode=unknown if node == nodes[33] else ua.StatusCode(), MonitoredItemId=7
+            )
+            for node in asked
+        ]
 
-    fake = SimpleNamespace(
-        create_monitored_items=create, server=None, set_overflow_disconnect_handler=lambda _: None
-    )
-    refused = await NodeSubscription(fake, OpcUaOptions(url="opc.tcp://plant"), 5.0).add(nodes)
+    fake = SimpleNamespace(create_monitored_items=create)
+    wanted = ua.CreateSubscriptionParameters()
+    refused = await NodeSubscription(fake, wanted, OpcUaOptions(url="opc.tcp://plant")).add(nodes)
     assert watched == nodes
     assert refused == {nodes[33]: unknown}
