@@ -15,7 +15,7 @@ from typing import Literal
 RegisterType = Literal["int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"]
 Order = Literal["ABCD", "CDAB", "BADC", "DCBA"]
 
-_FORMATS = {
+FORMATS = {
     "int16": "h",
     "uint16": "H",
     "int32": "i",
@@ -25,9 +25,11 @@ _FORMATS = {
     "float32": "f",
     "float64": "d",
 }
+"""Character of each type, as struct and numpy have it."""
+LAST_WORD_FIRST, LOW_BYTE_FIRST = ("CDAB", "DCBA"), ("BADC", "DCBA")
+"""Orders whose least significant register comes first, and those whose registers begin with the low byte."""
 
-
-_NUMBERS = {type_: struct.Struct(f">{form}") for type_, form in _FORMATS.items()}
+_NUMBERS = {type_: struct.Struct(f">{form}") for type_, form in FORMATS.items()}
 _COUNTS = {type_: number.size // 2 for type_, number in _NUMBERS.items()}
 _WORDS = {(mark, count): struct.Struct(f"{mark}{count}H") for mark in "><" for count in (1, 2, 4)}
 """Registers as bytes: by the order of the two bytes of each, and how many there are."""
@@ -43,8 +45,8 @@ def decode(registers: Sequence[int], type_: RegisterType, order: Order = "ABCD")
 
     A 64-bit integer beyond 2**53 loses its last digits, as samples are floats.
     """
-    words = registers[::-1] if order in ("CDAB", "DCBA") else registers
-    mark = "<" if order in ("BADC", "DCBA") else ">"
+    words = registers[::-1] if order in LAST_WORD_FIRST else registers
+    mark = "<" if order in LOW_BYTE_FIRST else ">"
     return float(_NUMBERS[type_].unpack(_WORDS[mark, _COUNTS[type_]].pack(*words))[0])
 
 
@@ -56,9 +58,9 @@ def encode(value: float, type_: RegisterType, order: Order = "ABCD") -> list[int
     """
     number = value if type_.startswith("float") else _integer(value, type_)
     try:
-        raw = struct.pack(f">{_FORMATS[type_]}", number)
+        raw = struct.pack(f">{FORMATS[type_]}", number)
     except OverflowError:  # too large for float32
-        raw = struct.pack(f">{_FORMATS[type_]}", math.copysign(math.inf, value))
+        raw = struct.pack(f">{FORMATS[type_]}", math.copysign(math.inf, value))
     words = [raw[i : i + 2] for i in range(0, len(raw), 2)]
     return [int.from_bytes(word, "big") for word in _reordered(words, order)]
 
@@ -75,9 +77,9 @@ def unscaled(value: float, scale: float, offset: float) -> float:
 
 def _reordered(words: list[bytes], order: Order) -> list[bytes]:
     """Turn device order into big-endian order, or back: each order is its own inverse."""
-    if order in ("BADC", "DCBA"):
+    if order in LOW_BYTE_FIRST:
         words = [word[::-1] for word in words]
-    return words[::-1] if order in ("CDAB", "DCBA") else words
+    return words[::-1] if order in LAST_WORD_FIRST else words
 
 
 def _integer(value: float, type_: RegisterType) -> int:

@@ -9,20 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from connectors.modbus.blocks import Block
-from connectors.modbus.codec import register_count
+from connectors.modbus.codec import FORMATS, LAST_WORD_FIRST, LOW_BYTE_FIRST, register_count
 from connectors.modbus.options import ModbusTag
-
-_TYPES = {
-    "int16": "i2",
-    "uint16": "u2",
-    "int32": "i4",
-    "uint32": "u4",
-    "int64": "i8",
-    "uint64": "u8",
-    "float32": "f4",
-    "float64": "f8",
-}
-"""numpy's name of each type of register."""
 
 
 class _Alike(NamedTuple):
@@ -80,9 +68,9 @@ def _of(tags: Sequence[tuple[ModbusTag, int]], columns: Sequence[int]) -> _Alike
     """Return the plan of the tags of these columns, all of one type and byte order."""
     tag = tags[columns[0]][0]
     within = np.arange(register_count(tag.type))
-    if tag.order in ("CDAB", "DCBA"):
+    if tag.order in LAST_WORD_FIRST:
         within = within[::-1]
     places = np.array([tags[column][1] for column in columns])
     return _Alike(
-        np.array(columns), places[:, None] + within, f">{_TYPES[tag.type]}", tag.order in ("BADC", "DCBA")
+        np.array(columns), places[:, None] + within, f">{FORMATS[tag.type]}", tag.order in LOW_BYTE_FIRST
     )

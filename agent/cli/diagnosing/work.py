@@ -8,15 +8,10 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from agent.cli.common.compilation import announce_compilation
 from agent.cli.common.window import remarks_on, window_of
 from agent.cli.diagnosing.answer import Answer, Task, printed_of
-
-if TYPE_CHECKING:
-    from agent.analysis.diagnosis import Diagnosis
-    from agent.analysis.record.recording import LoopWindow
 
 NEEDED = (
     "agent.analysis.diagnose",
@@ -61,18 +56,16 @@ def work_out(task: Task) -> Answer:
         window = window.with_hints(replace(task.hints, delay=task.delay.at(window.ts)))
     with on_cores(task.cores):
         diagnosis = judge(window, quantifier=task.quantifier)
-    faults = () if task.picture is None else _drawn(window, diagnosis, task.picture)
+    faults: tuple[str, ...] = ()
+    if task.picture is not None:
+        from agent.cli.common.pictures import draw
+
+        faults = draw(window, diagnosis, task.picture)
     quality = data_quality(window, diagnosis)
     small = thumbnail(window, diagnosis) if task.small_picture else None
     found = printed_of(task, diagnosis, quality, small)
     answer = Answer(task, found, faults, remarks_on(recording))
     return replace(answer, diagnosis=diagnosis, window=window) if task.shared else answer
-
-
-def _drawn(window: LoopWindow, diagnosis: Diagnosis, file: Path) -> tuple[str, ...]:
-    from agent.cli.common.pictures import draw
-
-    return draw(window, diagnosis, file)
 
 
 def answers(tasks: Sequence[Task], advance: Callable[[], None]) -> Iterator[Answer]:

@@ -1,4 +1,4 @@
-"""ValueRows of a loop: values of its roles at one time each, gathered to be taken in together.
+"""Rows of a loop: values of its roles at one time each, gathered to be taken in together.
 
 What depends on the times alone is computed once for all loops that were read together.
 """

@@ -36,7 +36,7 @@ EARLY = 2.0
 
 @dataclass(slots=True)
 class _Track:
-    """RowTimes of one role, or of the whole loop."""
+    """Times of one role, or of the whole loop."""
 
     newest: float = math.nan
     """Newest time that was believed, s UTC."""

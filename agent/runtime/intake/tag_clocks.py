@@ -28,7 +28,7 @@ SAMPLES, SECONDS = 2.0, 2.0
 
 
 class _Newest:
-    """RowTimes of the newest samples of a role, in plain arrays: thousands of loops have them."""
+    """Times of the newest samples of a role, in plain arrays: thousands of loops have them."""
 
     __slots__ = ("_ahead", "_count", "_times")
 

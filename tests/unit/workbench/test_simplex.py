@@ -30,9 +30,7 @@ def seen(error, found):
 
 @pytest.mark.parametrize("error", [stepped, smooth])
 @pytest.mark.parametrize("size", [1, 2, 5])
-@pytest.mark.parametrize(
-    ("evaluations", "near", "flat"), [(40, 1.0, 1e-3), (7, 1e-5, 1e-7), (200, 1e-5, 1e-7)]
-)
+@pytest.mark.parametrize(("evaluations", "near", "flat"), ENDS)
 def test_it_looks_at_the_points_that_scipy_looks_at(error, size, evaluations, near, flat):
     start = np.linspace(0.98, 0.1, size)
     ours, theirs = [], []
