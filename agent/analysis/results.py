@@ -89,21 +89,21 @@ class ProcessIntervals:
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """The least free-run error over all else at each S: what the record says of S, and what trades with it.
+    """The best model at each S: what the record says of S, and what trades with it.
 
     Arrays have shape (k,), S ascending.
     """
 
     s: FloatArray
     """OP units."""
-    error: FloatArray
-    """Sum of squares over that of the best model, >= 1."""
+    p: FloatArray
+    """Of the best model at that S in the model confidence set (``agent.identify.confidence_set``), 0 to 1."""
     delay: FloatArray
     """Delay of the best model at that S, s."""
     j: FloatArray
     """Its slip jump, OP units."""
     limit: float
-    """Error up to which a model is within the 90 % interval."""
+    """Of ``p``, from which a model is within the 90 % interval."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""The profile of the error over S: which stick bands and delays explain the record equally well."""
+"""The profile over S: which stick bands and delays explain the record equally well."""
 
 from __future__ import annotations
 
@@ -15,21 +15,19 @@ if TYPE_CHECKING:
     from agent.analysis.results import IntervalEstimate, Profile
 
 INSIDE = "#f6d9cc"
-TALLEST = 4.0
-"""Height of the upper panel in heights of the limit over the least error: the foot of the curve matters."""
 
 
 def profile_figure(loop: str, profile: Profile, s: IntervalEstimate | None = None) -> Figure:
-    """Draw the least error over all else against S, and below it the delay and J that go with each S.
+    """Draw how well each S agrees with the record, and below it the delay and J that go with each S.
 
     Args:
         loop: Name for the title.
-        profile: Where its error is at most ``limit``, S is within the 90 % interval; that is shaded.
+        profile: Where p is at least ``limit``, S is within the 90 % interval; that is shaded.
         s: The estimate for the title: its interval has the movement of OP within a sample as well.
     """
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
     upper, delay, j = panels = figure.subplots(3, 1, sharex=True, height_ratios=(1.8, 1.0, 1.0))
-    upper.plot(profile.s, profile.error, color=MEASURED, linewidth=1.1, label="least error at this S")
+    upper.plot(profile.s, profile.p, color=MEASURED, linewidth=1.1, label="best model at this S")
     upper.axhline(profile.limit, color=MODEL, linewidth=0.9, linestyle="--", label="limit of the interval")
     delay.plot(profile.s, profile.delay, color=VALVE, linewidth=1.1)
     j.plot(profile.s, profile.j, color=VALVE, linewidth=1.1)
@@ -37,14 +35,12 @@ def profile_figure(loop: str, profile: Profile, s: IntervalEstimate | None = Non
     for basin in basins:
         for axes in panels:
             axes.axvspan(profile.s[basin][0], profile.s[basin][-1], color=INSIDE, linewidth=1.0, zorder=0)
-    lowest = [basin.start + int(np.argmin(profile.error[basin])) for basin in basins]
-    for axes, values in ((upper, profile.error), (delay, profile.delay), (j, profile.j)):
-        axes.plot(
-            profile.s[lowest], values[lowest], "o", color=MODEL, markersize=5, label="lowest of a basin"
-        )
+    best = [basin.start + int(np.argmax(profile.p[basin])) for basin in basins]
+    for axes, values in ((upper, profile.p), (delay, profile.delay), (j, profile.j)):
+        axes.plot(profile.s[best], values[best], "o", color=MODEL, markersize=5, label="best of a basin")
         tidy(axes)
-    upper.set_ylim(1 - 0.3 * (profile.limit - 1), 1 + TALLEST * (profile.limit - 1))
-    upper.set_ylabel("squared error over the least")
+    upper.set_ylim(-0.05, 1.05)
+    upper.set_ylabel("p of the best model")
     delay.set_ylabel("delay (s)")
     j.set_ylabel("J (OP units)")
     j.set_xlabel("S (OP units)")
@@ -56,7 +52,7 @@ def profile_figure(loop: str, profile: Profile, s: IntervalEstimate | None = Non
 
 def _basins(profile: Profile) -> list[slice]:
     """Return the stretches of S that the record allows, ascending."""
-    labels, _ = ndimage.label(profile.error <= profile.limit)
+    labels, _ = ndimage.label(profile.p >= profile.limit)
     return [found[0] for found in ndimage.find_objects(labels)]
 
 

@@ -213,7 +213,7 @@ def test_every_picture_of_a_loop_that_could_be_judged(slipjump, moving, tmp_path
 
 def test_a_profile_is_drawn_where_the_quantifier_has_one(tmp_path):
     s = np.linspace(0.0, 4.0, 9)
-    profile = Profile(s, 1.0 + (s - 2.0) ** 2, delay=6.0 - s, j=s / 2, limit=1.3)
+    profile = Profile(s, np.exp(-((s - 2.0) ** 2)), delay=6.0 - s, j=s / 2, limit=0.1)
     found = Quantification("none", None, None, None, None, None, "undecided", profile=profile)
     wave = np.sin(np.arange(200.0) / 8)
     window = LoopWindow("A", 0.0, 1.0, wave, wave, hints=LoopHints(delay=1, order=1))

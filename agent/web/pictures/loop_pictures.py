@@ -22,12 +22,12 @@ MAP_STEP = 0.02
 
 
 def profile_json(profile: Profile | None) -> dict[str, Any] | None:
-    """Return the error against S with the delay and J that go with it."""
+    """Return how well each S agrees with the record, with the delay and J that go with it."""
     if profile is None:
         return None
     return {
         "s": numbers(profile.s),
-        "error": numbers(profile.error),
+        "p": numbers(profile.p),
         "delay": numbers(profile.delay),
         "j": numbers(profile.j),
         "limit": float(profile.limit),

@@ -7,8 +7,7 @@ import pytest
 
 from agent.analysis.quantify.free_run.found import Found
 from agent.analysis.quantify.free_run.intervals import (
-    ALIKE,
-    ALIKE_IN_J,
+    LEAST_P,
     MARGIN_J,
     MARGIN_S,
     alike,
@@ -41,23 +40,24 @@ def fitted(error, s, j, structure=FOPDT, delay=3.0):
 
 
 def found_of(best, others):
-    return Found(best, others, best.error, "white")
+    """A model whose error is 2.5 times the least has the least p that counts."""
+    p = np.array([LEAST_P ** ((each.error - best.error) / 1.5) for each in others])
+    return Found(best, others, p, best.error, "white")
 
 
-def test_models_count_as_alike_up_to_the_limit():
-    best, near, far = fitted(1.0, 2.0, 1.0), fitted(0.99 * ALIKE, 3.0, 1.0), fitted(1.01 * ALIKE, 9.0, 1.0)
+def test_models_count_as_alike_from_the_limit():
+    best, near, far = fitted(1.0, 2.0, 1.0), fitted(2.4, 3.0, 1.0), fitted(2.6, 9.0, 1.0)
     assert alike(found_of(best, (best, near, far))) == [best, best, near]
 
 
 def test_an_interval_is_the_union_over_the_basins():
     best, other = fitted(1.0, 2.0, 1.0), fitted(1.25, 4.0, 0.5)
     found = stiction_estimate(found_of(best, (best, other, fitted(9.0, 8.0, 1.0))), PROBLEM)
-    assert ALIKE_IN_J < 1.25 < ALIKE
     assert (found.s.value, found.s.low, found.s.high) == pytest.approx(
         (2.0, 2.0 - MARGIN_S * SPAN, 4.0 + MARGIN_S * SPAN)
     )
     assert (found.j.value, found.j.low, found.j.high) == pytest.approx(
-        (1.0, 1.0 - MARGIN_J * SPAN, 1.0 + MARGIN_J * SPAN)
+        (1.0, 0.5 - MARGIN_J * SPAN, 1.0 + MARGIN_J * SPAN)
     )
     assert not found.identifiable_s
     assert found.identifiable_j
@@ -78,11 +78,12 @@ def test_far_apart_values_of_j_are_reported_as_unidentifiable():
     assert not found.identifiable_j
 
 
-def test_the_profile_ascends_and_nothing_is_below_the_least():
+def test_the_profile_ascends_and_nothing_is_better_than_the_best():
     models = tuple(fitted(error, s, 0.5) for error, s in [(1.0, 3.0), (4.0, 1.0), (2.0, 6.0), (9.0, 6.1)])
     found = profile(found_of(models[0], models), PROBLEM, 2.0)
     np.testing.assert_allclose(found.s, [1.0, 3.0, 6.0])
-    np.testing.assert_allclose(found.error, [4.0, 1.0, 2.0])
+    np.testing.assert_allclose(found.p, LEAST_P ** np.array([2.0, 0.0, 2 / 3]))
+    assert found.limit == LEAST_P
     np.testing.assert_allclose(found.delay, 6.0)
     np.testing.assert_allclose(found.j, 0.5)
 

@@ -7,16 +7,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from agent.analysis.quantify.free_run.problem import QUICK, SLOW, in_spans, pose, structures
+from agent.identify.confidence_set import p_of_models
 from agent.identify.fitted import Fitted, by_error, start
 from agent.identify.objective import LEVEL, S
 from agent.identify.search.cycle import possible_of
-from agent.identify.search.elites import elites_of
+from agent.identify.search.elites import FEW_ROUNDS, ROUNDS, elites_of
 from agent.identify.search.linear import best_linear
 from agent.identify.search.search import search
 from agent.identify.simplex import polished
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
+    from agent.identify.arrays import FloatArray
     from agent.identify.problem import Problem
     from agent.identify.search.population import Candidates
     from agent.identify.search.search import SearchEnd
@@ -34,6 +36,8 @@ class Found:
     others: tuple[Fitted, ...]
     """The best of each cell of S and of J, the best among them; the least error first. Their errors are in
     the view in which they were found."""
+    p: FloatArray
+    """Of each of them in their model confidence set, in that view, (k,)."""
     least_error: float
     """The least sum of squares in the slow view, PV units squared."""
     ended: SearchEnd
@@ -54,7 +58,8 @@ def find(window: LoopWindow, problem: Problem) -> Found | None:
     without = best_linear(slow, possible)
     worth = math.inf if without is None else without.error / SLIDES_BELOW
     searched = search((slow, quick), possible, worth)
-    models = elites_of(searched.searched, (slow, quick)[searched.view], possible_of(possible))
+    rounds = FEW_ROUNDS if searched.ended == "explains_little" else ROUNDS
+    models = elites_of(searched.searched, (slow, quick)[searched.view], possible_of(possible), rounds)
     own = pose(window, pass_time=QUICK) if searched.view else problem
     if isinstance(own, str):
         return None
@@ -63,10 +68,11 @@ def find(window: LoopWindow, problem: Problem) -> Found | None:
         return None
     best = polished(fits[0], own)
     others = tuple(by_error([best, *fits[1:]]))
+    least = others[0].error
     if searched.view:
         best = polished(start(best.candidate, best.structure, problem), problem)
-        return Found(best, others, best.error, searched.ended)
-    return Found(best, others, others[0].error, searched.ended)
+        least = best.error
+    return Found(best, others, p_of_models(others, own), least, searched.ended)
 
 
 def _in_units(models: Candidates, problem: Problem) -> list[Fitted]:

@@ -1,13 +1,13 @@
-"""What the record says of each number: the range over all models that fit about as well as the best.
+"""What the record says of each number: the range over all models that it cannot distinguish from the best.
 
-The union over the basins that the record cannot tell apart. How much worse still counts as alike was read off
-simulated loops by measured coverage (docs/methods/intervals.md), because the errors of a fit are no
-independent noise: mostly they are slips that the model places a sample beside the true ones.
+The union over the basins that are left (``agent.identify.confidence_set``), widened by what the models do not
+have.
 """
 
 from __future__ import annotations
 
 import math
+from itertools import compress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,15 +22,12 @@ if TYPE_CHECKING:
     from agent.identify.fitted import Fitted
     from agent.identify.problem import Problem
 
-ALIKE = 1.3
-"""Sum of squares over the least up to which a model counts as alike (simulated loops, seeds 2000 to 2199)."""
-ALIKE_IN_J = 1.2
-"""Likewise for the interval of J, which fewer misplaced slips disturb."""
-ALIKE_IN_PROCESS = 1.5
-"""Likewise for the process, whose intervals have no margin."""
-MARGIN_S = 0.015
-"""Added on each side of S, over the OP span: friction that the stem of the model does not have (likewise)."""
-MARGIN_J = 0.02
+LEAST_P = 0.1
+"""p of a model from which it counts: intervals of 90 %."""
+MARGIN_S = 0.0075
+"""Added on each side of S, over the OP span: friction that the stem of the model does not have (simulated
+loops, seeds 67000 to 67029)."""
+MARGIN_J = 0.01
 NARROW_S = 0.10
 """Width of the interval of S, over the OP span, up to which the record determines S."""
 NARROW_J = 0.25
@@ -41,10 +38,9 @@ records with a tenth of the scans or fewer it leaves 3e-6 and more."""
 PROFILE_POINTS = 40
 
 
-def alike(found: Found, times: float = ALIKE) -> list[Fitted]:
-    """Return the models whose sum of squares is up to ``times`` the least, the best model first."""
-    limit = times * found.others[0].error
-    return [found.best, *(f for f in found.others if f.error <= limit)]
+def alike(found: Found) -> list[Fitted]:
+    """Return the models that the record cannot distinguish from the best, which is first."""
+    return [found.best, *compress(found.others, found.p >= LEAST_P)]
 
 
 def stiction_estimate(found: Found, problem: Problem, hidden: float = 0.0) -> StictionEstimate:
@@ -53,10 +49,9 @@ def stiction_estimate(found: Found, problem: Problem, hidden: float = 0.0) -> St
     ``hidden`` is ``hidden_movement``.
     """
     s, j = np.array([s_and_j(f) for f in alike(found)]).T
-    j_alone = np.array([s_and_j(f)[1] for f in alike(found, ALIKE_IN_J)])
     span = problem.op_span
     s_estimate = interval(s, MARGIN_S * span + hidden / 2, above=hidden / 2)
-    j_estimate = interval(j_alone, MARGIN_J * span + hidden)
+    j_estimate = interval(j, MARGIN_J * span + hidden)
     margin = (MARGIN_S + MARGIN_J) / 2 * span + 3 / 4 * hidden
     return StictionEstimate(
         f_s=interval((s + j) / 2, margin, above=hidden / 4),
@@ -125,7 +120,7 @@ def process_intervals(found: Found, gains: list[float], ts: float) -> ProcessInt
 
 def same_structure(found: Found) -> list[Fitted]:
     """Return the models alike whose process has the best one's structure, the best first."""
-    return [f for f in alike(found, ALIKE_IN_PROCESS) if f.structure == found.best.structure]
+    return [f for f in alike(found) if f.structure == found.best.structure]
 
 
 def ends(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
@@ -136,17 +131,17 @@ def ends(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, f
 def profile(found: Found, problem: Problem, ts: float) -> Profile:
     """Return the best model in each of some ranges of S."""
     step = problem.op_span / PROFILE_POINTS
-    best: dict[int, Fitted] = {}
-    for fitted in found.others:
+    best: dict[int, tuple[float, Fitted]] = {}
+    for p, fitted in zip(found.p, found.others, strict=True):
         place = math.floor(fitted.candidate[S] / step)
-        if place not in best or fitted.error < best[place].error:
-            best[place] = fitted
-    fits = [best[place] for place in sorted(best)]
-    least = min(f.error for f in fits)
+        if place not in best or p > best[place][0]:
+            best[place] = (float(p), fitted)
+    points = [best[place] for place in sorted(best)]
+    fits = [fitted for _, fitted in points]
     return Profile(
         s=np.array([f.candidate[S] for f in fits]),
-        error=np.array([f.error / max(least, 1e-300) for f in fits]),
+        p=np.array([p for p, _ in points]),
         delay=np.array([f.candidate[DELAY] * ts for f in fits]),
         j=np.array([s_and_j(f)[1] for f in fits]),
-        limit=ALIKE,
+        limit=LEAST_P,
     )

@@ -110,8 +110,8 @@ function Limits({ model, period }) {
 }
 
 function Profile({ profile, s }) {
-  const data = useMemo(() => [profile.s, profile.error, profile.s.map(() => profile.limit)], [profile]);
-  const inside = profile.s.filter((_, k) => profile.error[k] <= profile.limit);
+  const data = useMemo(() => [profile.s, profile.p, profile.s.map(() => profile.limit)], [profile]);
+  const inside = profile.s.filter((_, k) => profile.p[k] >= profile.limit);
   const known = s.low !== null && s.high !== null;
   const ends = [...inside, s.value, ...(known ? [s.low, s.high] : [])];
   const [low, high] = [Math.min(...ends), Math.max(...ends)];
@@ -119,9 +119,9 @@ function Profile({ profile, s }) {
   const spans = useMemo(() => (known ? [{ from: s.low, to: s.high, colour: "bar" }] : []), [s.low, s.high]);
   const near = [Math.max(low - 0.5 * width, profile.s[0]), Math.min(high + 0.5 * width, profile.s.at(-1))];
   const text = known ? `S is between ${number(s.low)} and ${number(s.high)} OP units with 90 % probability (grey)` : "This record gives no interval of S";
-  return html`<${Chart} data=${data} height=${190} x=${{ label: "S, OP units", range: near }} y=${{ label: "error / least error", range: [1 - 0.3 * (profile.limit - 1), 1 + 4 * (profile.limit - 1)] }} spans=${spans}
-    lines=${[{ label: "least error at this S", colour: "measured", width: 1.6, points: 4 }, { label: "within the noise", colour: "model", dash: [5, 4] }]} text=${text} />
-    <p class="quiet">${text}. It is wider than what is within the noise: a margin stands for friction that the model does not have.</p>`;
+  return html`<${Chart} data=${data} height=${190} x=${{ label: "S, OP units", range: near }} y=${{ label: "p of the best model", range: [-0.05, 1.05] }} spans=${spans}
+    lines=${[{ label: "best model at this S", colour: "measured", width: 1.6, points: 4 }, { label: "limit of the interval", colour: "model", dash: [5, 4] }]} text=${text} />
+    <p class="quiet">${text}. It is wider than what cannot be distinguished from the best: a margin stands for friction that the model does not have.</p>`;
 }
 
 function OnDemandMap({ base, start }) {
