@@ -72,7 +72,7 @@ def test_one_basin_identifies_and_no_band_is_below_zero():
 
 
 def test_far_apart_values_of_j_are_reported_as_unidentifiable():
-    best, other = fitted(1.0, 3.0, 0.2), fitted(1.2, 3.1, 2.5)
+    best, other = fitted(1.0, 3.0, 0.2), fitted(1.2, 3.1, 2.8)
     found = stiction_estimate(found_of(best, (best, other)), PROBLEM)
     assert found.identifiable_s
     assert not found.identifiable_j
