@@ -18,7 +18,6 @@ import numpy as np
 
 from agent.analysis.record.signals import noise_level
 from agent.physics.foreign import EffectError
-from agent.workbench.projection import VANISHES
 from agent.workbench.residual.movable import beyond, movable
 from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.search import hypercube, searched, whitened
@@ -112,10 +111,8 @@ class _Asked:
         found = changes(self.predicts, self.best, effect)
         if effect.stage == "disturbance":
             return [*found]
-        before = self.predicts.objective.columns(self.best)[:, :1]
-        own = self.largest_gain(before[:, 0]) * before
-        # The gain belongs to the model: behind a curve that flattens the response it is larger.
-        return [self.gain_of_all(after[:, 0]) * after - own for after in (before + each for each in found)]
+        gain = self.largest_gain(self.predicts.objective.columns(self.best)[:, 0])
+        return [gain * each for each in found]
 
     def least_variance(self) -> float:
         """Return the variance of the innovations that a complete model may have, PV units squared.
@@ -127,23 +124,16 @@ class _Asked:
         return max(min(self.predicts.variance(self.best), white), TINY)
 
     def largest_gain(self, response: FloatArray) -> float:
-        """Return the largest gain that the model may have with its response (n,).
+        """Return the largest gain that the loop may have: with it the response (n,) is all of PV but noise.
 
-        Where an effect is missing that of the fit may be anything: a stop that OP winds up behind hides it.
+        Where an effect is missing that of the model may be anything: a stop that OP winds up behind hides it.
         """
-        fitted = abs(float(self.predicts.fit(self.best).coefficients[0]))
-        return max(fitted, self.gain_of_all(response))
-
-    def gain_of_all(self, response: FloatArray) -> float:
-        """Return the gain with which a response (n,) is all of PV but noise; 0 where it does not move."""
         target = self.predicts.objective.target
-        counted = response * target.weight
-        moves = counted - target.basis @ (target.basis.T @ counted)
-        squares = float(moves @ moves)
-        if squares <= VANISHES * float(counted @ counted):
-            return 0.0
+        moves = response * target.weight
+        moves = moves - target.basis @ (target.basis.T @ moves)
         noise = target.count * self.least_variance()
-        return math.sqrt(max(float(target.pv @ target.pv) - noise, 0.0) / squares)
+        most = math.sqrt(max(float(target.pv @ target.pv) - noise, 0.0) / max(float(moves @ moves), TINY))
+        return max(abs(float(self.predicts.fit(self.best).coefficients[0])), most)
 
     def left_by_refit(self, change: FloatArray) -> float:
         """Return the squares that the model leaves, fitted to its free run with a change, PV units."""
