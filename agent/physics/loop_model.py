@@ -59,10 +59,12 @@ class LoopModel:
     def layout(self, facts: Facts) -> Layout:
         """Return the model with the place of each number, for many evaluations on one record."""
         at = count = len(self.base.parameters(facts))
-        placed: dict[str, list[Placed[Effect]]] = {each: [] for each in STAGES}
+        placed: dict[str, list[PlacedEffect[Effect]]] = {each: [] for each in STAGES}
         for effect in self.effects:
             own = slice(at, at + len(effect.parameters(facts)))
-            placed[effect.stage].append(Placed(effect, own, not (self.unguarded or is_built_in(effect))))
+            placed[effect.stage].append(
+                PlacedEffect(effect, own, not (self.unguarded or is_built_in(effect)))
+            )
             at = own.stop
         placed["valve"].sort(key=lambda each: _place(each.effect))
         return Layout(self.base, facts.ts, slice(0, count), *(cast("Any", placed[each]) for each in STAGES))
@@ -76,7 +78,7 @@ class LoopModel:
         return self.layout(facts).columns(op, values)
 
 
-class Placed(NamedTuple, Generic[AnyEffect]):
+class PlacedEffect(NamedTuple, Generic[AnyEffect]):
     """An effect in a layout."""
 
     effect: AnyEffect
@@ -98,11 +100,11 @@ class Layout:
     """s."""
     own: slice
     """Values of the base."""
-    valve: Sequence[Placed[ValveEffect]]
+    valve: Sequence[PlacedEffect[ValveEffect]]
     """In the order of ``CHAIN``, in whichever order they were added."""
-    process: Sequence[Placed[ProcessEffect[object]]]
-    sensor: Sequence[Placed[SensorEffect]]
-    disturbances: Sequence[Placed[DisturbanceEffect]]
+    process: Sequence[PlacedEffect[ProcessEffect[object]]]
+    sensor: Sequence[PlacedEffect[SensorEffect]]
+    disturbances: Sequence[PlacedEffect[DisturbanceEffect]]
 
     def position(self, op: FloatArray, values: FloatArray) -> FloatArray:
         """Return the valve position, OP units, (n,), from OP without gaps, (n,)."""
