@@ -125,16 +125,16 @@ class Layout:
         response = process.respond(position, self.ts)
         if not self.sensor:
             return response
-        if isinstance(process, LinearProcess):
-            # A curve over PV lies at levels of OP, wherever the response is counted from.
-            response = response + process.counted_from(position)
+        # A curve over PV lies at levels of OP, wherever the response is counted from.
+        level = process.counted_from(position) if isinstance(process, LinearProcess) else 0.0
+        response = response + level
         for effect, own, guarded in self.sensor:
             if guarded:
                 measure = partial(effect.apply, response, values[own], self.ts)
                 response = array_of(effect, len(position), measure)
             else:
                 response = effect.apply(response, values[own], self.ts)
-        return response
+        return response - level
 
     def columns(self, op: FloatArray, values: FloatArray) -> FloatArray:
         """Return the response of gain one, then the columns of the disturbances, (n, 1 + k)."""

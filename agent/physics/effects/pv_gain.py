@@ -39,9 +39,9 @@ class PvGain:
         return (Parameter("curvature", "1/OP", -most, most, null=0.0),)
 
     def apply(self, pv: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
-        """Return the measured value, counted from the first, where its slope is one.
+        """Return the measured value; at the first response it is that, with a slope of one.
 
-        From any other level the curve is the same but for gain and level, which are solved for.
+        Bent about any other level the curve is the same but for gain and level, which are solved for.
         """
-        curvature = float(values[0])
-        return pv if curvature == 0.0 else np.asarray(np.expm1(curvature * (pv - pv[0])) / curvature)
+        curvature, first = float(values[0]), pv[:1]
+        return pv if curvature == 0.0 else np.asarray(first + np.expm1(curvature * (pv - first)) / curvature)
