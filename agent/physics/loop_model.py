@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
 import numpy as np
 
-from agent.physics.foreign import array_of, result_of
+from agent.physics.bases.linear_process import LinearProcess
+from agent.physics.foreign import array_of, is_built_in, result_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
-    from agent.physics.bases.base import Base
+    from agent.physics.bases.base import Base, RespondingProcess
     from agent.physics.effect import (
         DisturbanceEffect,
         Effect,
@@ -26,8 +29,12 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
+AnyEffect = TypeVar("AnyEffect")
+
 CHAIN = ("valve_speed", "extra_lag", "valve_hysteresis", "valve_limits", "valve_characteristic")
 """Families of valve effects from the controller's side to the flow's; one that is not here acts last."""
+STAGES = ("valve", "process", "sensor", "disturbance")
+"""In which effects act, from OP to PV."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +59,15 @@ class LoopModel:
     def layout(self, facts: Facts) -> Layout:
         """Return the model with the place of each number, for many evaluations on one record."""
         at = count = len(self.base.parameters(facts))
-        pairs = []
+        placed: dict[str, list[PlacedEffect[Effect]]] = {each: [] for each in STAGES}
         for effect in self.effects:
-            own = len(effect.parameters(facts))
-            pairs.append((effect, slice(at, at + own)))
-            at += own
-        return Layout(self.base, facts.ts, slice(0, count), tuple(pairs), self.unguarded)
+            own = slice(at, at + len(effect.parameters(facts)))
+            placed[effect.stage].append(
+                PlacedEffect(effect, own, not (self.unguarded or is_built_in(effect)))
+            )
+            at = own.stop
+        placed["valve"].sort(key=lambda each: _place(each.effect))
+        return Layout(self.base, facts.ts, slice(0, count), *(cast("Any", placed[each]) for each in STAGES))
 
     def position(self, op: FloatArray, values: FloatArray, facts: Facts) -> FloatArray:
         """Return the valve position, OP units, (n,), from OP without gaps, (n,)."""
@@ -68,49 +78,69 @@ class LoopModel:
         return self.layout(facts).columns(op, values)
 
 
+class PlacedEffect(NamedTuple, Generic[AnyEffect]):
+    """An effect in a layout."""
+
+    effect: AnyEffect
+    own: slice
+    """Its values."""
+    guarded: bool
+    """Whether what it returns is checked: somebody else wrote it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """A model on a record: which values belong to the base and which to each effect."""
+    """A model on a record: which values belong to the base and which to each effect.
+
+    All that does not depend on the values is settled before: a search evaluates it a hundred thousand times.
+    """
 
     base: Base
     ts: float
     """s."""
     own: slice
     """Values of the base."""
-    effects: tuple[tuple[Effect, slice], ...]
-    """Each with its values."""
-    unguarded: bool = False
-    """As in ``LoopModel``."""
+    valve: Sequence[PlacedEffect[ValveEffect]]
+    """In the order of ``CHAIN``, in whichever order they were added."""
+    process: Sequence[PlacedEffect[ProcessEffect[object]]]
+    sensor: Sequence[PlacedEffect[SensorEffect]]
+    disturbances: Sequence[PlacedEffect[DisturbanceEffect]]
 
     def position(self, op: FloatArray, values: FloatArray) -> FloatArray:
-        """Return the valve position, OP units, (n,), from OP without gaps, (n,).
-
-        Valve effects act in the order of ``CHAIN``, in whichever order they were added.
-        """
+        """Return the valve position, OP units, (n,), from OP without gaps, (n,)."""
         position = op
-        valve = [pair for pair in self.effects if pair[0].stage == "valve"]
-        for effect, own in sorted(valve, key=lambda pair: _place(pair[0])):
-            move = partial(cast("ValveEffect", effect).apply, position, values[own], self.ts)
-            position = move() if self.unguarded else array_of(effect, len(op), move)
+        for effect, own, guarded in self.valve:
+            if guarded:
+                position = array_of(effect, len(op), partial(effect.apply, position, values[own], self.ts))
+            else:
+                position = effect.apply(position, values[own], self.ts)
         return position
 
     def response(self, position: FloatArray, values: FloatArray) -> FloatArray:
         """Return the measured response to a valve position, OP units, for gain one, (n,)."""
         process = self.base.process(values[self.own])
-        for effect, own in self.effects:
-            if effect.stage == "process":
-                alter = partial(cast("ProcessEffect[object]", effect).change, process, values[own])
-                process = alter() if self.unguarded else result_of(effect, alter)  # type: ignore[assignment]
+        for altering, own, guarded in self.process:
+            alter = partial(altering.change, process, values[own])
+            process = cast("RespondingProcess", result_of(altering, alter) if guarded else alter())
         response = process.respond(position, self.ts)
-        for effect, own in self.effects:
-            if effect.stage == "sensor":
-                measure = partial(cast("SensorEffect", effect).apply, response, values[own], self.ts)
-                response = measure() if self.unguarded else array_of(effect, len(position), measure)
-        return response
+        if not self.sensor:
+            return response
+        # A curve over PV lies at levels of OP, wherever the response is counted from.
+        level = process.counted_from(position) if isinstance(process, LinearProcess) else 0.0
+        response = response + level
+        for effect, own, guarded in self.sensor:
+            if guarded:
+                measure = partial(effect.apply, response, values[own], self.ts)
+                response = array_of(effect, len(position), measure)
+            else:
+                response = effect.apply(response, values[own], self.ts)
+        return response - level
 
     def columns(self, op: FloatArray, values: FloatArray) -> FloatArray:
         """Return the response of gain one, then the columns of the disturbances, (n, 1 + k)."""
         response = self.response(self.position(op, values), values)
+        if not self.disturbances:
+            return response[:, np.newaxis]
         return np.column_stack((response, *(added for _, added in self._added(response, values))))
 
     def owners(self, op: FloatArray, values: FloatArray) -> tuple[str, ...]:
@@ -120,15 +150,13 @@ class Layout:
 
     def _added(self, response: FloatArray, values: FloatArray) -> list[tuple[Effect, FloatArray]]:
         """Return each disturbance with its columns, (n, k)."""
-        disturbances = [pair for pair in self.effects if pair[0].stage == "disturbance"]
-        if not disturbances:
+        if not self.disturbances:
             return []
         time = np.asarray(self.ts * np.arange(len(response)), dtype=np.float64)
-        found = []
-        for effect, own in disturbances:
-            add = partial(cast("DisturbanceEffect", effect).columns, time, response, values[own])
-            columns = add() if self.unguarded else array_of(effect, len(response), add)
-            found.append((effect, columns))
+        found: list[tuple[Effect, FloatArray]] = []
+        for effect, own, guarded in self.disturbances:
+            add = partial(effect.columns, time, response, values[own])
+            found.append((effect, array_of(effect, len(response), add) if guarded else add()))
         return found
 
 

@@ -2,7 +2,8 @@
 
 The error over S and J is a needle beside others, and over a rate or a stop it is no parabola, so that the
 derivatives at the best tell too little. Here one parameter is moved outward, all others refitted, until the
-innovations, white as they are, are clearly less likely than the best ones.
+innovations, white as they are, are clearly less likely than the best ones. A refit that is likely enough is
+not made better: whether there is one is all that a distance is for.
 Source: Cox and Hinkley, Theoretical Statistics (1974), 9.3.
 """
 
@@ -13,7 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
+from agent.workbench.gauss_newton import lowest
 from agent.workbench.paired_blocks import CONFIDENCE
+from agent.workbench.search import COARSE, SAME, STEPS, is_rough
 from agent.workbench.simplex import lowered_by_simplex
 
 if TYPE_CHECKING:
@@ -37,7 +40,7 @@ OUTWARD = (0.003, 0.01, 0.02, 0.04, 0.07, 0.11, 0.16, 0.24, 0.35, 0.5, 0.7, 1.0)
 HALVINGS = 4
 """Of the last distance, to find the end within it."""
 EVALUATIONS = 25
-"""Of the refit at each, for each parameter that moves."""
+"""Of a refit's simplex, for each parameter that moves."""
 STEP = 0.02
 """First step of that refit, parts of a parameter's range."""
 
@@ -63,8 +66,8 @@ def _moved_outward(predicts: Predictor, best: FloatArray, at: int, side: float, 
     point, inside = best, 0.0
     room = float(1.0 - best[at] if side > 0 else best[at])
     for distance in (*(each for each in OUTWARD if each < room), room):
-        moved = _refitted(predicts, point, at, best[at] + side * distance)
-        if predicts.error(moved) > most:
+        moved, error = _refitted(predicts, point, at, best[at] + side * distance, most)
+        if error > most:
             outside = distance
             break
         point, inside = moved, distance
@@ -72,23 +75,35 @@ def _moved_outward(predicts: Predictor, best: FloatArray, at: int, side: float, 
         return float(best[at] + side * room)
     for _ in range(HALVINGS):
         between = 0.5 * (inside + outside)
-        moved = _refitted(predicts, point, at, best[at] + side * between)
-        if predicts.error(moved) > most:
+        moved, error = _refitted(predicts, point, at, best[at] + side * between, most)
+        if error > most:
             outside = between
         else:
             point, inside = moved, between
     return float(best[at] + side * inside)
 
 
-def _refitted(predicts: Predictor, start: FloatArray, at: int, place: float) -> FloatArray:
-    """Return the best point near ``start`` whose coordinate ``at`` is at ``place``."""
-    moves = np.arange(len(start)) != at
-    point = start.copy()
-    point[at] = place
+def _refitted(
+    predicts: Predictor, start: FloatArray, at: int, place: float, most: float
+) -> tuple[FloatArray, float]:
+    """Return a point near ``start`` with coordinate ``at`` at ``place``, and its error.
+
+    The best one, but that the simplex, where steps or kinks stopped Gauss and Newton, ends at ``most``.
+    """
+    behind, moves = predicts.behind, np.arange(len(start)) != at
+
+    def whole(others: FloatArray) -> FloatArray:
+        point = start.copy()
+        point[at], point[moves] = place, others
+        return point
 
     def error(others: FloatArray) -> float:
-        point[moves] = others
-        return predicts.error(point)
+        return behind.error(whole(others))
 
-    point[moves] = lowered_by_simplex(error, start[moves], STEP, EVALUATIONS, near=1e-4, flat=0.0)
-    return point
+    found = start[moves]
+    if len(found):
+        found = lowest(lambda others: behind.solved(whole(others)).residual, found, STEPS, COARSE)
+    if len(found) and is_rough(behind) and error(found) > most:
+        flat = SAME / behind.count * most
+        found = lowered_by_simplex(error, found, STEP, EVALUATIONS, near=1.0, flat=flat, enough=most)
+    return whole(found), error(found)

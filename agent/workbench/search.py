@@ -206,9 +206,18 @@ def spread_about(
 
 
 def best_of(objective: Objective | Pinned, starts: FloatArray, count: int) -> list[FloatArray]:
-    """Return the ``count`` best of ``starts`` (m, k), best first."""
-    errors = np.array([objective.error(each) for each in starts])
-    return [starts[i] for i in np.argsort(errors, kind="stable")[:count]]
+    """Return the ``count`` best of ``starts`` (m, k) that differ, best first.
+
+    Of those that are as good one is kept: searches that began apart often end in one valley, and an effect
+    that does nothing does so at many of its values.
+    """
+    errors = [objective.error(each) for each in starts]
+    flat = SAME / objective.count * min(errors, default=0.0)
+    kept: list[int] = []
+    for i in sorted(range(len(errors)), key=errors.__getitem__):
+        if not kept or errors[i] - errors[kept[-1]] > flat:
+            kept.append(i)
+    return [starts[i] for i in kept[:count]]
 
 
 def lowered(objective: Objective | Pinned, start: FloatArray, step: float, evaluations: int) -> FloatArray:

@@ -26,6 +26,7 @@ def lowered_by_simplex(
     *,
     near: float,
     flat: float,
+    enough: float = -np.inf,
 ) -> FloatArray:
     """Return the best point of the unit cube that the search finds from ``start`` (k,), k >= 1.
 
@@ -35,7 +36,8 @@ def lowered_by_simplex(
         step: To the first corners, inward where it would leave the cube.
         evaluations: For each coordinate, at most.
         near: It ends where the corners are as near to each other as this,
-        flat: and their errors, in the unit of ``error``.
+        flat: and their errors, in the unit of ``error``,
+        enough: or where an error is as low as this.
     """
     count = len(start)
     left = evaluations * count
@@ -44,7 +46,7 @@ def lowered_by_simplex(
     corners = corners[: len(errors)]
     left -= len(errors)
     corners, errors = _sorted(corners, errors)
-    while left > 0 and len(errors) > count:
+    while left > 0 and len(errors) > count and errors[0] > enough:
         if np.abs(corners[1:] - corners[0]).max() <= near and errors[-1] - errors[0] <= flat:
             break
         middle = np.add.reduce(corners[:-1], 0) / count

@@ -47,7 +47,7 @@ class LinearProcess:
     def respond(self, position: FloatArray, ts: float) -> FloatArray:
         """Return the deviation of PV for gain one, (n,), in OP units (integrating: OP units times s).
 
-        From rest at the first position; an integrator is constant at the mean position. Exact for a position
+        From rest at the first position, an integrator constant at the mean position. Exact for a position
         that is held between samples, except that third and further lags, lags behind an integrator and the
         integral of ``creep`` use straight lines from sample to sample.
 
@@ -63,6 +63,10 @@ class LinearProcess:
             beyond = cumulative_trapezoid(response - response.mean(), dx=ts, initial=0)
             response = response + self.creep * beyond
         return response
+
+    def counted_from(self, position: FloatArray) -> float:
+        """Return the level of OP that the response to a position, (n,), is counted from, OP units."""
+        return 0.0 if self.integrates else float(position[0])
 
     def _behind(self, taus: list[float], position: FloatArray, ts: float) -> FloatArray:
         """Return the response behind these lags, samples, the shorter first, and the integrator."""

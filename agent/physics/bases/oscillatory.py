@@ -64,6 +64,10 @@ class RingingProcess(LinearProcess):
             response = response + self.creep * ts * np.cumsum(response - response.mean())
         return np.asarray(response, dtype=np.float64)
 
+    def counted_from(self, position: FloatArray) -> float:  # noqa: ARG002
+        """Return 0: the response has the level of OP."""
+        return 0.0
+
     def _late(self, position: FloatArray, ts: float) -> FloatArray:
         """Return the position after the dead time, of which half a sample is the hold's, (n,)."""
         at = np.arange(len(position), dtype=np.float64)

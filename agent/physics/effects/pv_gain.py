@@ -39,6 +39,9 @@ class PvGain:
         return (Parameter("curvature", "1/OP", -most, most, null=0.0),)
 
     def apply(self, pv: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
-        """Return the measured value; where the response is 0 its slope is one."""
-        curvature = float(values[0])
-        return pv if curvature == 0.0 else np.asarray(np.expm1(curvature * pv) / curvature)
+        """Return the measured value; at the first response it is that, with a slope of one.
+
+        Bent about any other level the curve is the same but for gain and level, which are solved for.
+        """
+        curvature, first = float(values[0]), pv[:1]
+        return pv if curvature == 0.0 else np.asarray(first + np.expm1(curvature * (pv - first)) / curvature)

@@ -6,8 +6,11 @@ from scipy.integrate import solve_ivp
 
 from agent.physics.bases.heat_exchanger import HeatExchanger
 from agent.physics.bases.heater import Heater
+from agent.physics.bases.lag_bases import Fopdt
 from agent.physics.bases.linear_process import LinearProcess
 from agent.physics.bases.neutralisation import Neutralisation
+from agent.physics.bases.oscillatory import Oscillatory
+from agent.physics.effect import Facts
 from agent.physics.effects.process_friction import ProcessFriction
 from agent.physics.effects.pv_gain import PvGain
 from agent.physics.effects.sensor_deadband import SensorDeadband
@@ -15,6 +18,7 @@ from agent.physics.effects.split_range import SplitRange
 from agent.physics.effects.titration import Titration
 from agent.physics.effects.transport_delay import TransportDelay
 from agent.physics.effects.wave import RepeatingWave
+from agent.physics.loop_model import LoopModel
 
 T = np.arange(400.0)
 WAVE = 50 + 10 * np.sin(2 * np.pi * T / 100)
@@ -119,3 +123,15 @@ def test_a_neutralisation_balances_its_charges():
     expected = integrated(lambda u, x: (u - 52.0 - x) / 12.0, excess[0])
     np.testing.assert_allclose(excess, expected, atol=0.01)
     assert pv[0] == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize("base", [Fopdt(), Oscillatory()])
+def test_a_curve_over_pv_lies_at_the_level_of_op_on_every_base(base):
+    """Its middle is searched between the least and the greatest OP, also where OP begins far above 0."""
+    facts = Facts(1.0, 420, 40.0, 60.0, 0.0, 1.0, 50.0, 1.0, 1)
+    model = LoopModel(base, (Titration(),))
+    quick = {"delay": 1.0, "tau": 0.2, "damping": 1.0, "zero": 0.0, "titration.middle": 52.0}
+    values = np.array([quick.get(name, 0.5) for name, _ in model.parameters(facts)])
+    op = np.repeat(np.linspace(40.0, 60.0, 21), 20)
+    moves = np.diff(model.columns(op, values, facts)[19::20, 0])
+    assert {*op[19::20][np.argsort(-moves)[:2]]} == {51.0, 52.0}  # to and from 52

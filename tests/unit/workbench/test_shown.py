@@ -53,6 +53,11 @@ def test_in_a_loop_that_swings_all_is_shown_and_a_small_op_beside_loud_noise_sho
     assert found["sensor_lag"].information < found["deadband"].information + 10
 
 
+def test_steps_show_a_titration_wherever_op_lies():
+    record = open_record(68102, "steps", "titration")
+    assert shown(record.op, record.pv)[2]["titration"].why_not is None
+
+
 def test_one_bump_is_in_every_fold():
     record = open_record(11, "bump")
     trials, alone, _ = shown(record.op, record.pv)
