@@ -13,15 +13,17 @@ from typing import TYPE_CHECKING
 
 from agent.analysis.memory.known import ProcessSeen, known_from, process_seen
 from agent.analysis.memory.outcome import OUTCOMES, outcome_of
-from agent.analysis.memory.s_day import SDay, s_seen, with_s
+from agent.analysis.memory.s_day import SDay, known_s_of, s_seen, with_s
 from agent.analysis.memory.weighing_windows import BASE_RATE, Counts, probability_of
+from agent.analysis.record.known_process import KnownValve
+from agent.analysis.response.candidates import UNSURE_GAIN
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.memory.outcome import Outcome
-    from agent.analysis.record.known_process import KnownProcess
+    from agent.analysis.record.recording import LoopHints
 
-VERSION = 1
+VERSION = 2
 """Of the state as it is stored."""
 DAY = 86400.0
 """s"""
@@ -89,9 +91,14 @@ def remember(memory: ValveMemory, diagnosis: Diagnosis, start: float, end: float
     )
 
 
-def known_process_of(memory: ValveMemory) -> KnownProcess | None:
-    """Return the process that the windows agree on; None where they are too few or do not agree."""
-    return known_from(memory.processes)
+def hints_from(memory: ValveMemory, hints: LoopHints) -> LoopHints:
+    """Return the hints of the next window: with process and valve, where the windows so far show them.
+
+    A gain that is as unsure as that of an unknown process is enough beside a known S.
+    """
+    s, process = known_s_of(memory.s_days), known_from(memory.processes, UNSURE_GAIN)
+    valve = None if s is None or process is None else KnownValve(s, process)
+    return replace(hints, known=known_from(memory.processes), known_valve=valve)
 
 
 def _on_day_of(memory: ValveMemory, time: float) -> ValveMemory:
