@@ -30,8 +30,8 @@ REPAIRED = 0.5
 TRUST = 0.5
 """Part of the nats for the former S that counts: the models lack something in each window."""
 MOST = 7.0
-"""Nats that a day has at most against the former S: hardly more than a repair needs at one a year, so that one
-clear day is enough."""
+"""Nats that a day has at most against the former S: hardly more than a repair needs at one a year, so that
+one clear day is enough."""
 MOST_FOR = 3.0
 """And for it: a load that the controller cancels looks like a stem that stands."""
 SHOWS = 0.5

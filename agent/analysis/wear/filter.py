@@ -6,8 +6,9 @@ nothing; the state after it is the mean and covariance of that mixture. Windows 
 misses slips of the stem: then S is too low, hardly ever too high.
 
 A day that does not show S may still divide it: S is below a number rather than above it, or the other way,
-and by how much likelier. Such days of one valve are wrong together, so one that only says what is known
-already adds nothing.
+and by how much likelier. It moves the level only where that number lies within what is known of it. Beyond,
+it either says what is known already (such days of one valve are wrong together, and must not add up), or
+contradicts it, and S does not fall by itself: then a jump may be likelier, and the level of a stretch stays.
 
 Source: A. C. Harvey, "Forecasting, structural time series models and the Kalman filter", 1989, section 2.3;
 H. W. Sorenson and D. L. Alspach, "Recursive Bayesian estimation using Gaussian sums", Automatica 7, 1971;
@@ -141,11 +142,10 @@ def _divided(
     level: float, variance: float, seen: SeenLevel, above: float
 ) -> list[tuple[float, float, float]]:
     """Return log weight, mean and variance of the level below what divides it, and above."""
-    margin = NORMAL_90 * math.sqrt(variance)
-    if (above <= 0 and level + margin <= seen.value) or (above > 0 and level - margin >= seen.value):
-        return [(max(above, 0.0), level, variance)]
     share, mean, left = _below(level, variance, seen.value, seen.sd)
     other, mirrored, rest = _below(-level, variance, -seen.value, seen.sd)
+    if abs(seen.value - level) >= NORMAL_90 * math.sqrt(variance):
+        return [(share, level, variance), (above + other, level, variance)]
     return [(share, mean, left), (above + other, -mirrored, rest)]
 
 
