@@ -8,7 +8,8 @@ windows showed, its gain as sure as they agree: the stem follows OP, or it is th
 that the controller made it from PV changes both likelihoods alike, as each sample of PV is predicted from
 what came before it. No search is needed.
 
-J of the valve and where its stem rests before the record are not known: the likelihood is the mean over some.
+S is known within some tenths, J and where the stem rests before the record are not: the likelihood is the
+mean over some. An S that is a tenth too large alone turns a clear record of few slips: it has none of them.
 The shape of the process has free weights, which take half a nat each from noise alone (Wilks); a stem that
 stands has none, so that much is given back: a valve that never moves must not pass for a repaired one.
 """
@@ -17,6 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,7 +36,9 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.analysis.response.candidates import LikelyProcess
 
-J_RATIOS = (0.0, 0.3, 0.9)
+SHARES = (0.7, 0.85, 1.0, 1.15)
+"""S over the known one that are tried: what a former S may be wrong by."""
+J_RATIOS = (0.0, 0.6)
 """J over S that are tried: a dead band, and stems that jump."""
 RESTS = (-0.8, -0.4, 0.0, 0.4, 0.8)
 """OP less the stem before the record that are tried, over f_S."""
@@ -88,8 +92,8 @@ def _gain(moves: FloatArray, pv: FloatArray, tried: Sequence[LikelyProcess]) -> 
 
 
 def _stems(op: FloatArray, s: float) -> Iterator[FloatArray]:
-    """Yield the stem of a valve behind OP (n,), OP units, (n,), for each J and each rest."""
-    for ratio in J_RATIOS:
-        bands = FrictionBands.from_s_j(s, ratio * s)
+    """Yield the stem of a valve behind OP (n,), OP units, (n,), for each S, J and rest."""
+    for share, ratio in product(SHARES, J_RATIOS):
+        bands = FrictionBands.from_s_j(share * s, ratio * share * s)
         for rest in RESTS:
             yield he2007(op, bands.f_s, bands.f_d, float(op[0]) - rest * bands.f_s)
