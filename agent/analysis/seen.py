@@ -52,8 +52,8 @@ class Seen:
 def look(window: LoopWindow) -> Seen:
     """Detect oscillation, apply the gates, count reversals, run the stiction detectors, test the response.
 
-    Takes some 50 ms for 1500 samples, and as much again where S of the valve is known, so it is for a worker
-    process, not for an event loop.
+    Takes some 50 ms for 1500 samples, and more where the valve is known (``as_before``), so it is for a
+    worker process, not for an event loop.
     """
     started = time.perf_counter()
     oscillation = detect_oscillation(window)
