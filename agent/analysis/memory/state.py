@@ -27,6 +27,7 @@ def to_state(memory: ValveMemory) -> str:
             [round(p.time), _short(p.gain), _short(p.log_gain_sd), _short(p.tau), _short(p.delay)]
             for p in memory.processes
         ],
+        "checks": [_short(each) for each in memory.checks],
         "s_days": [
             [round(d.time), _short(d.s), _short(d.sd), _short(d.weight), _short(d.above)]
             for d in memory.s_days
@@ -61,6 +62,7 @@ def from_state(text: str) -> ValveMemory:
                 )
                 for time, gain, sd, tau, delay in content["processes"]
             ),
+            checks=tuple(_number(each) for each in content.get("checks", ())),
             s_days=tuple(
                 SDay(_number(t), _number(s), _number(sd), _number(w), _above(above, version))
                 for t, s, sd, w, above in content["s_days"]

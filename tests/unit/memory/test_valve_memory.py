@@ -257,3 +257,23 @@ def test_a_state_of_the_first_version_keeps_days_and_bounds():
     content = json.loads(to_state(memory)) | {"version": 1}
     content["s_days"] = [[*each[:4], int(each[4] is not None)] for each in content["s_days"]]
     assert to_state(from_state(json.dumps(content))) == to_state(memory)
+
+
+@pytest.mark.parametrize(("log_ratio", "known"), [(40.0, True), (-40.0, False)])
+def test_a_valve_that_is_not_recognised_where_s_is_seen_is_not_known(log_ratio, known):
+    memory = ValveMemory()
+    for k in range(4):
+        shown = replace(said(0.9, s=3.0, gain=1.5), as_before=AsBefore(3.0, log_ratio) if k > 1 else None)
+        memory = remember(memory, shown, START + k * DAY, START + k * DAY + HOUR)
+        assert k != 1 or hints_from(memory, LoopHints()).known_valve is not None
+    back = from_state(to_state(memory))
+    assert (hints_from(back, LoopHints()).known_valve is not None) == known
+
+
+def test_a_valve_that_was_repaired_and_shows_it_stays_known():
+    shown = [said(0.9, s=3.0, gain=1.5)] * 3
+    mended = replace(said(0.9, s=0.3, gain=1.5), as_before=AsBefore(3.0, -40.0))
+    memory = ValveMemory()
+    for k, each in enumerate([*shown, mended]):
+        memory = remember(memory, each, START + k * DAY, START + k * DAY + HOUR)
+    assert hints_from(memory, LoopHints()).known_valve is not None
