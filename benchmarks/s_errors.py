@@ -50,7 +50,7 @@ def days_of(job: WeeksJob, valve: DiagnosedValve) -> list[tuple[SDay, float]]:
     for day, true, memory in zip(valve.days, valve.true_s, valve.memories, strict=True):
         newest = memory.s_days[-1] if memory.s_days else None
         repaired = job.course == "repair" and day > job.days / 2
-        if newest and newest.time == memory.until and not newest.upper and not repaired:
+        if newest and newest.time == memory.until and newest.above is None and not repaired:
             found.append((newest, true))
     return found
 

@@ -73,6 +73,7 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
             faults=seen.faults,
             record=RecordSummary.of(window, seen.oscillation),
             no_response=seen.no_response,
+            as_before=seen.as_before,
         )
     found = with_likelihood(quantifier.quantify(window), window)
     samples = samples_per_period(window, seen.oscillation)
@@ -96,6 +97,7 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
         record=RecordSummary.of(window, seen.oscillation),
         quiet=not worth_a_fit(seen),
         no_response=seen.no_response,
+        as_before=seen.as_before,
     )
     return with_verdict(without_verdict, window, *verdict_of(found, weighed))
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         StictionClass,
         Verdict,
     )
+    from agent.analysis.wear.as_before import AsBefore
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +112,8 @@ class Diagnosis:
     """Performance indices by name (`agent.analysis.indices`), each in its unit; None where not determined."""
     no_response: NoResponse | None = None
     """The finding that PV does not respond to OP; None where there is none."""
+    as_before: AsBefore | None = None
+    """Whether the valve sticks as it did before; None where that is not known."""
     sticks: Sticks | None = None
     """How probable it is that the valve sticks, at the base rate of the plant; None: not computed."""
     benefit: Benefit | None = None

@@ -36,4 +36,5 @@ def quiet(window: LoopWindow, seen: Seen) -> Diagnosis:
         indices=performance(window, None),
         quiet=True,
         no_response=seen.no_response,
+        as_before=seen.as_before,
     )

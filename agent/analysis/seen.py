@@ -11,6 +11,7 @@ from agent.analysis.oscillation import detect_oscillation
 from agent.analysis.record.reversals import noise_range, significant_reversals
 from agent.analysis.response.no_response import NoResponse, no_response
 from agent.analysis.stiction import detect_stiction
+from agent.analysis.wear.as_before import as_before
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from agent.analysis.gates import GateFault
     from agent.analysis.record.recording import LoopWindow
     from agent.analysis.results import MethodResult, Oscillation
+    from agent.analysis.wear.as_before import AsBefore
 
 ENOUGH_REVERSALS = 8
 """Reversals of OP after which a valve that sticks shows it, also without a steady oscillation."""
@@ -36,6 +38,8 @@ class Seen:
     """Result of each stiction detector, by its name; empty where the window is not testable."""
     no_response: NoResponse | None = None
     """The finding that PV does not respond to OP; None where there is none."""
+    as_before: AsBefore | None = None
+    """Whether the valve sticks as it did before; None where that is not known."""
     seconds: float = field(default=0.0, compare=False)
     """Wall time of the look, s."""
 
@@ -48,7 +52,8 @@ class Seen:
 def look(window: LoopWindow) -> Seen:
     """Detect oscillation, apply the gates, count reversals, run the stiction detectors, test the response.
 
-    Takes some 50 ms for 1500 samples, so it is for a worker process, not for an event loop.
+    Takes some 50 ms for 1500 samples, and more where the valve is known (``as_before``), so it is for a
+    worker process, not for an event loop.
     """
     started = time.perf_counter()
     oscillation = detect_oscillation(window)
@@ -57,7 +62,8 @@ def look(window: LoopWindow) -> Seen:
     methods = detect_stiction(window, oscillation, faults) if testable else {}
     reversals = significant_reversals(window.op, noise_range(len(window)))
     silent = no_response(window)
-    return Seen(oscillation, faults, reversals, methods, silent, time.perf_counter() - started)
+    before = as_before(window)
+    return Seen(oscillation, faults, reversals, methods, silent, before, time.perf_counter() - started)
 
 
 def worth_a_fit(seen: Seen) -> bool:

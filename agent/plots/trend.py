@@ -28,14 +28,21 @@ def trend_figure(loop: str, days: Sequence[SDay], trend: Trend, limit: float | N
     """
     figure = Figure(figsize=(9, 4), layout="constrained")
     axes = figure.add_subplot()
+    shown = [each for each in days if each.above is None]
     axes.errorbar(
-        [_date(each.time) for each in days],
-        [each.s for each in days],
-        yerr=[NORMAL_90 * each.sd for each in days],
+        [_date(each.time) for each in shown],
+        [each.s for each in shown],
+        yerr=[NORMAL_90 * each.sd for each in shown],
         fmt=".",
         color="0.6",
         label="S of a day, 90 %",
     )
+    for marker, larger in (("v", False), ("^", True)):
+        dividing = [each for each in days if each.above is not None and (each.above > 0) == larger]
+        if dividing:
+            name = f"S is probably {'larger' if larger else 'smaller'}"
+            at, bounds = [_date(each.time) for each in dividing], [each.bound for each in dividing]
+            axes.plot(at, bounds, marker, color="0.6", label=name)
     when = [_date(each.time) for each in trend.levels]
     axes.plot(when, [each.s for each in trend.levels], color="C0", label="trend")
     axes.fill_between(

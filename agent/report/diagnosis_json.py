@@ -17,6 +17,7 @@ from agent.report.reasons import reasons
 def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
     """Return the object for one recording; ``recording`` is the name of its file."""
     oscillation, found, sticks = diagnosis.oscillation, diagnosis.quantification, diagnosis.sticks
+    before = diagnosis.as_before
     return {
         "recording": recording,
         "loop": diagnosis.loop,
@@ -42,6 +43,10 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
             "regularity": None if oscillation is None else _number(oscillation.regularity),
         },
         "no_response": no_response_json(diagnosis),
+        "as_before": {
+            "s": None if before is None else _number(before.s),
+            "log_ratio": None if before is None else _number(before.log_ratio),
+        },
         "stiction": stiction_json(None if found is None else found.stiction),
         "repair": benefit_json(diagnosis.benefit, None if diagnosis.record is None else diagnosis.record.ts),
         "process": _process_json(None if found is None else found.process),

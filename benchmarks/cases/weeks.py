@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from agent.analysis.diagnose import diagnose
-from agent.analysis.memory.valve_memory import ValveMemory, known_process_of, remember
+from agent.analysis.memory.valve_memory import ValveMemory, hints_from, remember
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.routine import routine_diagnosis
 from simulators.draws.valve_weeks import Course, valve_weeks
@@ -50,7 +50,7 @@ def diagnosed_valve(job: WeeksJob) -> DiagnosedValve:
         scenario, every = each.scenario, each.historian.every
         record = kept(simulate(scenario), each.historian)
         sp = record.sp if scenario.set_points else None
-        hints = LoopHints(known=known_process_of(memory))
+        hints = hints_from(memory, LoopHints())
         ts = every * scenario.ts
         window = LoopWindow(valve.name, scenario.start, ts, record.op, record.pv, sp, hints=hints)
         found = routine_diagnosis(window, diagnose).diagnosis

@@ -35,6 +35,7 @@ KEYS = [
     "advice",
     "oscillation",
     "no_response",
+    "as_before",
     "stiction",
     "repair",
     "process",

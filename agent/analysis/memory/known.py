@@ -60,11 +60,15 @@ def process_seen(diagnosis: Diagnosis, time: float) -> ProcessSeen | None:
     return ProcessSeen(time, process.gain, max(width / (2 * NORMAL_90), 0.01), tau, process.delay)
 
 
-def known_from(seen: Sequence[ProcessSeen]) -> KnownProcess | None:
+def known_from(seen: Sequence[ProcessSeen], most: float = MOST_SCATTER) -> KnownProcess | None:
     """Return what windows agree on; None where they are too few or do not agree.
 
     Kind and sign of the gain go by majority, numbers by the median, which one wrong window does not move.
     Their scatter says how sure the gain is: intervals of single windows leave out what all models lack.
+
+    Args:
+        seen: Of the newest windows.
+        most: Standard deviation of the logarithm of the gain up to which they agree.
     """
     integrates = [each.tau is None for each in seen]
     kind = sum(integrates) > len(integrates) / 2
@@ -78,7 +82,7 @@ def known_from(seen: Sequence[ProcessSeen]) -> KnownProcess | None:
     scatter = 1.4826 * float(np.median(np.abs(logs - middle)))
     own = float(np.median([each.log_gain_sd for each in same]))
     sd = max(scatter, own, LEAST_SCATTER)
-    if sd > MOST_SCATTER:
+    if sd > most:
         return None
     taus = [each.tau for each in same if each.tau is not None]
     tau = None if kind else float(np.median(taus))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from agent.analysis.results import NORMAL_90
 
@@ -13,12 +15,25 @@ if TYPE_CHECKING:
 
     from agent.analysis.diagnosis import Diagnosis
 
+FEWEST, NEWEST = 2, 5
+"""Days that must have shown S before it is known, and the newest that count: S of a month ago may be worn."""
 MOST_DAYS = 120
 """Days that are kept; of more, the two nearest of the older half become one."""
 DAY = 86400.0
 """s"""
 LEAST_SD = 0.02
 """Smallest standard deviation, part of S: what the models lack is in all windows."""
+WRONG = 0.05
+"""Probability that a window in which a search finds no stiction says so of a valve whose S is larger."""
+REPAIRED = 0.5
+"""Part of its former S below which a valve does not stick as before: what is called a repair."""
+TRUST = 0.5
+"""Part of the nats for the former S that counts: the models lack something in each window."""
+MOST = 7.0
+"""Nats that a day has at most against the former S: hardly more than a repair needs at one a year, so that
+one clear day is enough."""
+MOST_FOR = 3.0
+"""And for it: a load that the controller cancels looks like a stem that stands."""
 SHOWS = 0.5
 """Probability from which a window shows how much its valve sticks; below, S is what a search found."""
 
@@ -35,30 +50,34 @@ class SDay:
     """Its standard deviation, OP units."""
     weight: float
     """Windows that it comes from, each by what was new in it."""
-    upper: bool = False
-    """Whether it is only a bound: the windows show that S is not more than ``bound``."""
+    above: float | None = None
+    """None where the windows show S. Else they only divide: log of how much likelier they are where S is
+    above ``bound`` than where it is below."""
 
     @property
     def bound(self) -> float:
-        """Largest S that the windows of a bound allow, OP units."""
+        """What divides S, OP units: the upper end of what a search found, or a part of the former S."""
         return self.s + 2 * self.sd
 
 
 def s_seen(diagnosis: Diagnosis, time: float) -> SDay | None:
     """Return S of a window; None where it has no fit with S.
 
-    Where a window does not show that its valve sticks, the upper end of its interval is a bound: so a repair
-    is seen.
+    Where a window does not show that its valve sticks, it may show that S is below a bound: so a repair is
+    seen.
     """
-    found = diagnosis.quantification
-    if found is None or found.stiction is None or diagnosis.weighed is None:
-        return None
-    s = found.stiction.s
-    return s_of_window(time, (s.value, s.low, s.high), diagnosis.weighed.probability)
+    found, before = diagnosis.quantification, diagnosis.as_before
+    stiction = None if found is None else found.stiction
+    s = (None, None, None) if stiction is None else (stiction.s.value, stiction.s.low, stiction.s.high)
+    alone = None if diagnosis.weighed is None else diagnosis.weighed.probability
+    return s_of_window(time, s, alone, None if before is None else (before.s, before.log_ratio))
 
 
 def s_of_window(
-    time: float, s: tuple[float | None, float | None, float | None], probability: float | None
+    time: float,
+    s: tuple[float | None, float | None, float | None],
+    probability: float | None,
+    before: tuple[float, float] | None = None,
 ) -> SDay | None:
     """Return S of a window from its numbers, as a history has them; None where they are not known.
 
@@ -66,27 +85,46 @@ def s_of_window(
         time: End of the window, s UTC.
         s: S with the ends of its 90 % interval, OP units.
         probability: That the valve sticks, from this window alone.
+        before: The former S, and by how much likelier the window is with it than without friction
+            (``AsBefore``), OP units and nats; None where that is not known.
     """
     value, low, high = s
-    if value is None or low is None or high is None or probability is None:
-        return None
-    least = max(LEAST_SD * value, 1e-6)
-    if probability > SHOWS:
-        return SDay(time, value, max((high - low) / (2 * NORMAL_90), least), 1.0)
-    return SDay(time, value, max((high - value) / 2, least), 1.0, upper=True)
+    found = None
+    if value is not None and low is not None and high is not None and probability is not None:
+        least = max(LEAST_SD * value, 1e-6)
+        if probability > SHOWS:
+            return SDay(time, value, max((high - low) / (2 * NORMAL_90), least), 1.0)
+        found = SDay(time, value, max((high - value) / 2, least), 1.0, above=math.log(WRONG))
+    if before is None:
+        return found
+    part, above = REPAIRED * before[0], max(-MOST, min(MOST_FOR, TRUST * before[1]))
+    if found is not None and above < 0 and found.bound < part:
+        return replace(found, above=min(above, math.log(WRONG)))
+    s_below = part / (1 + 2 * LEAST_SD)
+    return SDay(time, s_below, LEAST_SD * s_below, 1.0, above=above)
 
 
 def with_s(days: Sequence[SDay], new: SDay, weight: float) -> tuple[SDay, ...]:
     """Return the days with one more window, which counts by ``weight``."""
     last = days[-1] if days else None
     if last is None or math.floor(last.time / DAY) != math.floor(new.time / DAY):
-        return _thinned((*days, SDay(new.time, new.s, new.sd, weight, new.upper)))
-    if last.upper != new.upper:  # a day that showed stiction is not a bound
-        return tuple(days) if new.upper else (*days[:-1], SDay(new.time, new.s, new.sd, weight))
+        return _thinned((*days, replace(new, weight=weight)))
+    if (last.above is None) != (new.above is None):  # a day that showed S does not divide it
+        return tuple(days) if last.above is None else (*days[:-1], replace(new, weight=weight))
     precisions = (last.weight / last.sd**2, weight / new.sd**2)
     s = (precisions[0] * last.s + precisions[1] * new.s) / sum(precisions)
-    sd = math.sqrt((last.weight + weight) / sum(precisions))
-    return (*days[:-1], SDay(new.time, s, sd, last.weight + weight, last.upper))
+    both = last.weight + weight
+    sd = math.sqrt(both / sum(precisions))
+    above = None
+    if last.above is not None and new.above is not None:
+        above = (last.weight * last.above + weight * new.above) / both
+    return (*days[:-1], SDay(new.time, s, sd, both, above))
+
+
+def known_s_of(days: Sequence[SDay]) -> float | None:
+    """Return the S that the newest days agree on, OP units; None where too few showed it."""
+    shown = [each.s for each in days if each.above is None][-NEWEST:]
+    return float(np.median(shown)) if len(shown) >= FEWEST else None
 
 
 def _thinned(days: tuple[SDay, ...]) -> tuple[SDay, ...]:

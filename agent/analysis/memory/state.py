@@ -8,7 +8,7 @@ from typing import Any
 
 from agent.analysis.memory.known import ProcessSeen
 from agent.analysis.memory.outcome import OUTCOMES
-from agent.analysis.memory.s_day import SDay
+from agent.analysis.memory.s_day import WRONG, SDay
 from agent.analysis.memory.valve_memory import NOTHING, VERSION, ValveMemory
 
 DIGITS = 6
@@ -27,8 +27,10 @@ def to_state(memory: ValveMemory) -> str:
             [round(p.time), _short(p.gain), _short(p.log_gain_sd), _short(p.tau), _short(p.delay)]
             for p in memory.processes
         ],
+        "checks": [_short(each) for each in memory.checks],
         "s_days": [
-            [round(d.time), _short(d.s), _short(d.sd), _short(d.weight), int(d.upper)] for d in memory.s_days
+            [round(d.time), _short(d.s), _short(d.sd), _short(d.weight), _short(d.above)]
+            for d in memory.s_days
         ],
     }
     return json.dumps(content, separators=(",", ":"))
@@ -60,9 +62,10 @@ def from_state(text: str) -> ValveMemory:
                 )
                 for time, gain, sd, tau, delay in content["processes"]
             ),
+            checks=tuple(_number(each) for each in content.get("checks", ())),
             s_days=tuple(
-                SDay(_number(t), _number(s), _number(sd), _number(w), bool(upper))
-                for t, s, sd, w, upper in content["s_days"]
+                SDay(_number(t), _number(s), _number(sd), _number(w), _above(above, version))
+                for t, s, sd, w, above in content["s_days"]
             ),
         )
     except (KeyError, TypeError) as error:
@@ -73,6 +76,13 @@ def _counts(names: list[str], values: list[Any]) -> tuple[float, ...]:
     """Return the counts in the order of ``OUTCOMES``: those that it does not know are dropped."""
     known = dict(zip(names, values, strict=True))
     return tuple(_number(known.get(each, 0.0)) for each in OUTCOMES) if names else NOTHING
+
+
+def _above(value: object, version: int) -> float | None:
+    """Return ``SDay.above``; before version 2 it was whether the day is a bound."""
+    if version < 2:
+        return math.log(WRONG) if value else None
+    return None if value is None else _number(value)
 
 
 def _number(value: object) -> float:

@@ -1,4 +1,4 @@
-"""What is known of the process of a loop before a window of it is looked at."""
+"""What is known of the process and the valve of a loop before a window of it is looked at."""
 
 from __future__ import annotations
 
@@ -17,3 +17,13 @@ class KnownProcess:
     """s"""
     log_gain_sd: float
     """Standard deviation of the logarithm of the gain."""
+
+
+@dataclass(frozen=True, slots=True)
+class KnownValve:
+    """A valve that sticks, as other windows of it show it, with the process behind it."""
+
+    s: float
+    """OP units."""
+    process: KnownProcess
+    """Its gain may be less sure than that of a process that is known by itself."""

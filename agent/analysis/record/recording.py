@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from agent.analysis.record.known_process import KnownProcess
+from agent.analysis.record.known_process import KnownProcess, KnownValve
 from agent.analysis.record.wild_samples import wild
 
 FloatArray = NDArray[np.float64]
@@ -31,6 +31,8 @@ class LoopHints:
     """Limits of the valve in OP units; None: unknown, so saturation is judged from the record."""
     known: KnownProcess | None = None
     """The process as other windows of the valve showed it; None: there are none."""
+    known_valve: KnownValve | None = None
+    """The valve as earlier windows of it showed that it sticks; None: they did not."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -54,6 +54,8 @@ class ResponseEvidence(NamedTuple):
     """Span that OP would have given PV through the likeliest process in the longest part, PV units."""
     deviations: float
     """The same in standard deviations: by how many PV would have left what is predicted from its own past."""
+    free: int = 0
+    """Weights of shapes that were fitted beside the gain."""
 
 
 NOTHING = ResponseEvidence(-math.inf, 0.0, 0.0)
@@ -131,7 +133,8 @@ def _compared(
     sigma = math.sqrt(max(float(alone @ products[0, :, 0, :] @ alone), least) / rows)
     caused = math.sqrt(max(float(alone @ products[middle + 1, :, middle + 1, :] @ alone), 0.0))
     longest = max(parts, key=lambda each: each.stop - each.start)
-    return ResponseEvidence(without - integral, float(np.ptp(shapes[middle][longest])), caused / sigma)
+    span = float(np.ptp(shapes[middle][longest]))
+    return ResponseEvidence(without - integral, span, caused / sigma, len(shapes) - 1)
 
 
 def _products(signals: list[FloatArray], parts: Sequence[slice]) -> FloatArray:

@@ -5,12 +5,15 @@ one as its own interval says, or below it where its windows are short, or the da
 nothing; the state after it is the mean and covariance of that mixture. Windows are short where the model
 misses slips of the stem: then S is too low, hardly ever too high.
 
-A day that is only a bound cuts off what lies above it. Bounds of one valve are wrong together, so one that is
-no lower than the upper end of what is known already adds nothing.
+A day that does not show S may still divide it: S is below a number rather than above it, or the other way,
+and by how much likelier. It moves the level only where that number lies within what is known of it. Beyond,
+it either says what is known already (such days of one valve are wrong together, and must not add up), or
+contradicts it, and S does not fall by itself: then a jump may be likelier, and the level of a stretch stays.
 
 Source: A. C. Harvey, "Forecasting, structural time series models and the Kalman filter", 1989, section 2.3;
 H. W. Sorenson and D. L. Alspach, "Recursive Bayesian estimation using Gaussian sums", Automatica 7, 1971;
-J. Tobin, "Estimation of relationships for limited dependent variables", Econometrica 26, 1958 (the bound).
+J. Tobin, "Estimation of relationships for limited dependent variables", Econometrica 26, 1958 (days that
+divide).
 """
 
 from __future__ import annotations
@@ -63,10 +66,10 @@ class SeenLevel(NamedTuple):
     """What a day shows of the level."""
 
     value: float
-    """Logarithm of S, or of its bound."""
+    """Logarithm of S, or of what divides it."""
     sd: float
-    upper: bool
-    """Whether S is no more than this, and nothing else is known."""
+    above: float | None = None
+    """Log of how much likelier the day is where S is above ``value`` than below; None: S itself is seen."""
 
 
 def begin(walk: LevelWalk, time: float, fell: float = 0.0) -> Filtered:
@@ -87,8 +90,8 @@ def step(state: Filtered, walk: LevelWalk, time: float, seen: SeenLevel) -> Filt
     """
     ahead = forecast(state, walk.level_sd, time)
     level, variance = float(ahead.mean[0]), float(ahead.covariance[0, 0])
-    if seen.upper:
-        parts = [_bounded(level, variance, seen), (math.log(OUTLIER), level, variance)]
+    if seen.above is not None:
+        parts = _divided(level, variance, seen, seen.above)
     else:
         outside = math.log(OUTLIER) + _log_normal(seen.value - walk.middle, walk.spread**2 + seen.sd**2)
         parts = [_about(level, variance, seen, walk.lacks), (outside, level, variance)]
@@ -135,17 +138,26 @@ def _about(level: float, variance: float, seen: SeenLevel, lacks: float) -> tupl
     return weight, level + variance / both * miss, variance * own / both
 
 
-def _bounded(level: float, variance: float, seen: SeenLevel) -> tuple[float, float, float]:
-    """Return log weight, mean and variance of the level, where it is below the bound of the day."""
-    if level + NORMAL_90 * math.sqrt(variance) <= seen.value:
-        return math.log(1 - OUTLIER), level, variance
-    both = variance + seen.sd**2
-    room = (seen.value - level) / math.sqrt(both)
-    below = max(0.5 * math.erfc(-room / math.sqrt(2)), 1e-300)
-    ratio = math.exp(_log_normal(room, 1.0)) / below
+def _divided(
+    level: float, variance: float, seen: SeenLevel, above: float
+) -> list[tuple[float, float, float]]:
+    """Return log weight, mean and variance of the level below what divides it, and above."""
+    share, mean, left = _below(level, variance, seen.value, seen.sd)
+    other, mirrored, rest = _below(-level, variance, -seen.value, seen.sd)
+    if abs(seen.value - level) >= NORMAL_90 * math.sqrt(variance):
+        return [(share, level, variance), (above + other, level, variance)]
+    return [(share, mean, left), (above + other, -mirrored, rest)]
+
+
+def _below(level: float, variance: float, value: float, sd: float) -> tuple[float, float, float]:
+    """Return the log share of a normal level that is below a value, with mean and variance of that part."""
+    both = variance + sd**2
+    room = (value - level) / math.sqrt(both)
+    share = max(0.5 * math.erfc(-room / math.sqrt(2)), 1e-300)
+    ratio = math.exp(_log_normal(room, 1.0)) / share
     mean = level - variance / math.sqrt(both) * ratio
     left = variance - variance**2 / both * ratio * (room + ratio)
-    return math.log((1 - OUTLIER) * below), mean, max(left, 0.0)
+    return math.log(share), mean, max(left, 0.0)
 
 
 def _with_level(state: Filtered, level: float, variance: float) -> Filtered:

@@ -103,7 +103,7 @@ def trend_of(days: Sequence[SDay]) -> Trend | None:
     if len(days) < FEWEST:
         return None
     times = [each.time / DAY for each in days]
-    known = [each.s for each in days if not each.upper] or [each.bound for each in days]
+    known = [each.s for each in days if each.above is None] or [each.bound for each in days]
     middle = max(float(np.median(known)), 1e-9)
     seen = [_seen(each, LEAST * middle) for each in days]
     followed = follow(times, seen, math.log(middle))
@@ -114,10 +114,10 @@ def trend_of(days: Sequence[SDay]) -> Trend | None:
         if start != first:
             first = start
             end = next((j for j in range(k, len(days)) if followed[j].first != first), len(days))
-            after = math.exp(np.median([each.value for each in seen[k:end]]))
+            after = math.exp(float(followed[end - 1].state.mean[0]))
             jumps.append(Jump(days[k].time, levels[-1].s, after))
         s, low, high = (math.exp(each) for each in _interval(state, 0))
-        only_bounds = all(each.upper for each in days[first : k + 1])
+        only_bounds = all(each.above is not None and each.above <= 0 for each in days[first : k + 1])
         levels.append(Level(days[k].time, s, 0.0 if only_bounds else low, high))
     last = followed[-1].state
     slope, low, high = (levels[-1].s * each for each in _interval(last, 1))
@@ -147,12 +147,12 @@ def _first_beyond(trend: Trend, limit: float, z: float) -> float | None:
 def _seen(day: SDay, least: float) -> SeenLevel:
     """Return what a day shows of log S: a lognormal distribution with mean and deviation of its S.
 
-    A bound is as soft as a short S.
+    What divides S is as soft as a short S.
     """
-    if day.upper:
-        return SeenLevel(math.log(max(day.bound, least)), LACKS, upper=True)
+    if day.above is not None:
+        return SeenLevel(math.log(max(day.bound, least)), LACKS, day.above)
     s = max(day.s, least)
-    return SeenLevel(math.log(s), math.sqrt(math.log1p((day.sd / s) ** 2)), upper=False)
+    return SeenLevel(math.log(s), math.sqrt(math.log1p((day.sd / s) ** 2)))
 
 
 def _interval(state: Filtered, place: int) -> tuple[float, float, float]:

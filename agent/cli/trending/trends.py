@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from agent.analysis.memory.s_day import SDay
     from agent.runtime.store.history_file import Entry
 
+NOT_KNOWN = {"s": None, "log_ratio": None}
+"""Of diagnoses of an older slipjump, which did not compare a window with the former S."""
+
 
 def show_trends(entries: Sequence[Entry], limit: float | None, plot: Path | None, *, as_json: bool) -> None:
     """Print the trend of each loop that has one; draw it where a folder is given."""
@@ -60,7 +63,9 @@ def s_days_of(entries: Sequence[Entry]) -> dict[str, tuple[SDay, ...]]:
             continue
         s = entry.content["stiction"]["s"]
         numbers = (s["value"], s["low"], s["high"])
-        seen = s_of_window(entry.time, numbers, entry.content.get("probability"))
+        former = entry.content.get("as_before", NOT_KNOWN)
+        before = None if former["s"] is None else (former["s"], former["log_ratio"])
+        seen = s_of_window(entry.time, numbers, entry.content.get("probability"), before)
         if seen is not None:
             found[entry.loop] = with_s(found[entry.loop], seen, 1.0)
     return dict(found)

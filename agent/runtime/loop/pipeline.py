@@ -6,7 +6,6 @@ import asyncio
 import logging
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NoReturn
 
@@ -15,7 +14,7 @@ from agent.analysis.diagnose import diagnose
 from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.memory.sticks import with_memory
 from agent.analysis.memory.value_of_fit import worth_of_fit
-from agent.analysis.memory.valve_memory import ValveMemory, known_process_of, remember
+from agent.analysis.memory.valve_memory import ValveMemory, hints_from, remember
 from agent.analysis.memory.weighing_windows import BASE_RATE
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.routine import (
@@ -265,7 +264,7 @@ class LoopPipeline:
             raise RuntimeError("no window waits")
         self._due.clear()
         window = due.packed.open()
-        window = window.with_hints(replace(window.hints, known=known_process_of(self.memory)))
+        window = window.with_hints(hints_from(self.memory, window.hints))
         self._judging = Due.of(window, due.since)
         self._pace.begin(asyncio.get_running_loop().time())
         return window

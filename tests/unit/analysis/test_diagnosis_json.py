@@ -53,6 +53,7 @@ KEYS = {
         "deviations",
         "samples",
     },
+    "as_before": {"s", "log_ratio"},
     "stiction": {"f_s", "f_d", "s", "j", "identifiable"},
     "repair": {"as_is", "repaired", "retuned", "simc"},
     "process": {"kind", "gain", "tau_s", "delay_s", "intervals"},

@@ -75,3 +75,25 @@ def test_no_loop_with_a_trend_is_said(state):
     said = run("--state", state, "--trend", "--loop", "PIC7")
     assert said.exit_code == 0
     assert "no trend" in said.output
+
+
+def test_quiet_windows_that_do_not_agree_with_the_former_s_show_a_repair(tmp_path):
+    path = tmp_path / "plant.sqlite"
+    file = HistoryFile(history_path(path))
+    sticks = [entry(day, 4.0) for day in range(10)]
+    none = dict.fromkeys(("value", "low", "high"))
+    quiet = [
+        Entry(
+            START + day * DAY,
+            "FIC101",
+            "diagnosis",
+            {"probability": 0.5, "stiction": {"s": none}, "as_before": {"s": 4.0, "log_ratio": -30.0}},
+        )
+        for day in (10, 11)
+    ]
+    file.write([*sticks, *quiet], START + 50 * DAY)
+    file.close()
+    found = json.loads(run("--state", path, "--trend", "--json").output)
+    assert found["repaired"] == START + 10 * DAY
+    assert run("--state", path, "--trend", "--plot", tmp_path / "plots").exit_code == 0
+    assert (tmp_path / "plots" / "FIC101-trend.png").stat().st_size > 10_000
