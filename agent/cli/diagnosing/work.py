@@ -58,7 +58,9 @@ def work_out(task: Task) -> Answer:
         window = window_of(recording, task.hints)
     except ConfigError as error:
         return Answer(task, None, tuple(error.faults))
+    remarks = remarks_on(recording)
     if task.delay is not None:
+        remarks += task.delay.remarks(window.ts)
         window = window.with_hints(replace(task.hints, delay=task.delay.at(window.ts)))
     with on_cores(task.cores):
         diagnosis = judge(window, quantifier=task.quantifier)
@@ -70,7 +72,7 @@ def work_out(task: Task) -> Answer:
     quality = data_quality(window, diagnosis)
     small = thumbnail(window, diagnosis) if task.small_picture else None
     found = printed_of(task, diagnosis, quality, small)
-    answer = Answer(task, found, faults, remarks_on(recording))
+    answer = Answer(task, found, faults, remarks)
     return replace(answer, diagnosis=diagnosis, window=window) if task.shared else answer
 
 

@@ -89,8 +89,10 @@ def test_what_is_left_out_of_a_file_is_stated_once(tmp_path, capsys):
     rows = [f"{k},{50 + k % 7},{20 + k % 5},{30 + k % 7},{40 + k % 5},1" for k in range(120)]
     rows[40], rows[60] = "cut off", "60,oops,20,30,40,1"
     path.write_text("\n".join(["time,FIC101.OP,FIC101.PV,PIC202.OP,PIC202.PV,SPEED.X", *rows]))
-    code, answers, said = run(capsys, "diagnose", path, "--quantifier", "lee2008", "--ts", 1, "--json")
+    words = ("--quantifier", "lee2008", "--ts", 1, "--delay", "0.2s", "--json")
+    code, answers, said = run(capsys, "diagnose", path, *words)
     assert (code, len(answers)) == (0, 2)
+    assert said.count("--delay: 0.2 s of records every 1 s was taken as 1 sample") == 1
     assert said.count(f"{path}: line 42: has another number of cells, it is a gap") == 1
     assert said.count("line 62: FIC101.OP is 'oops'") == 1
 
