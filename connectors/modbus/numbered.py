@@ -25,7 +25,7 @@ NUMBERS = range(65_001, 65_536)
 """Transaction numbers that pymodbus never uses: it begins anew after 65,000."""
 
 
-class _Waiting(NamedTuple):
+class _UnderWay(NamedTuple):
     """A read that is under way."""
 
     answer: asyncio.Future[bytes]
@@ -53,7 +53,7 @@ class NumberedReads:
         self._context = context
         self._unit = unit
         self._timeout = timeout
-        self._waiting: dict[int, _Waiting] = {}
+        self._waiting: dict[int, _UnderWay] = {}
         """By number; the one that has waited longest first."""
         self._patience: asyncio.TimerHandle | None = None
         """Ends the wait of the first of them. One timer for all: most are answered within a millisecond."""
@@ -73,7 +73,7 @@ class NumberedReads:
         if self._context.transport is None:
             raise ConnectionException("the connection is closed")
         number, loop = self._next(), asyncio.get_running_loop()
-        waiting = self._waiting[number] = _Waiting(loop.create_future(), loop.time() + self._timeout)
+        waiting = self._waiting[number] = _UnderWay(loop.create_future(), loop.time() + self._timeout)
         if self._patience is None:
             self._patience = loop.call_at(waiting.until, self._look)
         try:
@@ -132,5 +132,5 @@ class NumberedReads:
 
     def _end(self, error: ModbusException) -> None:
         """Have all that wait raise an error: pymodbus would let them wait for their whole timeout."""
-        for waiting in [*self._waiting.values(), _Waiting(self._context.response_future, math.inf)]:
+        for waiting in [*self._waiting.values(), _UnderWay(self._context.response_future, math.inf)]:
             waiting.fail(error)

@@ -6,7 +6,6 @@ import ctypes
 import json
 import sqlite3
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,11 +19,10 @@ from agent.runtime.agent import Agent
 from agent.runtime.loop.judged import Judged
 from agent.runtime.loop.workers import InlineExecutor
 from agent.runtime.store import history as module
-from agent.runtime.store.forwarder import Forwarder
 from agent.runtime.store.history import DAY, History
 from agent.runtime.store.history_file import Entry, HistoryFile, history_path
 from agent.runtime.store.kept_window import KeptWindow, window_id
-from agent.settings import AgentSettings, ConnectionSettings, HistoryDatabase, HistorySettings, Settings
+from agent.settings import AgentSettings, ConnectionSettings, HistorySettings, Settings
 from connectors.options import Options
 from tests.unit.alarms.test_alarm import diagnosis
 from tests.unit.runtime.agents import judged, stream
@@ -153,59 +151,6 @@ async def test_what_the_disk_does_not_take_waits_bounded_and_is_reported_once(tm
     assert [each.time for each in kept] == [3.0, 4.0, 5.0, 6.0, 7.0, 9.0]
     assert kept[-1].content["id"] == alarm.id
     assert caplog.text.count("unable to open") == 1
-
-
-class Database:
-    """Keeps numbers of entries by the file that they are of."""
-
-    def __init__(self):
-        self.kept = {}
-
-    def position(self, origin):
-        return self.kept.get(origin, [0])[-1]
-
-    def take(self, origin, rows):
-        self.kept.setdefault(origin, []).extend(each.number for each in rows)
-
-    def close(self):
-        pass
-
-
-def put_aside(path):
-    path.rename(path.with_suffix(".1"))
-
-
-@pytest.mark.parametrize("rotate", [Path.unlink, put_aside])
-async def test_a_file_that_was_removed_is_begun_anew_and_sent_on(path, monkeypatch, caplog, rotate):
-    monkeypatch.setattr(module, "GATHER", 0.0)
-    history, database = History(path, HistorySettings(), clock=lambda: 10 * DAY), Database()
-    settings = HistoryDatabase(url="postgresql://nowhere/x", tls=False)
-    sender = Forwarder(
-        path, settings, lambda at: HistoryFile(at, create=False), lambda _: database, "entries"
-    )
-    writer = asyncio.create_task(history.run())
-
-    async def written():
-        async with asyncio.timeout(30):
-            while history._waiting:  # noqa: ASYNC110 - as above
-                await asyncio.sleep(0.01)
-
-    for k in (1, 2):
-        history.noted(entry(k))
-        await written()
-    assert await sender._in_thread() == 2
-    rotate(path)
-    assert await sender._in_thread() == 0
-    history.noted(entry(3))
-    await written()
-    assert await sender._in_thread() == 1
-    writer.cancel()
-    await asyncio.wait({writer})
-    await history.close()
-    await sender.close()
-    assert opened(path, lambda file: file.read()) == (entry(3),)
-    assert list(database.kept.values()) == [[1, 2], [1]]
-    assert caplog.text.count("was removed or replaced; it is begun anew") == 1
 
 
 @pytest.mark.parametrize(
