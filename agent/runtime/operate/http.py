@@ -61,7 +61,7 @@ class _Server(uvicorn.Server):
         self._ending.set()
 
     async def main_loop(self) -> None:
-        """Keep the date of the answers; uvicorn's own wakes ten times a second, a fifth of a small agent."""
+        """Keep the date of the answers; uvicorn's own wakes ten times a second."""
         while not await self.on_tick(0):
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(DATE):
