@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from connectors.base import ConfigError
 from connectors.exports.fault import RecordingError
 from connectors.exports.reading import names_of_loops, read_export
 from connectors.exports.recorded import STANDARD, Columns, Export, ReadOptions, RecordedLoop
 from connectors.sources.kinds import address_in, opened
+from connectors.sources.last_source import LastSource
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -17,6 +19,7 @@ __all__ = [
     "STANDARD",
     "Columns",
     "Export",
+    "LastSource",
     "ReadOptions",
     "RecordedLoop",
     "RecordingError",
@@ -27,7 +30,11 @@ __all__ = [
 
 
 def read_recording(
-    path: Path, columns: Columns = STANDARD, options: ReadOptions | None = None, loop: str | None = None
+    path: Path,
+    columns: Columns = STANDARD,
+    options: ReadOptions | None = None,
+    loop: str | None = None,
+    last: LastSource | None = None,
 ) -> RecordedLoop:
     """Read one loop of a file.
 
@@ -39,25 +46,25 @@ def read_recording(
         columns: Names of its columns.
         options: What else is known of the file; None: recognised.
         loop: Which loop; None: the file has one.
+        last: Keeps the file as it was read, for its next loop; None: nothing is kept.
 
     Raises:
         RecordingError: one line that names the file, the line and what was expected.
     """
-    known = options or ReadOptions()
-    address = address_in(path)
-    if address is not None:
-        with opened(address, known) as source:
-            return source.read(loop or _only(path, source.loops().loops))
-    ts = columns.ts if columns.ts is not None else known.columns.ts
-    export = read_export(path, replace(known, columns=replace(columns, ts=ts)))
-    names = export.loops.names
-    found = [place for place, name in enumerate(names) if loop in {None, name}]
-    if len(found) == 1:
-        return replace(export.loops[found[0]], problems=export.problems)
-    if not found:
-        raise RecordingError(f"{path}: has no loop {loop!r}, it holds: {', '.join(names[:10])}")
-    _only(path, names)
-    raise RecordingError(f"{path}: has no loop")
+    known, address = options or ReadOptions(), address_in(path)
+    if address is None:
+        ts = columns.ts if columns.ts is not None else known.columns.ts
+        known = replace(known, columns=replace(columns, ts=ts))
+    held = LastSource() if last is None else last
+    try:
+        source = held.get(address or str(path), known)
+        return source.read(loop or _only(path, source.loops().loops))
+    except ConfigError:
+        held.close()  # what failed is opened again
+        raise
+    finally:
+        if last is None:
+            held.close()
 
 
 def _only(path: Path, names: tuple[str, ...]) -> str:

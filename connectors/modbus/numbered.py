@@ -8,9 +8,10 @@ TCP/IP 1.0b, 4.2); one that nobody waits for any more is left out.
 from __future__ import annotations
 
 import asyncio
+import math
 import struct
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 from pymodbus.exceptions import ConnectionException, ModbusException, ModbusIOException
 
@@ -22,6 +23,20 @@ LENGTHS = range(3, 255)
 """Of what follows the head: unit, function and a byte at least, 254 bytes at most."""
 NUMBERS = range(65_001, 65_536)
 """Transaction numbers that pymodbus never uses: it begins anew after 65,000."""
+
+
+class _UnderWay(NamedTuple):
+    """A read that is under way."""
+
+    answer: asyncio.Future[bytes]
+    until: float
+    """s of the event loop's clock."""
+
+    def fail(self, error: ModbusException) -> None:
+        """Have it raise an error, unless it has ended."""
+        if not self.answer.done():
+            self.answer.set_exception(error)
+            self.answer.exception()  # it was noticed, though nobody may be waiting
 
 
 class NumberedReads:
@@ -38,7 +53,10 @@ class NumberedReads:
         self._context = context
         self._unit = unit
         self._timeout = timeout
-        self._waiting: dict[int, asyncio.Future[bytes]] = {}
+        self._waiting: dict[int, _UnderWay] = {}
+        """By number; the one that has waited longest first."""
+        self._patience: asyncio.TimerHandle | None = None
+        """Ends the wait of the first of them. One timer for all: most are answered within a millisecond."""
         self._number = NUMBERS.start
         self._rest = b""
         self._others: Callable[[bytes], int] = context.callback_data
@@ -54,16 +72,15 @@ class NumberedReads:
         """Return the answer from the function code on; raises ModbusException."""
         if self._context.transport is None:
             raise ConnectionException("the connection is closed")
-        number = self._next()
-        answer = self._waiting[number] = asyncio.get_running_loop().create_future()
+        number, loop = self._next(), asyncio.get_running_loop()
+        waiting = self._waiting[number] = _UnderWay(loop.create_future(), loop.time() + self._timeout)
+        if self._patience is None:
+            self._patience = loop.call_at(waiting.until, self._look)
         try:
-            self._context.send(
+            self._context.transport.write(
                 REQUEST.pack(number, 0, REQUEST.size - HEAD.size, self._unit, function, address, count)
             )
-            async with asyncio.timeout(self._timeout):
-                found: bytes = await answer
-        except TimeoutError:
-            raise ModbusIOException(f"no answer within {self._timeout:g} s") from None
+            found = await waiting.answer
         finally:
             self._waiting.pop(number, None)
         if found[0] != self._unit or found[1] & 0x7F != function:
@@ -76,6 +93,15 @@ class NumberedReads:
             self._number = NUMBERS.start + (self._number + 1 - NUMBERS.start) % len(NUMBERS)
             if self._number not in self._waiting:
                 return self._number
+
+    def _look(self) -> None:
+        """End the waits that are too long; look again at the end of the next."""
+        self._patience, loop = None, asyncio.get_running_loop()
+        for waiting in self._waiting.values():
+            if waiting.until > loop.time():
+                self._patience = loop.call_at(waiting.until, self._look)
+                return
+            waiting.fail(ModbusIOException(f"no answer within {self._timeout:g} s"))
 
     def _received(self, data: bytes) -> None:
         data = self._rest + data
@@ -96,8 +122,8 @@ class NumberedReads:
     def _give(self, number: int, frame: bytes) -> None:
         waiting = self._waiting.get(number)
         if waiting is not None:
-            if not waiting.done():
-                waiting.set_result(frame[HEAD.size :])
+            if not waiting.answer.done():
+                waiting.answer.set_result(frame[HEAD.size :])
         elif number not in NUMBERS:
             try:
                 self._others(frame)
@@ -106,7 +132,5 @@ class NumberedReads:
 
     def _end(self, error: ModbusException) -> None:
         """Have all that wait raise an error: pymodbus would let them wait for their whole timeout."""
-        for waiting in [*self._waiting.values(), self._context.response_future]:
-            if not waiting.done():
-                waiting.set_exception(error)
-                waiting.exception()  # it was noticed, though nobody may be waiting
+        for waiting in [*self._waiting.values(), _UnderWay(self._context.response_future, math.inf)]:
+            waiting.fail(error)

@@ -33,7 +33,7 @@ class Parking:
         self._filled = asyncio.Event()
 
     def __contains__(self, block: Block) -> bool:
-        return str(block) in self._blocks
+        return bool(self._blocks) and str(block) in self._blocks
 
     def park(self, block: Block) -> None:
         """Take it in."""
@@ -61,7 +61,7 @@ class Parking:
 
     def answered(self, block: Block) -> None:
         """Log, once, that it is answered among all others again."""
-        if str(block) in self._told:
+        if self._told and str(block) in self._told:
             self._told.discard(str(block))
             _LOG.info(
                 "connection %s: %s answers again",

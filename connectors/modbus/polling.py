@@ -7,6 +7,10 @@ import math
 import time
 from collections import deque
 from collections.abc import AsyncGenerator, Mapping, Sequence
+from itertools import accumulate
+
+import numpy as np
+from numpy.typing import NDArray
 
 from connectors.base import LoopRole, Sample
 from connectors.modbus.block_reader import BlockReader
@@ -30,6 +34,13 @@ class LoopPoller:
         """Whether the source's own time is read with the values."""
         self._last_time = math.nan
 
+    def is_new(self, source_time: float) -> bool:
+        """Return whether the source's time, s UTC, is there and another one than the last time."""
+        if math.isnan(source_time) or source_time == self._last_time:
+            return False
+        self._last_time = source_time
+        return True
+
     async def poll(self, reader: NeighbourReader) -> list[Sample]:
         """Return one sample for each tag; none where the source's own time says that nothing is new."""
         values: dict[str, float] = {}
@@ -44,14 +55,34 @@ class LoopPoller:
         arrival = time.time()
         source_time = values.pop("time", math.nan)
         if self.has_time and "time" not in refused:
-            if math.isnan(source_time) or source_time == self._last_time:
+            if not self.is_new(source_time):
                 return []
-            self._last_time = arrival = source_time
+            arrival = source_time
         refused.pop("time", None)
         return [Sample.measured(self.tags[role], arrival, value) for role, value in values.items()] + [
             Sample.missing(self.tags[role], arrival, error.code, str(error))
             for role, error in refused.items()
         ]
+
+
+class _OwnTime:
+    """A loop whose own time is among the values of an answer."""
+
+    def __init__(self, poller: LoopPoller, first: int) -> None:
+        """Make it; its values begin at ``first``."""
+        roles = list(poller.tags)
+        self._poller = poller
+        self._time = first + roles.index("time")
+        self._columns = np.array([first + k for k, role in enumerate(roles) if role != "time"], np.intp)
+        self._tags = tuple(tag for role, tag in poller.tags.items() if role != "time")
+
+    def pieces(self, values: NDArray[np.float64]) -> Sequence[Sample | Readings]:
+        """Return what is new of the loop in the values of an answer, (tags,)."""
+        source_time = float(values[self._time])
+        if not self._poller.is_new(source_time):
+            return ()
+        found = Readings(self._tags, source_time, values[self._columns])
+        return (found,) if math.isfinite(source_time) else found.samples()
 
 
 class PolledTogether:
@@ -60,18 +91,32 @@ class PolledTogether:
     def __init__(self, pollers: Sequence[LoopPoller], span: Span | None) -> None:
         """Make it; ``span`` is None where each loop has requests of its own."""
         self._pollers = pollers
-        self._span = None if span is None or any(each.has_time for each in pollers) else span
-        if self._span is not None:
-            self._whole = WholeAnswer(self._span.whole.address, [each.blocks[0] for each in pollers])
-            self._tags = tuple(tag for each in pollers for tag in each.tags.values())
+        self._span = span
+        if span is None:
+            return
+        self._whole = WholeAnswer(span.whole.address, [each.blocks[0] for each in pollers])
+        firsts = accumulate((len(each.tags) for each in pollers), initial=0)
+        placed = list(zip(firsts, pollers, strict=False))  # the last sum is that of all
+        self._own_time = [_OwnTime(each, first) for first, each in placed if each.has_time]
+        without = [(first, each) for first, each in placed if not each.has_time]
+        self._tags = tuple(tag for _, each in without for tag in each.tags.values())
+        self._columns = np.array(
+            [first + k for first, each in without for k in range(len(each.tags))], np.intp
+        )
 
     async def poll(self, lane: NeighbourReader) -> Sequence[Sample | Readings]:
         """Return what is new, in one piece where it comes in one; raises ConnectionLostError."""
         if self._span is not None:
             answer = await lane.read_together(self._span)
             if answer is not None:
-                return [Readings(self._tags, time.time(), self._whole.values(answer))]
+                return self._pieces(self._whole.values(answer))
         return [sample for poller in self._pollers for sample in await poller.poll(lane)]
+
+    def _pieces(self, values: NDArray[np.float64]) -> list[Sample | Readings]:
+        if not self._own_time:
+            return [Readings(self._tags, time.time(), values)]
+        together = [Readings(self._tags, time.time(), values[self._columns])] if self._tags else []
+        return [*together, *(piece for each in self._own_time for piece in each.pieces(values))]
 
 
 class Rounds:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -51,16 +52,17 @@ class WholeAnswer:
         if self._bits is not None:
             bits: NDArray[np.float64] = np.asarray(answer, dtype=np.float64)[self._bits]
             return bits
-        words = np.asarray(answer, dtype=">u2")
+        words = np.frombuffer(struct.pack(f">{len(answer)}H", *answer), dtype=">u2")
         swapped = None
         values: NDArray[np.float64] = np.empty(len(self._scale))
-        for each in self._alike:
-            if each.swaps and swapped is None:
-                swapped = words.byteswap()
-            numbers = (swapped if swapped is not None and each.swaps else words)[each.registers]
-            values[each.columns] = numbers.view(each.dtype)[:, 0]
-        values *= self._scale
-        values += self._offset
+        with np.errstate(invalid="ignore", over="ignore"):  # NaN of a device, or beyond all numbers: a gap
+            for each in self._alike:
+                if each.swaps and swapped is None:
+                    swapped = words.byteswap()
+                numbers = (swapped if swapped is not None and each.swaps else words)[each.registers]
+                values[each.columns] = numbers.view(each.dtype)[:, 0]
+            values *= self._scale
+            values += self._offset
         return values
 
 

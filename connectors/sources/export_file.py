@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,12 +30,12 @@ class ExportFile(Closing):
         return Held(export.loops.names, problems)
 
     def read(self, loop: str) -> RecordedLoop:
-        """Return one loop."""
+        """Return one loop, with what was left out of the file."""
         export = self._export()
         names = export.loops.names
         if loop not in names:
             raise RecordingError(f"{self._path}: has no loop {loop!r}, it holds: {', '.join(names[:10])}")
-        return export.loops[names.index(loop)]
+        return replace(export.loops[names.index(loop)], problems=export.problems)
 
     def version(self) -> str:
         """Return size and time of the last change."""

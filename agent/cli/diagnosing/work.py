@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import sys
 import threading
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from agent.cli.common.compilation import announce_compilation
 from agent.cli.common.window import remarks_on, window_of
 from agent.cli.diagnosing.answer import Answer, Task, printed_of
+
+if TYPE_CHECKING:
+    from connectors.recording import LastSource
 
 NEEDED = (
     "agent.analysis.diagnose",
@@ -48,11 +54,13 @@ def work_out(task: Task) -> Answer:
     from connectors.recording import read_recording
 
     try:
-        recording = read_recording(task.path, task.columns, task.options, task.loop)
+        recording = read_recording(task.path, task.columns, task.options, task.loop, _last())
         window = window_of(recording, task.hints)
     except ConfigError as error:
         return Answer(task, None, tuple(error.faults))
+    remarks = remarks_on(recording)
     if task.delay is not None:
+        remarks += task.delay.remarks(window.ts)
         window = window.with_hints(replace(task.hints, delay=task.delay.at(window.ts)))
     with on_cores(task.cores):
         diagnosis = judge(window, quantifier=task.quantifier)
@@ -64,8 +72,16 @@ def work_out(task: Task) -> Answer:
     quality = data_quality(window, diagnosis)
     small = thumbnail(window, diagnosis) if task.small_picture else None
     found = printed_of(task, diagnosis, quality, small)
-    answer = Answer(task, found, faults, remarks_on(recording))
+    answer = Answer(task, found, faults, remarks)
     return replace(answer, diagnosis=diagnosis, window=window) if task.shared else answer
+
+
+@cache
+def _last() -> LastSource:
+    """Return what this process read last: loops of one file come one after the other."""
+    from connectors.recording import LastSource
+
+    return LastSource()
 
 
 def answers(tasks: Sequence[Task], advance: Callable[[], None]) -> Iterator[Answer]:
@@ -81,12 +97,16 @@ def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
     workers = min(len(tasks), cores())
     if workers == 1:
         announce_compilation(threading.Event())
-        yield from (work_out(on_all(task) if len(tasks) == 1 else task) for task in tasks)
+        try:
+            yield from (work_out(on_all(task) if len(tasks) == 1 else task) for task in tasks)
+        finally:
+            _last().close()  # this process goes on, and the file may change
         return
     from agent.runtime.loop.process_pool import CONTEXT, results_of
 
     announced = CONTEXT.Event()
-    order = longest_first([_bytes(task.path) for task in tasks])
+    loops = Counter(task.path for task in tasks)
+    order = longest_first([_bytes(task.path) // loops[task.path] for task in tasks])
     in_turn = [tasks[k] for k in order]
     in_turn[-1] = on_all(in_turn[-1])  # the others end while it runs
     found = results_of(work_out, in_turn, workers, announce_compilation, announced)
@@ -94,7 +114,7 @@ def _worked_out(tasks: Sequence[Task]) -> Iterator[Answer]:
     place = 0
     for k, answer in zip(order, found, strict=True):
         task = tasks[k]
-        done[k] = Answer(task, None, (f"{task.path}: {DIED}",)) if answer is None else answer
+        done[k] = Answer(task, None, (f"{_place(task)}: {DIED}",)) if answer is None else answer
         while place in done:
             yield done.pop(place)
             place += 1
@@ -110,9 +130,14 @@ def on_all(task: Task) -> Task:
 def longest_first(sizes: Sequence[int]) -> list[int]:
     """Return the places in the order of work: what is much larger first, so that no core waits for it alone.
 
-    Files of about one size keep their order, for answers are printed in that order as they come.
+    Recordings of about one size keep their order, for answers are printed in that order as they come. Loops
+    of one file have one size: they stay together, and each process reads the file once.
     """
     return sorted(range(len(sizes)), key=lambda k: -sizes[k].bit_length())
+
+
+def _place(task: Task) -> str:
+    return str(task.path) if task.loop is None else f"{task.path}: {task.loop}"
 
 
 def _bytes(path: Path) -> int:

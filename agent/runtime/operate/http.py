@@ -27,6 +27,8 @@ from connectors.reuse import listen_again
 
 IDLE = 5
 """Time after which an idle client is disconnected, s."""
+DATE = 1.0
+"""Resolution of the date of an answer, s."""
 AT_ONCE = 64
 """Connections that are accepted before the next look at those that must go: a crowd takes no more files."""
 Handler = Callable[[Request], Awaitable[Response]]
@@ -47,7 +49,23 @@ class Watched(Protocol):
 
 
 class _Server(uvicorn.Server):
-    """uvicorn without its own signal handlers: signals are for the daemon."""
+    """uvicorn without its own signal handlers: signals are for the daemon. It sleeps until it is to end."""
+
+    def __init__(self, config: uvicorn.Config) -> None:
+        super().__init__(config)
+        self._ending = asyncio.Event()
+
+    def end(self) -> None:
+        """Have ``serve`` return."""
+        self.should_exit = True
+        self._ending.set()
+
+    async def main_loop(self) -> None:
+        """Keep the date of the answers; uvicorn's own wakes ten times a second."""
+        while not await self.on_tick(0):
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(DATE):
+                    await self._ending.wait()
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -147,7 +165,7 @@ async def serve_app(app: ASGIApp, host: str, port: int, listens: Callable[[], No
         try:
             await asyncio.shield(work)
         finally:
-            server.should_exit = True
+            server.end()
             await asyncio.wait({work})
 
 

@@ -130,6 +130,10 @@ class SampleRecorder:
             self._close(minute)
 
     def _write_now(self, minutes: deque[OpenMinute], gap: SampleGap | None) -> None:
+        if self._file is not None and self._file.is_gone():
+            LOG.error("%s was removed or replaced; it is begun anew", self._path, extra={"event": "history"})
+            self._file.close()
+            self._file = None
         if self._file is None:
             self._file = SampleFile(self._path)
         self._file.write(minutes, gap)

@@ -62,6 +62,10 @@ class SampleFile:
         """Let go of the file."""
         self._database.close()
 
+    def is_gone(self) -> bool:
+        """Return whether the file was removed or replaced since it was opened."""
+        return self._database.is_gone()
+
     def write(self, minutes: Sequence[OpenMinute], gap: SampleGap | None) -> None:
         """Add minutes, all or none, behind a gap in which others were lost."""
         rows = [

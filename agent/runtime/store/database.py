@@ -102,21 +102,25 @@ class Database:
                 database.execute("INSERT INTO origin VALUES (?)", held)
         return str(held[0])
 
+    def is_gone(self) -> bool:
+        """Return whether the file was removed or replaced since it was opened, as by a rotation of logs."""
+        try:
+            found = self.path.stat()
+        except OSError:
+            return True
+        return (found.st_dev, found.st_ino) != self._identity
+
     def is_foreign(self) -> bool:
         """Return whether the file was removed, replaced or overwritten since it was opened.
 
         It is read only where somebody else wrote it: another process of this program may have.
         """
-        try:
-            found = self.path.stat()
-        except OSError:
+        if self.is_gone():
             return True
-        if (found.st_dev, found.st_ino) != self._identity:
-            return True
-        mark = found.st_size, found.st_mtime_ns
-        if mark == self._mark:
+        known = self._mark
+        self._remember()
+        if self._mark == known:
             return False
-        self._mark = mark
         try:
             self._database.execute("PRAGMA wal_checkpoint")  # what is in the log is written there again
             self._remember()

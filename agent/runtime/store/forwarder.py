@@ -57,6 +57,10 @@ class RowSource(Protocol[RowT]):
         """Take note that the database has all up to a number."""
         ...
 
+    def is_gone(self) -> bool:
+        """Return whether another file, or none, has its place."""
+        ...
+
     def close(self) -> None:
         """Let go of it."""
         ...
@@ -142,6 +146,8 @@ class Forwarder(Generic[RowT]):
 
     def send(self) -> int:
         """Send the next rows; return how many they were. Raises StoreError, and then begins afresh."""
+        if self._file is not None and self._file.is_gone():
+            self._let_go()
         if not self._path.exists():
             return 0  # nothing was written yet
         try:

@@ -134,6 +134,10 @@ class History:
             return True
 
     def _write_now(self, entries: tuple[Entry, ...]) -> None:
+        if self._file is not None and self._file.is_gone():
+            LOG.error("%s was removed or replaced; it is begun anew", self._path, extra={"event": "history"})
+            self._file.close()
+            self._file = None
         if self._file is None:
             self._file = HistoryFile(self._path)
         now = self._clock()

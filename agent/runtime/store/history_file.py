@@ -91,6 +91,10 @@ class HistoryFile:
         """Let go of the file."""
         self._database.close()
 
+    def is_gone(self) -> bool:
+        """Return whether the file was removed or replaced since it was opened."""
+        return self._database.is_gone()
+
     def write(self, entries: Sequence[Entry], now: float) -> None:
         """Add entries, all or none, at ``now``, s UTC."""
         rows = [

@@ -80,7 +80,11 @@ def survey(
     held = _listed(parts, options, executor, watcher, summary, fault)
     same = f"{version('slipjump')} {options!r} {hints!r}"
     stamps = {part: _stamp(f"{held[part].version} {same}") for part in held}
-    tasks = [ToDiagnose(part, loop, options, hints) for part in held for loop in held[part].loops]
+    tasks = [
+        ToDiagnose(part, loop, held[part].version, options, hints)
+        for part in held
+        for loop in held[part].loops
+    ]
     ledger.plan(LoopKey(each.part.recording, each.loop, stamps[each.part]) for each in tasks)
     done = ledger.done()
     waiting = [each for each in tasks if (each.part.recording, each.loop) not in done]

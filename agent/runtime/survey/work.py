@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from connectors.base import ConfigError
 from connectors.sources.kinds import opened
+from connectors.sources.last_source import LastSource
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopHints
     from connectors.exports.recorded import ReadOptions
     from connectors.sources.archive import ArchivePart
-    from connectors.sources.source import LoopSource
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +42,8 @@ class ToDiagnose:
 
     part: ArchivePart
     loop: str
+    version: str
+    """Of the content, as it was listed: a process that has read another one reads it anew."""
     options: ReadOptions
     hints: LoopHints
 
@@ -57,27 +59,8 @@ class Surveyed:
     faults: tuple[str, ...] = ()
 
 
-class _Open:
-    """The source that this process read last: the loops of one file come one after the other."""
-
-    def __init__(self) -> None:
-        self._key: tuple[str, str] | None = None
-        self._source: LoopSource | None = None
-
-    def get(self, name: str, options: ReadOptions) -> LoopSource:
-        key = (name, repr(options))
-        if self._source is None or self._key != key:
-            self.close()
-            self._source, self._key = opened(name, options), key
-        return self._source
-
-    def close(self) -> None:
-        if self._source is not None:
-            self._source.close()
-        self._source = self._key = None
-
-
-_OPEN = _Open()
+_LAST = LastSource()
+"""Of this process: loops of one file come one after the other."""
 
 
 def list_loops(task: ToList) -> Listed:
@@ -102,9 +85,9 @@ def survey_loop(task: ToDiagnose) -> Surveyed:
 
     recording = task.part.recording
     try:
-        recorded = _OPEN.get(task.part.name, task.options).read(task.loop)
+        recorded = _LAST.get(task.part.name, task.options, task.version).read(task.loop)
     except ConfigError as error:
-        _OPEN.close()  # a connection that failed is opened again
+        _LAST.close()  # a connection that failed is opened again
         return Surveyed({}, {}, tuple(error.faults))
     try:
         window = loop_window(recorded, task.hints)

@@ -6,6 +6,7 @@ import pytest
 
 from agent.cli import main
 from agent.cli.diagnosing.work import longest_first
+from connectors.sources import export_file
 from tests.exports.corpus import CASES
 from tests.exports.truth import LOOPS
 
@@ -88,7 +89,34 @@ def test_what_is_left_out_of_a_file_is_stated_once(tmp_path, capsys):
     rows = [f"{k},{50 + k % 7},{20 + k % 5},{30 + k % 7},{40 + k % 5},1" for k in range(120)]
     rows[40], rows[60] = "cut off", "60,oops,20,30,40,1"
     path.write_text("\n".join(["time,FIC101.OP,FIC101.PV,PIC202.OP,PIC202.PV,SPEED.X", *rows]))
-    code, answers, said = run(capsys, "diagnose", path, "--quantifier", "lee2008", "--ts", 1, "--json")
+    words = ("--quantifier", "lee2008", "--ts", 1, "--delay", "0.2s", "--json")
+    code, answers, said = run(capsys, "diagnose", path, *words)
     assert (code, len(answers)) == (0, 2)
+    assert said.count("--delay: 0.2 s of records every 1 s was taken as 1 sample") == 1
     assert said.count(f"{path}: line 42: has another number of cells, it is a gap") == 1
     assert said.count("line 62: FIC101.OP is 'oops'") == 1
+
+
+def test_a_process_reads_a_file_once_and_anew_in_the_next_command(tmp_path, capsys, monkeypatch):
+    read = []
+
+    def counted(path, options):
+        read.append(path)
+        return read_export(path, options)
+
+    read_export = export_file.read_export
+    monkeypatch.setattr(export_file, "read_export", counted)
+    monkeypatch.setattr("agent.runtime.capabilities.cores", lambda: 1)  # all in this process
+    wide, other = tmp_path / "a_wide.csv", tmp_path / "b.csv"
+    tags = [f"FIC{k}.{role}" for k in range(7) for role in ("OP", "PV")]
+    rows = [[k, *(50 + (k + j) % 7 for j in range(len(tags)))] for k in range(120)]
+    wide.write_text("\n".join(",".join(map(str, each)) for each in [["time", *tags], *rows]))
+    other.write_text("time,OP,PV\n" + "\n".join(f"{k},{50 + k % 7},{k % 5}" for k in range(120)))
+    words = ("diagnose", wide, other, "--quantifier", "lee2008", "--json")
+    _, answers, _ = run(capsys, *words)
+    assert [answer["loop"] for answer in answers] == [*(f"FIC{k}" for k in range(7)), "b"]
+    assert read == [wide, other]
+    wide.write_text(wide.read_text().replace("FIC6", "FIC9"))
+    _, answers, _ = run(capsys, *words)
+    assert [answer["loop"] for answer in answers][5:] == ["FIC5", "FIC9", "b"]
+    assert read == [wide, other] * 2

@@ -42,6 +42,21 @@ def test_a_delay_in_samples_or_with_a_unit(text, ts, samples):
     assert delay_of(text).at(ts) == samples
 
 
+@pytest.mark.parametrize(
+    ("text", "ts", "said"),
+    [
+        ("0.2s", 1.0, ["--delay: 0.2 s of records every 1 s was taken as 1 sample, the least that there is"]),
+        ("17s", 5.0, ["--delay: 17 s of records every 5 s was taken as 3 samples"]),
+        ("1.4s", 1.0, ["--delay: 1.4 s of records every 1 s was taken as 1 sample"]),
+        ("17s", 1.00001, []),
+        ("500ms", 0.1, []),
+        ("4", 2.0, []),
+    ],
+)
+def test_a_time_that_is_no_whole_number_of_samples_is_said(text, ts, said):
+    assert list(delay_of(text).remarks(ts)) == said
+
+
 @pytest.mark.parametrize("text", ["", "0", "-3", "1.5", "5 parsec", "s", "nan", "1e3s"])
 def test_what_is_no_delay_is_refused_with_what_is_expected(text):
     with pytest.raises(typer.BadParameter, match="17s"):

@@ -235,3 +235,26 @@ async def test_one_request_at_a_time_holds_for_reads_and_writes_together():
         await within(write)
         there.answer(await within(there.requests.get()))
         assert list(await within(again)) == [4]
+
+
+async def test_each_of_several_waits_as_long_as_its_own_timeout():
+    clock = asyncio.get_running_loop()
+    async with reading(wait=SHORT) as (there, client):
+
+        async def silent():
+            began = clock.time()
+            with pytest.raises(ConnectionLostError, match=f"no answer within {SHORT:g} s"):
+                await client.read("input", 1, 1)
+            return clock.time() - began
+
+        for _ in range(2):  # the second time on a connection whose former waits have ended
+            first = asyncio.create_task(silent())
+            answered = asyncio.create_task(client.read("input", 2, 1))
+            await within(there.requests.get())
+            there.answer(await within(there.requests.get()))
+            assert tuple(await within(answered)) == (2,)
+            await asyncio.sleep(SHORT / 2)
+            second = asyncio.create_task(silent())
+            waited = [await within(first), await within(second)]
+            assert all(each >= SHORT for each in waited)
+            await within(there.requests.get())

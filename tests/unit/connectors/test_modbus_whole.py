@@ -45,6 +45,14 @@ def test_numbers_are_those_of_each_tag(tags, registers):
     assert np.array_equal(found, alone, equal_nan=True)
 
 
+@pytest.mark.parametrize("registers", [(0x7F80, 1), (0x7FF0, 0, 0, 1), (0x7FEF, 0xFFFF, 0xFFFF, 0xFFFF)])
+def test_what_is_no_number_for_the_processor_is_no_warning(registers):
+    kind = f"float{16 * len(registers)}"
+    blocks = plan({"pv": ModbusTag(table="input", address=0, type=kind, scale=-2.5)}, 0)
+    (value,) = WholeAnswer(0, blocks).values(registers)
+    assert not math.isfinite(value)
+
+
 def test_bits_are_those_of_each_tag():
     blocks = [plan({"mode": ModbusTag(table="coil", address=at)}, 0)[0] for at in (100, 103, 101)]
     (span,) = spans(blocks)
@@ -65,12 +73,59 @@ def test_neighbours_come_in_one_piece_with_the_same_tags_each_time():
     assert first.values.tolist() == [float(k) for k in range(20)]
 
 
-def test_a_loop_with_a_time_of_its_own_comes_by_samples():
-    tags = loops(2)
-    tags["L1"]["time"] = ModbusTag(table="input", address=4, type="uint16")
-    got = virtual(_pieces(Rounds([Device()], tags, 0, Parking("unit1"))))
-    assert not any(isinstance(each, Readings) for each in got)
-    assert {each.time for each in got if each.tag.loop == "L1"} == {4.0}
+class Ticking(Device):
+    """Its registers have their addresses, those of ``clock`` the time that it gives."""
+
+    def __init__(self, clock, now):
+        super().__init__()
+        self.clock, self.now = clock, now
+
+    async def read(self, table, address, count):
+        await super().read(table, address, count)
+        return [self.now if place == self.clock else place for place in range(address, address + count)]
+
+
+def test_a_loop_with_a_time_of_its_own_comes_in_a_piece_of_its_own():
+    tags = loops(3)
+    tags["L1"]["time"] = ModbusTag(table="input", address=6, type="uint16", scale=2.0)
+    device = Ticking(6, 50)
+    rounds = Rounds([device], tags, 0, Parking("unit1"))
+    others, own = virtual(_pieces(rounds))
+    assert [str(tag) for tag in own.tags] == ["L1.pv", "L1.op"]
+    assert (own.time, own.values.tolist()) == (100.0, [2.0, 3.0])
+    assert [str(tag) for tag in others.tags] == ["L0.pv", "L0.op", "L2.pv", "L2.op"]
+    assert others.values.tolist() == [0.0, 1.0, 4.0, 5.0]
+    (again,) = virtual(_pieces(rounds))
+    assert again.tags is others.tags, "of L1 nothing is new"
+    device.now = 51
+    assert virtual(_pieces(rounds))[1].tags is own.tags
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.sampled_from([1.0, 2.0, math.nan, math.inf]), min_size=1, max_size=6))
+def test_times_that_repeat_are_absent_or_are_none_mean_the_same_in_a_piece_and_alone(times):
+    class Device64(Device):
+        now = math.nan
+
+        async def read(self, table, address, count):
+            await super().read(table, address, count)
+            whole = struct.unpack(">8H", struct.pack(">4f", 7.0, 8.0, self.now, 9.0))
+            return whole[address : address + count]
+
+    def tag(address):
+        return ModbusTag(table="input", address=address)
+
+    timed = {"pv": tag(0), "op": tag(2), "time": tag(4)}
+
+    async def said(loops_, device):
+        rounds, found = Rounds([device], loops_, 0, Parking("unit1")), []
+        for device.now in times:
+            found.append([each async for each in one_by_one(rounds.read()) if each.tag.loop == "L0"])
+        return found
+
+    together = virtual(said({"L0": timed, "L1": {"pv": tag(6)}}, Device64()))
+    alone = virtual(said({"L0": timed}, Device64()))
+    assert together == alone
 
 
 def test_a_span_that_the_device_refuses_comes_by_samples_with_their_reasons():

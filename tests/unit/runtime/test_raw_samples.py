@@ -174,6 +174,30 @@ async def test_what_the_disk_does_not_take_is_bounded_and_marked(tmp_path, monke
     assert [each.columns["pv"].tolist() for each in rest] == [[7.0], [8.0], [9.0]]
 
 
+async def test_a_file_that_was_removed_is_begun_anew(tmp_path, monkeypatch, caplog):
+    monkeypatch.setattr(module, "LOOK", 0.01)
+    path = tmp_path / "a.samples.sqlite"
+    recorder = SampleRecorder(path, 100.0)
+    writer = asyncio.create_task(recorder.run())
+    for k in range(3):
+        recorder.put(came("pv", 60.0 * k, float(k)), 0.0)
+    async with asyncio.timeout(DEADLINE):
+        while not path.exists() or not _minutes(path):  # noqa: ASYNC110 - another thread writes
+            await asyncio.sleep(0.02)
+    path.unlink()
+    recorder.put(came("pv", 180.0, 3.0), 0.0)
+    writer.cancel()
+    await asyncio.wait({writer})
+    await recorder.close()
+    assert [each.content.start for each in _minutes(path)] == [180.0]
+    assert caplog.text.count("was removed or replaced; it is begun anew") == 1
+
+
+def _minutes(path):
+    with contextlib.closing(SampleFile(path)) as file:
+        return file.after(0, 99)
+
+
 @pytest.mark.parametrize("lengths", [LENGTHS, pytest.param(A_MINUTE, marks=pytest.mark.bench)])
 async def test_a_database_that_is_killed_under_load_loses_and_doubles_nothing(
     tmp_path, postgres, database, monkeypatch, lengths

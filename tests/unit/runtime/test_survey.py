@@ -143,6 +143,15 @@ def test_only_what_changed_is_done_again(archive, tmp_path):
     assert len(executor.diagnosed) == 6, "other options, other results"
 
 
+def test_a_worker_that_lives_on_reads_a_changed_file_anew(tmp_path):
+    only = tmp_path / "only"
+    recording(only / "FIC101.csv")
+    _, _, _, before = run(only, tmp_path / "out")
+    recording(only / "FIC101.csv", seed=1, n=350)
+    _, _, _, after = run(only, tmp_path / "out")
+    assert before[0]["indices"] != after[0]["indices"]
+
+
 def test_a_folder_holds_one_survey(archive, tmp_path):
     run(archive, tmp_path / "out")
     with pytest.raises(ConfigError, match=r"holds the survey of .*archive: name another folder"):

@@ -1,0 +1,71 @@
+"""A history file that somebody rotates away while the agent writes it."""
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from agent.runtime.store import history as module
+from agent.runtime.store.forwarder import Forwarder
+from agent.runtime.store.history import DAY, History
+from agent.runtime.store.history_file import HistoryFile
+from agent.settings import HistoryDatabase, HistorySettings
+from tests.unit.runtime.test_history import entry, opened
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "plant.history.sqlite"
+
+
+class NumbersByFile:
+    """Keeps numbers of entries by the file that they are of."""
+
+    def __init__(self):
+        self.kept = {}
+
+    def position(self, origin):
+        return self.kept.get(origin, [0])[-1]
+
+    def take(self, origin, rows):
+        self.kept.setdefault(origin, []).extend(each.number for each in rows)
+
+    def close(self):
+        pass
+
+
+def put_aside(path):
+    path.rename(path.with_suffix(".1"))
+
+
+@pytest.mark.parametrize("rotate", [Path.unlink, put_aside])
+async def test_a_file_that_was_removed_is_begun_anew_and_sent_on(path, monkeypatch, caplog, rotate):
+    monkeypatch.setattr(module, "GATHER", 0.0)
+    history, database = History(path, HistorySettings(), clock=lambda: 10 * DAY), NumbersByFile()
+    settings = HistoryDatabase(url="postgresql://nowhere/x", tls=False)
+    sender = Forwarder(
+        path, settings, lambda at: HistoryFile(at, create=False), lambda _: database, "entries"
+    )
+    writer = asyncio.create_task(history.run())
+
+    async def written():
+        async with asyncio.timeout(30):
+            while history._waiting:  # noqa: ASYNC110 - another thread writes
+                await asyncio.sleep(0.01)
+
+    for k in (1, 2):
+        history.noted(entry(k))
+        await written()
+    assert await sender._in_thread() == 2
+    rotate(path)
+    assert await sender._in_thread() == 0
+    history.noted(entry(3))
+    await written()
+    assert await sender._in_thread() == 1
+    writer.cancel()
+    await asyncio.wait({writer})
+    await history.close()
+    await sender.close()
+    assert opened(path, lambda file: file.read()) == (entry(3),)
+    assert list(database.kept.values()) == [[1, 2], [1]]
+    assert caplog.text.count("was removed or replaced; it is begun anew") == 1
