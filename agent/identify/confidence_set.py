@@ -4,8 +4,8 @@ The errors of a fit are no independent noise: mostly they are slips that a model
 the true ones, a few of these decide between two valves, and the best of many models is so by luck as well. So
 the squared errors of each model are summed over each period, and periods are drawn with replacement: that
 shows how much the errors of any two would differ in other records of the same loop, and how far apart the two
-that differ most would be by chance alone. While the worst is farther from another than that, it leaves the set
-(P. R. Hansen, A. Lunde and J. M. Nason, Econometrica 79 (2011) 453: the range statistic T_R).
+that differ most would be by chance alone. While the worst is farther from another than that, it leaves the
+set (P. R. Hansen, A. Lunde and J. M. Nason, Econometrica 79 (2011) 453: the range statistic T_R).
 """
 
 from __future__ import annotations
