@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from agent.identify.fitted import start
+from agent.identify.fitted import Fitted, start
 from agent.identify.objective import J_RATIO, S
 from agent.identify.search.cycle import FINALISTS, STRUCTURES, Searched, next_cycle, nothing
 from agent.identify.search.population import Candidates, counted_blocks, join, least, refit
@@ -126,10 +126,14 @@ def surprise(searched: Searched, view: Problem) -> float:
 
     Its process is fitted again. The filter passes ``keep`` times the innovations of what it whitens.
     """
-    best = searched.finalists
     count = counted_blocks(view)
-    error = polished(start(best.candidates[0].copy(), int(best.structures[0]), view), view).error
-    return count * math.log(max(error, 1e-300) / count / view.keep**2)
+    return count * math.log(max(best_in(view, searched).error, 1e-300) / count / view.keep**2)
+
+
+def best_in(view: Problem, searched: Searched) -> Fitted:
+    """Return the best model with its process fitted to a view of the record, maybe another."""
+    best = searched.finalists
+    return polished(start(best.candidates[0].copy(), int(best.structures[0]), view), view)
 
 
 def _agree(found: Sequence[Searched], views: Sequence[Problem]) -> bool:

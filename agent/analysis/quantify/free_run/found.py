@@ -13,7 +13,7 @@ from agent.identify.objective import LEVEL, S
 from agent.identify.search.cycle import possible_of
 from agent.identify.search.elites import FEW_ROUNDS, ROUNDS, elites_of
 from agent.identify.search.linear import best_linear
-from agent.identify.search.search import search
+from agent.identify.search.search import best_in, search
 from agent.identify.simplex import polished
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def find(window: LoopWindow, problem: Problem) -> Found | None:
     without = best_linear(slow, possible)
     worth = math.inf if without is None else without.error / SLIDES_BELOW
     searched = search((slow, quick), possible, worth)
-    rounds = FEW_ROUNDS if searched.ended == "explains_little" else ROUNDS
+    rounds = ROUNDS if best_in(slow, searched.searched).error <= worth else FEW_ROUNDS
     models = elites_of(searched.searched, (slow, quick)[searched.view], possible_of(possible), rounds)
     own = pose(window, pass_time=QUICK) if searched.view else problem
     if isinstance(own, str):
