@@ -112,6 +112,7 @@ class Forwarder(Generic[RowT]):
         self._file: RowSource[RowT] | None = None
         self._database: RowDestination[RowT] | None = None
         self._origin, self._position = "", 0
+        self._in_doubt: Sequence[RowT] = ()
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="history database")
 
     async def run(self) -> NoReturn:
@@ -148,6 +149,7 @@ class Forwarder(Generic[RowT]):
         """Send the next rows; return how many they were. Raises StoreError, and then begins afresh."""
         if self._file is not None and self._file.is_gone():
             self._let_go()
+            self._in_doubt = ()
         if not self._path.exists():
             return 0  # nothing was written yet
         try:
@@ -162,20 +164,29 @@ class Forwarder(Generic[RowT]):
             self._origin = self._file.origin()
         if self._database is None:
             self._database = self._open_database(self._settings)
-            self._position = self._database.position(self._origin)
+            position = self._database.position(self._origin)
+            if self._in_doubt and position == self._in_doubt[-1].number:
+                self._taken(self._file, self._in_doubt)  # only the answer was lost
+            self._in_doubt, self._position = (), position
         rows = self._file.after(self._position, BATCH)
         if not rows:
             return 0
+        self._in_doubt = rows
         self._database.take(self._origin, rows)
-        lost = self._file.lost(self._position, rows)
+        self._in_doubt = ()
+        self._taken(self._file, rows)
+        return len(rows)
+
+    def _taken(self, file: RowSource[RowT], rows: Sequence[RowT]) -> None:
+        """Count rows that the database has, and what was missing before them."""
+        lost = file.lost(self._position, rows)
         if lost:
             self.dropped += lost
             text = "%s: %d %s were dropped by the full file before they could be sent"
             LOG.error(text, self._settings.url, lost, self.what, extra={"event": "history_database"})
         self._position = rows[-1].number
         self.sent += len(rows)
-        self._file.delivered(self._position)
-        return len(rows)
+        file.delivered(self._position)
 
     def _let_go(self) -> None:
         if self._database is not None:

@@ -1,4 +1,4 @@
-"""A history file that somebody rotates away while the agent writes it."""
+"""What befalls a history file and its database while the agent writes and sends."""
 
 import asyncio
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from agent.runtime.store import history as module
+from agent.runtime.store.database import StoreError
 from agent.runtime.store.forwarder import Forwarder
 from agent.runtime.store.history import DAY, History
 from agent.runtime.store.history_file import HistoryFile
@@ -32,6 +33,41 @@ class NumbersByFile:
 
     def close(self):
         pass
+
+
+class AnswersOnceTooLate(NumbersByFile):
+    """Keeps the first rows, but its answer is lost with the connection."""
+
+    def take(self, origin, rows):
+        first = not self.kept
+        super().take(origin, rows)
+        if first:
+            raise StoreError("the server closed the connection unexpectedly")
+
+
+async def test_rows_whose_answer_was_lost_are_sent_once_and_counted(path, monkeypatch):
+    monkeypatch.setattr(module, "GATHER", 0.0)
+    history, database = History(path, HistorySettings(), clock=lambda: 10 * DAY), AnswersOnceTooLate()
+    settings = HistoryDatabase(url="postgresql://nowhere/x", tls=False)
+    sender = Forwarder(
+        path, settings, lambda at: HistoryFile(at, create=False), lambda _: database, "entries"
+    )
+    writer = asyncio.create_task(history.run())
+    for k in (1, 2):
+        history.noted(entry(k))
+    async with asyncio.timeout(30):
+        while history._waiting or not path.exists():  # noqa: ASYNC110 - another thread writes
+            await asyncio.sleep(0.01)
+    with pytest.raises(StoreError):
+        await sender._in_thread()
+    assert sender.sent == 0
+    assert await sender._in_thread() == 0
+    assert sender.sent == 2
+    assert list(database.kept.values()) == [[1, 2]]
+    writer.cancel()
+    await asyncio.wait({writer})
+    await history.close()
+    await sender.close()
 
 
 def put_aside(path):
