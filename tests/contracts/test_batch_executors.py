@@ -87,10 +87,14 @@ def refused_at_seven(number):
 
 
 def killed_once(task):
-    """Kill this process where nobody did so for this number before."""
+    """Kill this process at one number, where nobody did so before.
+
+    One number only: another that waits when the process dies is repeated alone, and fails where it kills
+    that process, for the first time or not.
+    """
     number, folder = task
     mark = Path(folder) / str(number)
-    if number % 10 == 3 and not mark.exists():
+    if number == 13 and not mark.exists():
         mark.touch()
         os.kill(os.getpid(), signal.SIGKILL)
     return number * number
