@@ -64,8 +64,10 @@ def as_before(window: LoopWindow) -> AsBefore | None:
         window: The record; its hints have the valve as other windows showed it.
     """
     valve = window.hints.known_valve
+    if valve is None:
+        return None
     here = longest_true(window.valid)
-    if valve is None or here.stop - here.start < MIN_SAMPLES:
+    if here.stop - here.start < MIN_SAMPLES:
         return None
     op, pv = window.op[here], window.pv[here]
     if not np.ptp(op) or not np.ptp(pv):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 from agent.runtime.intake.window import LAST_TIME
 from agent.runtime.samples.minute import MINUTE, OpenMinute
 from agent.runtime.samples.sample_file import SampleFile, SampleGap
-from agent.runtime.store.database import StoreError
+from agent.runtime.store.database import StoreError, unless_gone
 from connectors.cancellation import obey_cancellation
 
 if TYPE_CHECKING:
@@ -130,10 +130,7 @@ class SampleRecorder:
             self._close(minute)
 
     def _write_now(self, minutes: deque[OpenMinute], gap: SampleGap | None) -> None:
-        if self._file is not None and self._file.is_gone():
-            LOG.error("%s was removed or replaced; it is begun anew", self._path, extra={"event": "history"})
-            self._file.close()
-            self._file = None
+        self._file = unless_gone(self._file, self._path)
         if self._file is None:
             self._file = SampleFile(self._path)
         self._file.write(minutes, gap)

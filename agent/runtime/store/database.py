@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Protocol, TypeVar
 from uuid import uuid4
 
 LOG = logging.getLogger(__name__)
@@ -27,6 +27,30 @@ _UNREADABLE = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB}
 
 class StoreError(Exception):
     """The file cannot be used now: disk full, no permission, locked, damaged, or of another program."""
+
+
+class Removable(Protocol):
+    """A file that is kept open, and may be removed or replaced by somebody else."""
+
+    def is_gone(self) -> bool:
+        """Return whether it was."""
+        ...
+
+    def close(self) -> None:
+        """Let go of it."""
+        ...
+
+
+RemovableT = TypeVar("RemovableT", bound=Removable)
+
+
+def unless_gone(file: RemovableT | None, path: Path) -> RemovableT | None:
+    """Return an open file; None, and let go of it, where its place at ``path`` is not its own any more."""
+    if file is None or not file.is_gone():
+        return file
+    LOG.error("%s was removed or replaced; it is begun anew", path, extra={"event": "history"})
+    file.close()
+    return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,23 +128,20 @@ class Database:
 
     def is_gone(self) -> bool:
         """Return whether the file was removed or replaced since it was opened, as by a rotation of logs."""
-        try:
-            found = self.path.stat()
-        except OSError:
-            return True
-        return (found.st_dev, found.st_ino) != self._identity
+        return self._in_place() is None
 
     def is_foreign(self) -> bool:
         """Return whether the file was removed, replaced or overwritten since it was opened.
 
         It is read only where somebody else wrote it: another process of this program may have.
         """
-        if self.is_gone():
+        found = self._in_place()
+        if found is None:
             return True
-        known = self._mark
-        self._remember()
-        if self._mark == known:
+        mark = found.st_size, found.st_mtime_ns
+        if mark == self._mark:
             return False
+        self._mark = mark
         try:
             self._database.execute("PRAGMA wal_checkpoint")  # what is in the log is written there again
             self._remember()
@@ -162,6 +183,14 @@ class Database:
     def _connected(self, mode: str) -> sqlite3.Connection:
         place = f"{self.path.absolute().as_uri()}?mode={mode}"
         return sqlite3.connect(place, uri=True, timeout=BUSY, isolation_level=None)
+
+    def _in_place(self) -> os.stat_result | None:
+        """Return what its folder knows of the file; None where that is gone, or another one."""
+        try:
+            found = self.path.stat()
+        except OSError:
+            return None
+        return found if (found.st_dev, found.st_ino) == self._identity else None
 
     def _remember(self) -> None:
         """Note how the file looks after what this one wrote."""

@@ -14,7 +14,7 @@ from typing import NoReturn
 from agent.alarms import Announcement
 from agent.report.diagnosis_json import diagnosis_json
 from agent.runtime.loop.judged import Judged
-from agent.runtime.store.database import StoreError
+from agent.runtime.store.database import StoreError, unless_gone
 from agent.runtime.store.history_file import Entry, HistoryFile
 from agent.runtime.store.kept_window import KeptWindow, is_of_interest
 from agent.settings import HistorySettings
@@ -134,10 +134,7 @@ class History:
             return True
 
     def _write_now(self, entries: tuple[Entry, ...]) -> None:
-        if self._file is not None and self._file.is_gone():
-            LOG.error("%s was removed or replaced; it is begun anew", self._path, extra={"event": "history"})
-            self._file.close()
-            self._file = None
+        self._file = unless_gone(self._file, self._path)
         if self._file is None:
             self._file = HistoryFile(self._path)
         now = self._clock()

@@ -1,6 +1,7 @@
 """What befalls a history file and its database while the agent writes and sends."""
 
 import asyncio
+import contextlib
 from pathlib import Path
 
 import pytest
@@ -45,39 +46,11 @@ class AnswersOnceTooLate(NumbersByFile):
             raise StoreError("the server closed the connection unexpectedly")
 
 
-async def test_rows_whose_answer_was_lost_are_sent_once_and_counted(path, monkeypatch):
+@contextlib.asynccontextmanager
+async def written_and_sent(path, database, monkeypatch):
+    """A history that is written and its sender; and what waits until all that was noted is in the file."""
     monkeypatch.setattr(module, "GATHER", 0.0)
-    history, database = History(path, HistorySettings(), clock=lambda: 10 * DAY), AnswersOnceTooLate()
-    settings = HistoryDatabase(url="postgresql://nowhere/x", tls=False)
-    sender = Forwarder(
-        path, settings, lambda at: HistoryFile(at, create=False), lambda _: database, "entries"
-    )
-    writer = asyncio.create_task(history.run())
-    for k in (1, 2):
-        history.noted(entry(k))
-    async with asyncio.timeout(30):
-        while history._waiting or not path.exists():  # noqa: ASYNC110 - another thread writes
-            await asyncio.sleep(0.01)
-    with pytest.raises(StoreError):
-        await sender._in_thread()
-    assert sender.sent == 0
-    assert await sender._in_thread() == 0
-    assert sender.sent == 2
-    assert list(database.kept.values()) == [[1, 2]]
-    writer.cancel()
-    await asyncio.wait({writer})
-    await history.close()
-    await sender.close()
-
-
-def put_aside(path):
-    path.rename(path.with_suffix(".1"))
-
-
-@pytest.mark.parametrize("rotate", [Path.unlink, put_aside])
-async def test_a_file_that_was_removed_is_begun_anew_and_sent_on(path, monkeypatch, caplog, rotate):
-    monkeypatch.setattr(module, "GATHER", 0.0)
-    history, database = History(path, HistorySettings(), clock=lambda: 10 * DAY), NumbersByFile()
+    history = History(path, HistorySettings(), clock=lambda: 10 * DAY)
     settings = HistoryDatabase(url="postgresql://nowhere/x", tls=False)
     sender = Forwarder(
         path, settings, lambda at: HistoryFile(at, create=False), lambda _: database, "entries"
@@ -89,19 +62,44 @@ async def test_a_file_that_was_removed_is_begun_anew_and_sent_on(path, monkeypat
             while history._waiting:  # noqa: ASYNC110 - another thread writes
                 await asyncio.sleep(0.01)
 
-    for k in (1, 2):
-        history.noted(entry(k))
-        await written()
-    assert await sender._in_thread() == 2
-    rotate(path)
-    assert await sender._in_thread() == 0
-    history.noted(entry(3))
-    await written()
-    assert await sender._in_thread() == 1
+    yield history, sender, written
     writer.cancel()
     await asyncio.wait({writer})
     await history.close()
     await sender.close()
+
+
+async def test_rows_whose_answer_was_lost_are_sent_once_and_counted(path, monkeypatch):
+    database = AnswersOnceTooLate()
+    async with written_and_sent(path, database, monkeypatch) as (history, sender, written):
+        for k in (1, 2):
+            history.noted(entry(k))
+        await written()
+        with pytest.raises(StoreError):
+            await sender._in_thread()
+        assert sender.sent == 0
+        assert await sender._in_thread() == 0
+        assert sender.sent == 2
+        assert list(database.kept.values()) == [[1, 2]]
+
+
+def put_aside(path):
+    path.rename(path.with_suffix(".1"))
+
+
+@pytest.mark.parametrize("rotate", [Path.unlink, put_aside])
+async def test_a_file_that_was_removed_is_begun_anew_and_sent_on(path, monkeypatch, caplog, rotate):
+    database = NumbersByFile()
+    async with written_and_sent(path, database, monkeypatch) as (history, sender, written):
+        for k in (1, 2):
+            history.noted(entry(k))
+            await written()
+        assert await sender._in_thread() == 2
+        rotate(path)
+        assert await sender._in_thread() == 0
+        history.noted(entry(3))
+        await written()
+        assert await sender._in_thread() == 1
     assert opened(path, lambda file: file.read()) == (entry(3),)
     assert list(database.kept.values()) == [[1, 2], [1]]
     assert caplog.text.count("was removed or replaced; it is begun anew") == 1
