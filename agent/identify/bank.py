@@ -15,6 +15,10 @@ from agent.identify.arrays import FloatArray
 from agent.identify.problem import STROKE_TIME, Problem, first_blocks
 from agent.jit import kernel
 
+GROUP = 16
+"""Processes that a score takes side by side: four times as many numbers as fit into one register. A bank has a
+multiple of it, filled up with processes that do not answer."""
+
 
 class Bank(NamedTuple):
     """One record before many processes; gaps count as no deviation here, for this only orders candidates."""
@@ -63,8 +67,10 @@ def bank(problem: Problem, taus: FloatArray, ratios: FloatArray, periods: float)
     taus2 = ratios * np.where(np.isinf(taus), problem.period / 4, taus)
     second = np.exp(-block / np.maximum(taus2, 1e-3))
     gains *= 1.0 - second
+    missing = -len(taus) % GROUP
+    poles, second, gains = (np.pad(each, (0, missing)) for each in (poles, second, gains))
     longest = int(problem.max_delay / block) + 4
-    sums = np.zeros((m + longest, len(taus)))
+    sums = np.zeros((m + longest, len(poles)))
     backward_sums(adjoint_high_pass(pv, problem.keep), poles, second, gains, sums)
     return Bank(
         op=np.ascontiguousarray(problem.op[: m * block]),

@@ -10,8 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from agent.identify.arrays import FloatArray, IntArray
-from agent.identify.bank import Bank
-from agent.jit import fused_kernel, inlined_kernel, kernel, summing_kernel
+from agent.identify.bank import GROUP, Bank
+from agent.jit import fused_kernel, kernel, summing_kernel
+
+SEEN = 1e-3
+"""Share of a response that must remain beside level and end of the filter's memory."""
 
 
 @summing_kernel
@@ -37,179 +40,149 @@ def moves_of(position: FloatArray, block: int, means: FloatArray, at: IntArray, 
     return moves
 
 
-class Running(NamedTuple):
-    """One response so far, and its sums."""
-
-    first: float
-    """Of the first lag, OP units."""
-    z: float
-    """The response, OP units."""
-    plain: float
-    squares: float
-    slow: float
-    """Times keep^t."""
-    neighbours: float
-    """Times the one before."""
-
-
-@inlined_kernel
-def moved_on(so_far: Running, pole: float, second: float, passed: float, fading: float) -> Running:
-    """Return the sums with one more block; ``passed`` is the position high-passed, times the gain."""
-    first = pole * so_far.first + passed
-    z = second * so_far.z + first
-    return Running(
-        first,
-        z,
-        so_far.plain + z,
-        so_far.squares + z * z,
-        so_far.slow + z * fading,
-        so_far.neighbours + z * so_far.z,
-    )
-
-
-@kernel
-def add_sums(sums: FloatArray, q: int, i: int, times: float, running: Running) -> None:
-    """Add the sums of a response at the delay ``q`` and the pole ``i``."""
-    sums[0, q, i] += times * running.plain
-    sums[1, q, i] += times * running.squares
-    sums[2, q, i] += times * running.slow
-    sums[3, q, i] += times * running.neighbours
-
-
 @fused_kernel
 def response_sums(
     means: FloatArray,
-    keep: float,
-    poles: FloatArray,
-    second: FloatArray,
-    gains: FloatArray,
+    bank: Bank,
     delays: IntArray,
-    burn: int,
     sums: FloatArray,
 ) -> None:
-    """Fill ``sums`` (4, delays, poles): of the response z, z^2, z keep^t and z(t) z(t-1).
+    """Fill ``sums`` (3, delays, k): of the response z of each process, of z^2 and of z keep^t.
 
-    Over the samples that count once it is delayed; ``delays`` ascend, so that they end the sums early. Two
-    processes at a time: their filters wait for themselves only, and all their sums stay in registers.
+    Over the samples that count once it is delayed; ``delays`` ascend, so that they end the sums early. A
+    ``GROUP`` of processes goes through the record side by side, and their states and sums lie in one array, at
+    distances that the compiler knows: so it takes several of them at once.
     """
     m = means.size
-    passed = np.empty(m)
-    fading = np.empty(m)
-    high, former, memory = 0.0, means[0], 1.0
-    for t in range(m):
-        high = keep * high + keep * (means[t] - former)
-        former = means[t]
-        passed[t], fading[t] = high, memory
-        memory *= keep
+    state = np.empty(8 * GROUP)
     sums[:] = 0.0
-    for i in range(0, poles.size, 2):
-        j = min(i + 1, poles.size - 1)
-        one = Running(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        other = one
+    for group in range(0, bank.poles.size, GROUP):
+        state[:GROUP] = bank.poles[group : group + GROUP]
+        state[GROUP : 2 * GROUP] = bank.second[group : group + GROUP]
+        state[2 * GROUP : 3 * GROUP] = bank.gains[group : group + GROUP]
+        state[3 * GROUP :] = 0.0
+        high, former, memory = 0.0, means[0], 1.0
         begin = end = delays.size - 1
         t = 0
         while end >= 0:
-            if begin >= 0 and t >= burn - delays[begin]:
-                add_sums(sums, begin, i, -1.0, one)
-                if j > i:
-                    add_sums(sums, begin, j, -1.0, other)
+            if begin >= 0 and t >= bank.burn - delays[begin]:
+                add_sums(sums, begin, group, -1.0, state)
                 begin -= 1
                 continue
             until = m - delays[end]
             if t >= until:
-                add_sums(sums, end, i, 1.0, one)
-                if j > i:
-                    add_sums(sums, end, j, 1.0, other)
+                add_sums(sums, end, group, 1.0, state)
                 end -= 1
                 continue
             if begin >= 0:
-                until = min(until, burn - delays[begin])
+                until = min(until, bank.burn - delays[begin])
             for u in range(t, until):
-                one = moved_on(one, poles[i], second[i], gains[i] * passed[u], fading[u])
-                other = moved_on(other, poles[j], second[j], gains[j] * passed[u], fading[u])
+                high = bank.keep * high + bank.keep * (means[u] - former)
+                former = means[u]
+                for i in range(GROUP):
+                    first = state[i] * state[3 * GROUP + i] + state[2 * GROUP + i] * high
+                    z = state[GROUP + i] * state[4 * GROUP + i] + first
+                    state[3 * GROUP + i] = first
+                    state[4 * GROUP + i] = z
+                    state[5 * GROUP + i] += z
+                    state[6 * GROUP + i] += z * z
+                    state[7 * GROUP + i] += z * memory
+                memory *= bank.keep
             t = until
 
 
+@kernel
+def add_sums(sums: FloatArray, q: int, group: int, times: float, state: FloatArray) -> None:
+    """Add the sums of a group of processes so far at the delay ``q``."""
+    for kind in range(3):
+        for i in range(GROUP):
+            sums[kind, q, group + i] += times * state[(5 + kind) * GROUP + i]
+
+
 @summing_kernel
-def covariances(
-    at: IntArray,
-    by: FloatArray,
-    moves: int,
-    sums: FloatArray,
-    places: IntArray,
-    delays: IntArray,
-    covariance: FloatArray,
-) -> None:
-    """Fill the covariance of PV with each delayed response, (delays, poles)."""
-    covariance[:] = 0.0
-    for j in range(moves):
-        move = by[j]
-        for q in range(delays.size):
-            row = at[j] + delays[q]
-            for i in range(places.size):
-                covariance[q, i] += move * sums[row, places[i]]
+def covariances(at: IntArray, by: FloatArray, moves: int, delayed: FloatArray, covariance: FloatArray) -> None:
+    """Fill the covariance of PV with each delayed response, (delays * k,).
 
-
-@kernel
-def without_nuisance(
-    product: float, a: tuple[float, float], b: tuple[float, float], gram: FloatArray
-) -> float:
-    """Return the product of two responses less what level and end of the filter's memory take of it.
-
-    ``a`` and ``b`` are the products of each response with these two.
+    Args:
+        at: Blocks of the moves, (moves or more,).
+        by: The moves, OP units, likewise.
+        moves: How many there are.
+        delayed: The bank's sums at each delay side by side, (m, delays * k).
+        covariance: Filled. Several moves at a time, so that it is loaded less often.
     """
-    taken = gram[0, 0] * a[0] * b[0] + gram[0, 1] * (a[0] * b[1] + a[1] * b[0]) + gram[1, 1] * a[1] * b[1]
-    return float(product - taken)
+    covariance[:] = 0.0
+    whole = moves - moves % 4
+    for j in range(0, whole, 4):
+        a, b, c, d = by[j], by[j + 1], by[j + 2], by[j + 3]
+        of_a, of_b, of_c, of_d = delayed[at[j]], delayed[at[j + 1]], delayed[at[j + 2]], delayed[at[j + 3]]
+        for i in range(covariance.size):
+            covariance[i] += a * of_a[i] + b * of_b[i] + c * of_c[i] + d * of_d[i]
+    for j in range(whole, moves):
+        a, of_a = by[j], delayed[at[j]]
+        for i in range(covariance.size):
+            covariance[i] += a * of_a[i]
 
 
-@kernel
+@fused_kernel
 def best_process(
-    response: FloatArray, covariance: FloatArray, delays: IntArray, bank: Bank
+    response: FloatArray, covariance: FloatArray, fading: FloatArray, bank: Bank
 ) -> tuple[float, int, int]:
-    """Return the largest explained share of PV with its places among delays and poles."""
+    """Return the largest explained share of PV with its places among delays and poles.
+
+    Args:
+        response: From ``response_sums``, (3, delays, k).
+        covariance: (delays, k).
+        fading: The pole of the high pass to the power of each delay, (delays,).
+        bank: The processes.
+    """
     best = 0.0
     best_q = 0
     best_i = 0
-    for q in range(delays.size):
-        fading = bank.keep ** delays[q]
+    level, both, end = bank.gram[0, 0], bank.gram[0, 1], bank.gram[1, 1]
+    for q in range(covariance.shape[0]):
         for i in range(covariance.shape[1]):
-            if covariance[q, i] * bank.gain_sign < 0.0:
+            shared = covariance[q, i]
+            if shared * bank.gain_sign < 0.0:
                 continue
-            slow = (response[0, q, i], fading * response[2, q, i])
-            left = without_nuisance(response[1, q, i], slow, slow, bank.gram)
-            if left > 1e-3 * response[1, q, i]:
-                share = covariance[q, i] ** 2 / left / bank.squares
-                if share > best:
-                    best = share
-                    best_q = q
-                    best_i = i
-    return best, best_q, best_i
+            plain, square, slow = response[0, q, i], response[1, q, i], fading[q] * response[2, q, i]
+            left = square - (level * plain * plain + 2.0 * both * plain * slow + end * slow * slow)
+            if left > SEEN * square and shared * shared > best * left:
+                best = shared * shared / left
+                best_q = q
+                best_i = i
+    return best / bank.squares, best_q, best_i
 
 
 class Room(NamedTuple):
-    """Room for what a score needs, so that scores of one bank at the same delays share it."""
+    """What the scores of one bank at the same delays share: a table, and room."""
 
+    delayed: FloatArray
+    """The bank's sums at each delay side by side, PV units, (m, delays * k)."""
+    fading: FloatArray
+    """The pole of the high pass to the power of each delay, (delays,)."""
     means: FloatArray
     at: IntArray
     by: FloatArray
     response: FloatArray
     covariance: FloatArray
-    every: IntArray
-    """The places of all processes."""
 
 
 @kernel
 def room_for(bank: Bank, delays: IntArray) -> Room:
-    """Return room for the bank at these delays."""
+    """Return the table and room for the bank at these delays."""
     m = bank.op.size // bank.block
     k = bank.poles.size
+    delayed = np.empty((m, delays.size * k))
+    for q in range(delays.size):
+        delayed[:, q * k : (q + 1) * k] = bank.sums[delays[q] : delays[q] + m]
     return Room(
+        delayed,
+        bank.keep**delays,
         np.empty(m),
         np.empty(m, np.int64),
         np.empty(m),
-        np.empty((4, delays.size, k)),
-        np.empty((delays.size, k)),
-        np.arange(k),
+        np.empty((3, delays.size, k)),
+        np.empty(delays.size * k),
     )
 
 
@@ -224,9 +197,8 @@ def best_share(
     moves = moves_of(position, bank.block, room.means, room.at, room.by)
     if moves < least_moves:
         return 0.0, 0
-    response_sums(
-        room.means, bank.keep, bank.poles, bank.second, bank.gains, delays, bank.burn, room.response
-    )
-    covariances(room.at, room.by, moves, bank.sums, room.every, delays, room.covariance)
-    best, q, pole = best_process(room.response, room.covariance, delays, bank)
+    response_sums(room.means, bank, delays, room.response)
+    covariances(room.at, room.by, moves, room.delayed, room.covariance)
+    covariance = room.covariance.reshape(delays.size, bank.poles.size)
+    best, q, pole = best_process(room.response, covariance, room.fading, bank)
     return best, pole * delays.size + q

@@ -1,11 +1,12 @@
-"""Which models a record cannot distinguish from the best of many: the model confidence set.
+"""Which models a record cannot distinguish from the best of many: those that pass a reality check.
 
 The errors of a fit are no independent noise: mostly they are slips that a model places some samples beside
 the true ones, a few of these decide between two valves, and the best of many models is so by luck as well. So
 the squared errors of each model are summed over each period, and periods are drawn with replacement: that
-shows how much the errors of any two would differ in other records of the same loop, and how far apart the two
-that differ most would be by chance alone. While the worst is farther from another than that, it leaves the
-set (P. R. Hansen, A. Lunde and J. M. Nason, Econometrica 79 (2011) 453: the range statistic T_R).
+shows how much the errors of any two would differ in other records of the same loop. A model is rejected where
+another is better by more standard errors than the luckiest of all would be better than it by chance alone
+(H. White, Econometrica 68 (2000) 1097, in standard errors as P. R. Hansen, J. Business & Economic Statistics
+23 (2005) 365, has it).
 """
 
 from __future__ import annotations
@@ -19,9 +20,7 @@ from agent.identify.residuals import residuals
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
-    from agent.identify.arrays import FloatArray, IntArray
+    from agent.identify.arrays import FloatArray
     from agent.identify.fitted import Fitted
     from agent.identify.problem import Problem
 
@@ -35,7 +34,7 @@ SAME = 1e-12
 
 
 def p_of_models(models: Sequence[Fitted], problem: Problem) -> FloatArray:
-    """Return p of each model: it belongs to the set of level 1 - p, and to no smaller one, (k,).
+    """Return p of each model: the chance that another is as much better than it by luck, (k,).
 
     The model with the least error has 1.
 
@@ -62,24 +61,17 @@ def losses_of_pieces(squares: FloatArray, period: int) -> FloatArray:
 
 def p_of_losses(losses: FloatArray) -> FloatArray:
     """Return p of each model from its losses in independent pieces of a record, (k, pieces)."""
-    count, pieces = losses.shape
+    pieces = losses.shape[1]
     rng = np.random.default_rng(0)
     drawn = rng.multinomial(pieces, np.full(pieces, 1.0 / pieces), size=REPLICATES) / pieces
     mean = losses.mean(axis=1)
     by_chance = losses @ drawn.T - mean[:, None]
     error = _errors(by_chance)
-    worse = (mean[:, None] - mean) / error
-    left = np.ones(count, dtype=np.bool_)
-    widest, of_model = _widest(by_chance, error, left)
-    p, reached = np.ones(count), 0.0
-    for _ in range(count - 1):
-        most = np.where(left, worse[:, left].max(axis=1), -np.inf)
-        worst = int(np.argmax(most))
-        reached = max(reached, float(np.mean(widest >= most[worst])))
-        p[worst] = reached
-        left[worst] = False
-        anew = (of_model == worst).any(axis=1)
-        widest[anew], of_model[anew] = _widest(by_chance[:, anew], error, left)
+    p = np.empty(len(losses))
+    for i, of_this in enumerate(error):
+        worse = np.max((mean[i] - mean) / of_this)
+        luck = np.max((by_chance[i] - by_chance) / of_this[:, None], axis=0)
+        p[i] = np.mean(luck >= worse) if worse > 0.0 else 1.0
     return p
 
 
@@ -90,25 +82,3 @@ def _errors(by_chance: FloatArray) -> FloatArray:
     squares = own[:, None] + own - 2.0 * variance
     alike = squares <= SAME * (own[:, None] + own)
     return np.sqrt(np.where(alike, np.inf, squares))
-
-
-def _widest(by_chance: FloatArray, error: FloatArray, left: NDArray[np.bool_]) -> tuple[FloatArray, IntArray]:
-    """Return by how many standard errors the two that are farthest apart differ in each replicate, and who.
-
-    Args:
-        by_chance: Of each model in each replicate, (k, r).
-        error: From ``_errors``, (k, k).
-        left: Which models count, (k,).
-
-    Returns:
-        (r,) and (r, 2).
-    """
-    models = np.flatnonzero(left)
-    error = error[np.ix_(models, models)]
-    widest, pairs = np.zeros(by_chance.shape[1]), np.zeros((by_chance.shape[1], 2), dtype=np.int64)
-    for r, values in enumerate(by_chance[models].T):
-        apart = (values[:, None] - values) / error
-        place = int(np.argmax(apart))
-        widest[r] = apart.flat[place]
-        pairs[r] = models[list(divmod(place, len(models)))]
-    return widest, pairs

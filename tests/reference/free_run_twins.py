@@ -135,7 +135,7 @@ def best_of_cell(bank, pv, valve, stem, step, delays):
         means, moved = moves(position, bank.block)
         if moved < 3:
             continue
-        for place in range(len(bank.poles)):
+        for place in np.flatnonzero(bank.gains):
             for q, delay in enumerate(delays):
                 share, gain = bank_share(bank_response(means, delay, place, bank), pv, bank)
                 if gain * bank.gain_sign >= 0 and share > best[0]:

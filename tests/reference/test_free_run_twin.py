@@ -171,15 +171,17 @@ def test_the_bank_scores_as_least_squares_on_its_regressors(seed, acting, slowne
     means, at, by = np.empty(m), np.empty(m, np.int64), np.empty(m)
     moves = scores.moves_of(damped_stem(op, 1.0, 0.5, op[0], 0.01, 0.01, 1e-8), near.block, means, at, by)
     assert np.sum(by[:moves]) == pytest.approx(means[-1])
-    response, covariance = np.empty((4, 6, 3)), np.empty((6, 3))
-    scores.response_sums(means, near.keep, near.poles, near.second, near.gains, DELAYS, near.burn, response)
-    scores.covariances(at, by, moves, near.sums, np.arange(3), DELAYS, covariance)
+    room = scores.room_for(near, DELAYS)
+    scores.response_sums(means, near, DELAYS, room.response)
+    scores.covariances(at, by, moves, room.delayed, room.covariance)
+    response, covariance = room.response[:, :, :3], room.covariance.reshape(6, -1)[:, :3]
+    assert not room.response[:, :, 3:].any()  # the group is filled up
     late = np.array([[slow.bank_response(means, d, i, near) for i in range(3)] for d in DELAYS])
     np.testing.assert_allclose(response[0], late[:, :, near.burn :].sum(axis=2), rtol=1e-6, atol=1e-6)
     np.testing.assert_allclose(response[1], (late[:, :, near.burn :] ** 2).sum(axis=2), rtol=1e-6)
     fits = [[slow.bank_share(one, problem.pv[:m], near) for one in row] for row in late]
     shares = np.array([[f[0] if f[1] * near.gain_sign >= 0 else 0.0 for f in row] for row in fits])
-    best, q, i = scores.best_process(response, covariance, DELAYS, near)
+    best, q, i = scores.best_process(room.response, room.covariance.reshape(6, -1), room.fading, near)
     assert best == pytest.approx(shares.max(), abs=1e-6)
     assert best == pytest.approx(shares[q, i], abs=1e-6)
 

@@ -21,7 +21,7 @@ def best_share(near, pv, f_s, f_d, count):
         means, moved = slow.moves(damped_stem(near.op, f_s, f_d, rest, *STEMS[0]), near.block)
         if moved < 1:
             continue
-        for place in range(len(near.poles)):
+        for place in np.flatnonzero(near.gains):
             for delay in DELAYS:
                 share, gain = slow.bank_share(slow.bank_response(means, delay, place, near), pv, near)
                 if gain * near.gain_sign >= 0 and share > best[0]:

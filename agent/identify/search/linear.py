@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from agent.identify.arrays import FloatArray
     from agent.identify.problem import Problem
 
+FIRST_PASSES, GO_ON = 4, 8
+"""Gauss-Newton steps of every start, and how many starts, the best after these, go on."""
 PASSES = 25
-"""Gauss-Newton steps of a start, at most."""
+"""Gauss-Newton steps of those, at most."""
 SECONDS = (-1.6, -0.2)
 """Logs of the second time constant over the first, where a start has one: a step that makes a small one
 vanish does not come back, for no derivative shows it."""
@@ -36,6 +38,8 @@ def best_linear(problem: Problem, structures: Sequence[int], also: Fitted | None
         starts = _starts(problem, structure, also)
         count = len(starts)
         population = Candidates(starts, np.full(count, structure), np.full(count, math.inf))
+        refit(population, problem, FIRST_PASSES)
+        population = population.sorted(GO_ON)
         refit(population, problem, PASSES)
         end = start(population.sorted(1).candidates[0], structure, problem)
         ends += [polished(end, problem)] if math.isfinite(end.error) else []

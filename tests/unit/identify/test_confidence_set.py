@@ -1,6 +1,7 @@
 """Which models a record cannot distinguish from the best of many."""
 
 import numpy as np
+import pytest
 
 from agent.identify.confidence_set import LEAST_PIECES, losses_of_pieces, p_of_losses
 
@@ -14,15 +15,20 @@ def losses(seed, worse=0.0):
     return drawn
 
 
-def test_the_model_with_the_least_loss_is_the_last_to_leave():
+def test_the_model_with_the_least_loss_is_never_rejected():
     drawn = losses(1)
     assert p_of_losses(drawn)[np.argmin(drawn.sum(axis=1))] == 1.0
 
 
-def test_the_truth_among_many_that_are_as_good_stays_in_nine_of_ten_records():
-    """The first is never chosen for its loss; a comparison of two would exclude it far more often."""
-    kept = sum(p_of_losses(losses(seed))[0] >= LEVEL for seed in range(200))
-    assert 176 <= kept <= 200
+@pytest.mark.parametrize(("models", "least"), [(5, 165), (30, 150)])
+def test_the_truth_among_some_that_are_as_good_stays_in_most_records(models, least):
+    """The first is never chosen for its loss; a comparison of two would exclude it far more often.
+
+    Of rivals that err independently of each other (those of a search do not) fewer than nine in ten records
+    keep it, because a standard error of 25 pieces is not exact.
+    """
+    kept = sum(p_of_losses(losses(seed)[:models])[0] >= LEVEL for seed in range(200))
+    assert least <= kept <= 195
 
 
 def test_models_that_are_clearly_worse_leave():

@@ -37,7 +37,7 @@ class Found:
     """The best of each cell of S and of J, the best among them; the least error first. Their errors are in
     the view in which they were found."""
     p: FloatArray
-    """Of each of them in their model confidence set, in that view, (k,)."""
+    """Of each of them that it is as good as the best, in that view (``confidence_set``), (k,)."""
     least_error: float
     """The least sum of squares in the slow view, PV units squared."""
     ended: SearchEnd
