@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from agent.analysis.memory.known import ProcessSeen, known_from, process_seen
 from agent.analysis.memory.outcome import OUTCOMES, outcome_of
-from agent.analysis.memory.s_day import REPAIRED, SDay, known_s_of, s_seen, with_s
+from agent.analysis.memory.s_day import SDay, known_s_of, s_seen, with_s
 from agent.analysis.memory.weighing_windows import BASE_RATE, Counts, probability_of
 from agent.analysis.record.known_process import KnownValve
 from agent.analysis.response.candidates import UNSURE_GAIN
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from agent.analysis.memory.outcome import Outcome
     from agent.analysis.record.recording import LoopHints
 
-VERSION = 2
+VERSION = 3
 """Of the state as it is stored."""
 DAY = 86400.0
 """s"""
@@ -31,8 +31,6 @@ HALF_LIFE = 60 * DAY
 """Time after which a window counts for half, s: valves wear over months."""
 PROCESSES = 24
 """Windows whose process is kept, the newest."""
-CHECKS = 5
-"""Windows that are kept to check whether a valve is recognised, the newest."""
 NOTHING: Counts = (0.0,) * len(OUTCOMES)
 
 
@@ -50,8 +48,6 @@ class ValveMemory:
     """The newest last."""
     s_days: tuple[SDay, ...] = ()
     """S of each day that showed or divided it, the newest last."""
-    checks: tuple[float, ...] = ()
-    """Log likelihood ratios (``AsBefore``) of the newest windows that showed S, nats."""
     version: int = VERSION
 
     @property
@@ -92,19 +88,16 @@ def remember(memory: ValveMemory, diagnosis: Diagnosis, start: float, end: float
         today=today,
         processes=memory.processes if seen is None else (*memory.processes, seen)[-PROCESSES:],
         s_days=memory.s_days if s is None else with_s(memory.s_days, s, new),
-        checks=_checked(memory.checks, diagnosis, s),
     )
 
 
 def hints_from(memory: ValveMemory, hints: LoopHints) -> LoopHints:
     """Return the hints of the next window: with process and valve, where the windows so far show them.
 
-    A gain that is as unsure as that of an unknown process is enough beside a known S. A valve that was not
-    recognised in windows that showed S is not known: its process is wrong, and would be in each window.
+    A gain that is as unsure as that of an unknown process is enough beside a known S.
     """
     s, process = known_s_of(memory.s_days), known_from(memory.processes, UNSURE_GAIN)
-    recognised = not memory.checks or sorted(memory.checks)[len(memory.checks) // 2] > 0
-    valve = KnownValve(s, process) if s is not None and process is not None and recognised else None
+    valve = KnownValve(s, process) if s is not None and process is not None else None
     return replace(hints, known=known_from(memory.processes), known_valve=valve)
 
 
@@ -115,13 +108,6 @@ def _on_day_of(memory: ValveMemory, time: float) -> ValveMemory:
         return memory
     keep = 0.5 ** ((time - memory.until) / HALF_LIFE)
     return replace(memory, former=tuple(keep * each for each in memory.counts), today=NOTHING)
-
-
-def _checked(checks: tuple[float, ...], diagnosis: Diagnosis, s: SDay | None) -> tuple[float, ...]:
-    if s is None or s.above is not None or diagnosis.as_before is None:
-        return checks
-    repaired = s.s < REPAIRED * diagnosis.as_before.s  # then it must not be recognised
-    return checks if repaired else (*checks, diagnosis.as_before.log_ratio)[-CHECKS:]
 
 
 def _added(counts: Counts, outcome: Outcome, weight: float) -> Counts:
