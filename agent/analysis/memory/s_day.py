@@ -139,6 +139,22 @@ def known_s_of(days: Sequence[SDay]) -> float | None:
     return float(np.median(shown)) if len(shown) >= FEWEST else None
 
 
+def falls(days: Sequence[SDay], seen: SDay) -> bool:
+    """Whether a window speaks for an S of less than half of the former one, however little.
+
+    Args:
+        days: Days of S with the window.
+        seen: What the window shows of S.
+    """
+    former = known_s_of(days)
+    if former is None:
+        return False
+    if seen.above is None:
+        return seen.s < REPAIRED * former
+    divides, above = seen.divided(recognised=True)
+    return above < 0 and divides <= former
+
+
 def _one_day(last: SDay, new: SDay) -> SDay:
     """Return two parts of a day as one: means weighted by windows, S by its precision as well."""
     both = last.weight + new.weight

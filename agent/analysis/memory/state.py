@@ -23,6 +23,8 @@ def to_state(memory: ValveMemory) -> str:
         "until": memory.until,
         "former": [_short(each) for each in memory.former],
         "today": [_short(each) for each in memory.today],
+        "before": [_short(each) for each in memory.before],
+        "repaired": memory.repaired,
         "processes": [
             [round(p.time), _short(p.gain), _short(p.log_gain_sd), _short(p.tau), _short(p.delay)]
             for p in memory.processes
@@ -51,6 +53,8 @@ def from_state(text: str) -> ValveMemory:
             until=_number(content["until"]),
             former=_counts(names, content["former"]),
             today=_counts(names, content["today"]),
+            before=_counts(names, content["before"]) if version > 2 else NOTHING,
+            repaired=_optional(content["repaired"]) if version > 2 else None,
             processes=tuple(
                 ProcessSeen(
                     _number(time),

@@ -21,7 +21,7 @@ from agent.analysis.memory.valve_memory import (
     hints_from,
     remember,
 )
-from agent.analysis.memory.weighing_windows import log_bayes_factor, probability_of
+from agent.analysis.memory.weighing_windows import BASE_RATE, log_bayes_factor, probability_of
 from agent.analysis.record.recording import LoopHints
 from agent.analysis.results import IntervalEstimate, ProcessEstimate, ProcessIntervals
 from agent.analysis.wear.as_before import AsBefore
@@ -300,3 +300,34 @@ def test_a_valve_that_is_not_recognised_while_it_sticks_is_not_called_repaired(l
 def test_a_valve_that_was_repaired_and_shows_it_is_not_compared():
     day = s_seen(replace(said(0.9, s=0.3, gain=1.5), as_before=AsBefore(3.0, -40.0)), START)
     assert day.agrees is None
+
+
+def compared(memory, ratios, after=0, window=quiet_as):
+    for k, log_ratio in enumerate(ratios):
+        at = START + (after + k) * DAY
+        memory = remember(memory, window(log_ratio), at, at + HOUR)
+    return memory
+
+
+def sticking_as(log_ratio):
+    """A window that shows S, and how it agrees with an S of 3."""
+    return replace(said(0.985, s=3.0), as_before=AsBefore(3.0, log_ratio))
+
+
+def test_what_a_valve_showed_before_a_repair_counts_no_more_unless_days_take_it_back():
+    sticks = compared(ValveMemory(), [40.0] * 5, window=sticking_as)
+    assert sticks.probability() > 0.8
+    repaired = from_state(to_state(compared(sticks, [-40.0] * 2, after=5)))
+    assert repaired.probability() == pytest.approx(BASE_RATE)
+    assert compared(repaired, [-40.0] * 20, after=7).probability() == pytest.approx(BASE_RATE)
+    back = compared(repaired, [40.0] * 4, after=7)
+    assert back.repaired is None
+    assert back.probability() == pytest.approx(sticks.probability(), abs=0.02)
+
+
+def test_a_valve_that_sticks_again_after_a_repair_is_found_by_its_new_windows():
+    memory = compared(ValveMemory(), [40.0] * 5, window=sticking_as)
+    memory = compared(memory, [-40.0] * 20, after=5)
+    again = compared(memory, [40.0] * 2, after=25, window=sticking_as)
+    assert again.probability() > 0.5
+    assert again.repaired == memory.repaired
