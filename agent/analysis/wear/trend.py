@@ -146,7 +146,7 @@ def _first_beyond(trend: Trend, limit: float, z: float) -> float | None:
 
 
 def _kinds(days: Sequence[SDay], least: float) -> list[Kind]:
-    """Return the kinds of valve that days tell apart: it is recognised by its former S, or it is not.
+    """Return the kinds of valve that days distinguish: it is recognised by its former S, or it is not.
 
     One that is not is called repaired by each comparison, whatever its S: so they say nothing of S.
     """
