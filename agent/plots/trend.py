@@ -38,10 +38,16 @@ def trend_figure(loop: str, days: Sequence[SDay], trend: Trend, limit: float | N
         label="S of a day, 90 %",
     )
     for marker, larger in (("v", False), ("^", True)):
-        dividing = [each for each in days if each.above is not None and (each.above > 0) == larger]
+        dividing = [
+            (_date(each.time), divides)
+            for each in days
+            if each.above is not None
+            for divides, above in [each.divided(recognised=True)]
+            if (above > 0) == larger
+        ]
         if dividing:
             name = f"S is probably {'larger' if larger else 'smaller'}"
-            at, bounds = [_date(each.time) for each in dividing], [each.bound for each in dividing]
+            at, bounds = zip(*dividing, strict=True)
             axes.plot(at, bounds, marker, color="0.6", label=name)
     when = [_date(each.time) for each in trend.levels]
     axes.plot(when, [each.s for each in trend.levels], color="C0", label="trend")

@@ -29,9 +29,9 @@ REPAIRED = 0.5
 """Part of its former S below which a valve does not stick as before: what is called a repair."""
 TRUST = 0.5
 """Part of the nats for the former S that counts: the models lack something in each window."""
-MOST = 7.0
-"""Nats that a day has at most against the former S: hardly more than a repair needs at one a year, so that
-one clear day is enough."""
+MOST = 5.0
+"""Nats that a day has at most against the former S: of the windows of constant valves that are recognised one
+in 150 contradicts it clearly."""
 MOST_FOR = 3.0
 """And for it: a load that the controller cancels looks like a stem that stands."""
 SHOWS = 0.5
@@ -52,12 +52,29 @@ class SDay:
     """Windows that it comes from, each by what was new in it."""
     above: float | None = None
     """None where the windows show S. Else they only divide: log of how much likelier they are where S is
-    above ``bound`` than where it is below."""
+    above ``bound`` than where it is below; 0 where no search found anything."""
+    half: float = 0.0
+    """The part of the former S that a comparison with it divides at, OP units."""
+    agrees: float | None = None
+    """Nats by which the windows are likelier with the former S than without friction; None: not compared."""
 
     @property
     def bound(self) -> float:
-        """What divides S, OP units: the upper end of what a search found, or a part of the former S."""
+        """The upper end of what a search found, OP units."""
         return self.s + 2 * self.sd
+
+    def divided(self, *, recognised: bool) -> tuple[float, float]:
+        """Return what divides S, OP units, and by how many nats it is above that rather than below.
+
+        Args:
+            recognised: Whether comparisons with the former S are right for this valve.
+        """
+        found = self.above or 0.0
+        if not recognised or self.agrees is None:
+            return self.bound, found
+        if self.bound < self.half and found < 0 and self.agrees < 0:
+            return self.bound, min(self.agrees, found)
+        return self.half, self.agrees
 
 
 def s_seen(diagnosis: Diagnosis, time: float) -> SDay | None:
@@ -93,15 +110,17 @@ def s_of_window(
     if value is not None and low is not None and high is not None and probability is not None:
         least = max(LEAST_SD * value, 1e-6)
         if probability > SHOWS:
-            return SDay(time, value, max((high - low) / (2 * NORMAL_90), least), 1.0)
-        found = SDay(time, value, max((high - value) / 2, least), 1.0, above=math.log(WRONG))
+            found = SDay(time, value, max((high - low) / (2 * NORMAL_90), least), 1.0)
+        else:
+            found = SDay(time, value, max((high - value) / 2, least), 1.0, above=math.log(WRONG))
     if before is None:
         return found
-    part, above = REPAIRED * before[0], max(-MOST, min(MOST_FOR, TRUST * before[1]))
-    if found is not None and above < 0 and found.bound < part:
-        return replace(found, above=min(above, math.log(WRONG)))
-    s_below = part / (1 + 2 * LEAST_SD)
-    return SDay(time, s_below, LEAST_SD * s_below, 1.0, above=above)
+    half, agrees = REPAIRED * before[0], max(-MOST, min(MOST_FOR, TRUST * before[1]))
+    if found is None:
+        return SDay(time, half, 0.0, 1.0, 0.0, half, agrees)
+    if found.above is None and found.s < half:
+        return found  # it was repaired, and shows it: the former S must not fit
+    return replace(found, half=half, agrees=agrees)
 
 
 def with_s(days: Sequence[SDay], new: SDay, weight: float) -> tuple[SDay, ...]:
@@ -111,20 +130,48 @@ def with_s(days: Sequence[SDay], new: SDay, weight: float) -> tuple[SDay, ...]:
         return _thinned((*days, replace(new, weight=weight)))
     if (last.above is None) != (new.above is None):  # a day that showed S does not divide it
         return tuple(days) if last.above is None else (*days[:-1], replace(new, weight=weight))
-    precisions = (last.weight / last.sd**2, weight / new.sd**2)
-    s = (precisions[0] * last.s + precisions[1] * new.s) / sum(precisions)
-    both = last.weight + weight
-    sd = math.sqrt(both / sum(precisions))
-    above = None
-    if last.above is not None and new.above is not None:
-        above = (last.weight * last.above + weight * new.above) / both
-    return (*days[:-1], SDay(new.time, s, sd, both, above))
+    return (*days[:-1], _one_day(last, replace(new, weight=weight)))
 
 
 def known_s_of(days: Sequence[SDay]) -> float | None:
     """Return the S that the newest days agree on, OP units; None where too few showed it."""
     shown = [each.s for each in days if each.above is None][-NEWEST:]
     return float(np.median(shown)) if len(shown) >= FEWEST else None
+
+
+def falls(days: Sequence[SDay], seen: SDay) -> bool:
+    """Whether a window speaks for an S of less than half of the former one, however little.
+
+    Args:
+        days: Days of S with the window.
+        seen: What the window shows of S.
+    """
+    former = known_s_of(days)
+    if former is None:
+        return False
+    if seen.above is None:
+        return seen.s < REPAIRED * former
+    divides, above = seen.divided(recognised=True)
+    return above < 0 and divides <= former
+
+
+def _one_day(last: SDay, new: SDay) -> SDay:
+    """Return two parts of a day as one: means weighted by windows, S by its precision as well."""
+    both = last.weight + new.weight
+    searched = [each for each in (last, new) if each.above != 0] or [new]
+    found = searched[0]
+    if len(searched) == 2:
+        precisions = (last.weight / last.sd**2, new.weight / new.sd**2)
+        s = (precisions[0] * last.s + precisions[1] * new.s) / sum(precisions)
+        above = None
+        if last.above is not None and new.above is not None:
+            above = (last.weight * last.above + new.weight * new.above) / both
+        found = replace(new, s=s, sd=math.sqrt(both / sum(precisions)), above=above)
+    compared = [each for each in (last, new) if each.agrees is not None]
+    count = sum(each.weight for each in compared)
+    half = sum(each.weight * each.half for each in compared) / count if compared else 0.0
+    agrees = sum(each.weight * (each.agrees or 0.0) for each in compared) / count if compared else None
+    return replace(found, time=new.time, weight=both, half=half, agrees=agrees)
 
 
 def _thinned(days: tuple[SDay, ...]) -> tuple[SDay, ...]:

@@ -23,13 +23,14 @@ def to_state(memory: ValveMemory) -> str:
         "until": memory.until,
         "former": [_short(each) for each in memory.former],
         "today": [_short(each) for each in memory.today],
+        "before": [_short(each) for each in memory.before],
+        "repaired": memory.repaired,
         "processes": [
             [round(p.time), _short(p.gain), _short(p.log_gain_sd), _short(p.tau), _short(p.delay)]
             for p in memory.processes
         ],
-        "checks": [_short(each) for each in memory.checks],
         "s_days": [
-            [round(d.time), _short(d.s), _short(d.sd), _short(d.weight), _short(d.above)]
+            [round(d.time), *map(_short, (d.s, d.sd, d.weight, d.above, d.half, d.agrees))]
             for d in memory.s_days
         ],
     }
@@ -52,6 +53,8 @@ def from_state(text: str) -> ValveMemory:
             until=_number(content["until"]),
             former=_counts(names, content["former"]),
             today=_counts(names, content["today"]),
+            before=_counts(names, content["before"]) if version > 2 else NOTHING,
+            repaired=_optional(content["repaired"]) if version > 2 else None,
             processes=tuple(
                 ProcessSeen(
                     _number(time),
@@ -62,11 +65,7 @@ def from_state(text: str) -> ValveMemory:
                 )
                 for time, gain, sd, tau, delay in content["processes"]
             ),
-            checks=tuple(_number(each) for each in content.get("checks", ())),
-            s_days=tuple(
-                SDay(_number(t), _number(s), _number(sd), _number(w), _above(above, version))
-                for t, s, sd, w, above in content["s_days"]
-            ),
+            s_days=tuple(_day(each, version) for each in content["s_days"]),
         )
     except (KeyError, TypeError) as error:
         raise ValueError(f"not a memory: {error}") from error
@@ -78,10 +77,24 @@ def _counts(names: list[str], values: list[Any]) -> tuple[float, ...]:
     return tuple(_number(known.get(each, 0.0)) for each in OUTCOMES) if names else NOTHING
 
 
-def _above(value: object, version: int) -> float | None:
-    """Return ``SDay.above``; before version 2 it was whether the day is a bound."""
-    if version < 2:
-        return math.log(WRONG) if value else None
+def _day(values: list[Any], version: int) -> SDay:
+    """Return a day of S.
+
+    In version 1 its last number was whether it is a bound. In version 2 that was ``SDay.above``, also of a
+    comparison with the former S.
+    """
+    time, s, sd, weight = (_number(each) for each in values[:4])
+    above = _optional(values[4])
+    if version == 1:
+        above = math.log(WRONG) if above else None
+    if version > 2:
+        return SDay(time, s, sd, weight, above, _number(values[5]), _optional(values[6]))
+    if above is None or math.isclose(above, math.log(WRONG), rel_tol=1e-4):
+        return SDay(time, s, sd, weight, above)
+    return SDay(time, s, sd, weight, 0.0, s + 2 * sd, above)
+
+
+def _optional(value: object) -> float | None:
     return None if value is None else _number(value)
 
 

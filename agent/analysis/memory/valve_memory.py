@@ -1,8 +1,9 @@
 """The memory of one valve: a small value that each window updates.
 
 It holds how often windows had which outcome (``weighing_windows``), what they say of process and noise, and S
-day by day. Old windows are forgotten with a half-life. Windows that overlap count by what is new in them, and
-the windows of one day as one at most: they share loads, campaign and weather, and how far is not known.
+day by day. Old windows are forgotten with a half-life, those before a repair at once (``since_repair``).
+Windows that overlap count by what is new in them, and the windows of one day as one at most: they share
+loads, campaign and weather, and how far is not known.
 """
 
 from __future__ import annotations
@@ -13,17 +14,18 @@ from typing import TYPE_CHECKING
 
 from agent.analysis.memory.known import ProcessSeen, known_from, process_seen
 from agent.analysis.memory.outcome import OUTCOMES, outcome_of
-from agent.analysis.memory.s_day import REPAIRED, SDay, known_s_of, s_seen, with_s
+from agent.analysis.memory.s_day import SDay, falls, known_s_of, s_seen, with_s
 from agent.analysis.memory.weighing_windows import BASE_RATE, Counts, probability_of
 from agent.analysis.record.known_process import KnownValve
 from agent.analysis.response.candidates import UNSURE_GAIN
+from agent.analysis.wear.trend import trend_of
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.memory.outcome import Outcome
     from agent.analysis.record.recording import LoopHints
 
-VERSION = 2
+VERSION = 3
 """Of the state as it is stored."""
 DAY = 86400.0
 """s"""
@@ -31,8 +33,9 @@ HALF_LIFE = 60 * DAY
 """Time after which a window counts for half, s: valves wear over months."""
 PROCESSES = 24
 """Windows whose process is kept, the newest."""
-CHECKS = 5
-"""Windows that are kept to check whether a valve is recognised, the newest."""
+WATCHED = 14
+"""Days that are searched for a repair, the newest that showed or divided S; half as many after it, they may
+take it back. A search takes 40 ms, and it is in the agent's event loop."""
 NOTHING: Counts = (0.0,) * len(OUTCOMES)
 
 
@@ -50,8 +53,10 @@ class ValveMemory:
     """The newest last."""
     s_days: tuple[SDay, ...] = ()
     """S of each day that showed or divided it, the newest last."""
-    checks: tuple[float, ...] = ()
-    """Log likelihood ratios (``AsBefore``) of the newest windows that showed S, nats."""
+    before: Counts = NOTHING
+    """Windows by outcome before the last repair: they count no more, unless later days take it back."""
+    repaired: float | None = None
+    """Time of the window with which it was noticed, s UTC; None: there was none."""
     version: int = VERSION
 
     @property
@@ -86,25 +91,23 @@ def remember(memory: ValveMemory, diagnosis: Diagnosis, start: float, end: float
     outcome = outcome_of(diagnosis)
     today = memory.today if outcome is None else _added(memory.today, outcome, new)
     seen, s = process_seen(diagnosis, end), s_seen(diagnosis, end)
-    return replace(
+    found = replace(
         memory,
         until=end,
         today=today,
         processes=memory.processes if seen is None else (*memory.processes, seen)[-PROCESSES:],
         s_days=memory.s_days if s is None else with_s(memory.s_days, s, new),
-        checks=_checked(memory.checks, diagnosis, s),
     )
+    return found if s is None else _since_repair(found, s)
 
 
 def hints_from(memory: ValveMemory, hints: LoopHints) -> LoopHints:
     """Return the hints of the next window: with process and valve, where the windows so far show them.
 
-    A gain that is as unsure as that of an unknown process is enough beside a known S. A valve that was not
-    recognised in windows that showed S is not known: its process is wrong, and would be in each window.
+    A gain that is as unsure as that of an unknown process is enough beside a known S.
     """
     s, process = known_s_of(memory.s_days), known_from(memory.processes, UNSURE_GAIN)
-    recognised = not memory.checks or sorted(memory.checks)[len(memory.checks) // 2] > 0
-    valve = KnownValve(s, process) if s is not None and process is not None and recognised else None
+    valve = KnownValve(s, process) if s is not None and process is not None else None
     return replace(hints, known=known_from(memory.processes), known_valve=valve)
 
 
@@ -114,14 +117,31 @@ def _on_day_of(memory: ValveMemory, time: float) -> ValveMemory:
     if days <= 0 or not memory.until:
         return memory
     keep = 0.5 ** ((time - memory.until) / HALF_LIFE)
-    return replace(memory, former=tuple(keep * each for each in memory.counts), today=NOTHING)
+    former, before = (tuple(keep * each for each in some) for some in (memory.counts, memory.before))
+    return replace(memory, former=former, before=before, today=NOTHING)
 
 
-def _checked(checks: tuple[float, ...], diagnosis: Diagnosis, s: SDay | None) -> tuple[float, ...]:
-    if s is None or s.above is not None or diagnosis.as_before is None:
-        return checks
-    repaired = s.s < REPAIRED * diagnosis.as_before.s  # then it must not be recognised
-    return checks if repaired else (*checks, diagnosis.as_before.log_ratio)[-CHECKS:]
+def _since_repair(memory: ValveMemory, seen: SDay) -> ValveMemory:
+    """Return the memory after its newest window, which may show a repair, or take one back.
+
+    What a valve showed before a repair says nothing of it now.
+
+    Args:
+        memory: With the window.
+        seen: What it shows of S.
+    """
+    days, noticed = memory.s_days[-WATCHED:], memory.repaired
+    recent = noticed is not None and sum(each.time > noticed for each in days) <= WATCHED // 2
+    if not recent and not falls(days, seen):
+        return memory
+    trend = trend_of(days)
+    repaired = None if trend is None else trend.repaired
+    if repaired is not None and (noticed is None or repaired > noticed):
+        return replace(memory, former=NOTHING, before=memory.former, repaired=memory.until)
+    if recent and repaired is None:
+        former = tuple(map(sum, zip(memory.former, memory.before, strict=True)))
+        return replace(memory, former=former, before=NOTHING, repaired=None)
+    return memory
 
 
 def _added(counts: Counts, outcome: Outcome, weight: float) -> Counts:

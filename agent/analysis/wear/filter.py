@@ -70,6 +70,8 @@ class SeenLevel(NamedTuple):
     sd: float
     above: float | None = None
     """Log of how much likelier the day is where S is above ``value`` than below; None: S itself is seen."""
+    agrees: float = 0.0
+    """Nats by which the day is likelier in this kind of valve, whatever S is."""
 
 
 def begin(walk: LevelWalk, time: float, fell: float = 0.0) -> Filtered:
@@ -101,7 +103,7 @@ def step(state: Filtered, walk: LevelWalk, time: float, seen: SeenLevel) -> Filt
     total = float(shares.sum())
     mean = float(shares @ means) / total
     spread = float(shares @ (variances + (means - mean) ** 2)) / total
-    found = ahead.log_likelihood + likeliest + math.log(total)
+    found = ahead.log_likelihood + likeliest + math.log(total) + seen.agrees
     return _with_level(ahead, mean, spread)._replace(log_likelihood=found)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from agent.analysis.results import NORMAL_90
 from agent.analysis.wear.filter import Filtered, SeenLevel, forecast
-from agent.analysis.wear.stretches import LACKS, WALK, follow
+from agent.analysis.wear.stretches import LACKS, UNRECOGNISED, WALK, Kind, follow
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -105,8 +105,7 @@ def trend_of(days: Sequence[SDay]) -> Trend | None:
     times = [each.time / DAY for each in days]
     known = [each.s for each in days if each.above is None] or [each.bound for each in days]
     middle = max(float(np.median(known)), 1e-9)
-    seen = [_seen(each, LEAST * middle) for each in days]
-    followed = follow(times, seen, math.log(middle))
+    followed = follow(times, _kinds(days, LEAST * middle), math.log(middle))
     jumps: list[Jump] = []
     levels: list[Level] = []
     first = 0
@@ -117,7 +116,9 @@ def trend_of(days: Sequence[SDay]) -> Trend | None:
             after = math.exp(float(followed[end - 1].state.mean[0]))
             jumps.append(Jump(days[k].time, levels[-1].s, after))
         s, low, high = (math.exp(each) for each in _interval(state, 0))
-        only_bounds = all(each.above is not None and each.above <= 0 for each in days[first : k + 1])
+        only_bounds = all(
+            each.above is not None and each.divided(recognised=True)[1] <= 0 for each in days[first : k + 1]
+        )
         levels.append(Level(days[k].time, s, 0.0 if only_bounds else low, high))
     last = followed[-1].state
     slope, low, high = (levels[-1].s * each for each in _interval(last, 1))
@@ -144,15 +145,29 @@ def _first_beyond(trend: Trend, limit: float, z: float) -> float | None:
     return next(((trend.last.time + days) * DAY for days in tried.tolist() if beyond(days)), None)
 
 
-def _seen(day: SDay, least: float) -> SeenLevel:
+def _kinds(days: Sequence[SDay], least: float) -> list[Kind]:
+    """Return the kinds of valve that days distinguish: it is recognised by its former S, or it is not.
+
+    One that is not is called repaired by each comparison, whatever its S: so they say nothing of S.
+    """
+    if all(each.agrees is None for each in days):
+        return [Kind(1.0, [_seen(each, least, recognised=False) for each in days])]
+    return [
+        Kind(share, [_seen(each, least, recognised=recognised) for each in days])
+        for recognised, share in ((True, 1 - UNRECOGNISED), (False, UNRECOGNISED))
+    ]
+
+
+def _seen(day: SDay, least: float, *, recognised: bool) -> SeenLevel:
     """Return what a day shows of log S: a lognormal distribution with mean and deviation of its S.
 
     What divides S is as soft as a short S.
     """
     if day.above is not None:
-        return SeenLevel(math.log(max(day.bound, least)), LACKS, day.above)
-    s = max(day.s, least)
-    return SeenLevel(math.log(s), math.sqrt(math.log1p((day.sd / s) ** 2)))
+        divides, above = day.divided(recognised=recognised)
+        return SeenLevel(math.log(max(divides, least)), LACKS, above)
+    s, agrees = max(day.s, least), day.agrees or 0.0
+    return SeenLevel(math.log(s), math.sqrt(math.log1p((day.sd / s) ** 2)), None, agrees * recognised)
 
 
 def _interval(state: Filtered, place: int) -> tuple[float, float, float]:

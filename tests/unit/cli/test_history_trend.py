@@ -13,8 +13,8 @@ DAY = 86400.0
 START = 1.7e9
 
 
-def entry(day, s, loop="FIC101", probability=0.97):
-    content = {
+def entry(day, s, loop="FIC101", probability=0.97, **more):
+    content = more | {
         "verdict": "stiction",
         "probability": probability,
         "cause": "stiction",
@@ -80,7 +80,7 @@ def test_no_loop_with_a_trend_is_said(state):
 def test_quiet_windows_that_do_not_agree_with_the_former_s_show_a_repair(tmp_path):
     path = tmp_path / "plant.sqlite"
     file = HistoryFile(history_path(path))
-    sticks = [entry(day, 4.0) for day in range(10)]
+    sticks = [entry(day, 4.0, as_before={"s": 4.0, "log_ratio": 30.0}) for day in range(10)]
     none = dict.fromkeys(("value", "low", "high"))
     quiet = [
         Entry(

@@ -10,7 +10,6 @@ from agent.analysis.evidence.weighing import SURE, Weighed
 from agent.analysis.memory.known import known_from
 from agent.analysis.memory.outcome import OUTCOMES, outcome_of
 from agent.analysis.memory.rates import MIMICS
-from agent.analysis.memory.s_day import MOST, MOST_FOR, TRUST, s_seen
 from agent.analysis.memory.state import from_state, to_state
 from agent.analysis.memory.sticks import LIKELY, is_suspected, sticks_of, with_memory
 from agent.analysis.memory.valve_memory import (
@@ -23,30 +22,9 @@ from agent.analysis.memory.valve_memory import (
 )
 from agent.analysis.memory.weighing_windows import log_bayes_factor, probability_of
 from agent.analysis.record.recording import LoopHints
-from agent.analysis.results import IntervalEstimate, ProcessEstimate, ProcessIntervals
-from agent.analysis.wear.as_before import AsBefore
 from agent.report.ranking import group_of
 from tests.unit.analysis.diagnoses import STICKING, WINDOW, judged
-
-START = 1.7e9 - 1.7e9 % DAY
-HOUR = 3600.0
-ALONE = judged(WINDOW, STICKING)
-
-
-def said(probability, s=None, gain=None, verdict="undecided"):
-    """A diagnosis whose window alone gives ``probability``."""
-    found = ALONE.quantification
-    stiction = found.stiction
-    if s is not None:
-        stiction = replace(stiction, s=IntervalEstimate(s, 0.9 * s, 1.1 * s))
-    process = None
-    if gain is not None:
-        ends = ProcessIntervals((0.9 * gain, 1.1 * gain), (4.0, 6.0), (1.0, 3.0))
-        process = ProcessEstimate("fopdt", gain, 5.0, 2.0, intervals=ends)
-    found = replace(found, stiction=stiction, process=process)
-    return replace(
-        ALONE, verdict=verdict, quantification=found, weighed=Weighed(probability, ()), no_response=None
-    )
+from tests.unit.memory.windows import HOUR, START, said
 
 
 def counts(**of):
@@ -216,64 +194,3 @@ def test_a_diagnosis_alone_carries_the_probability_at_the_base_rate():
     alone = judged(WINDOW, STICKING)
     assert alone.sticks == sticks_of([alone])
     assert alone.sticks.windows == 1
-
-
-def quiet_as(log_ratio):
-    """A quiet window, with how its valve agrees with an S of 3."""
-    return replace(said(0.5), quantification=None, weighed=None, as_before=AsBefore(3.0, log_ratio))
-
-
-def test_a_quiet_window_divides_s_where_the_valve_is_known():
-    memory = remember(ValveMemory(), quiet_as(-9.0), START, START + HOUR)
-    (day,) = memory.s_days
-    assert day.bound == pytest.approx(1.5)
-    assert day.above == TRUST * -9.0
-    assert remember(ValveMemory(), quiet_as(-400.0), START, START + HOUR).s_days[0].above == -MOST
-    assert remember(ValveMemory(), quiet_as(400.0), START, START + HOUR).s_days[0].above == MOST_FOR
-
-
-def test_windows_of_a_day_divide_s_once_and_one_that_shows_s_counts_instead():
-    memory = ValveMemory()
-    for k, log_ratio in enumerate((-9.0, -5.0)):
-        memory = remember(memory, quiet_as(log_ratio), START + k * HOUR, START + (k + 1) * HOUR)
-    (day,) = memory.s_days
-    assert day.above == pytest.approx(TRUST * -7.0)
-    memory = remember(memory, said(0.9, s=2.0), START + 2 * HOUR, START + 3 * HOUR)
-    memory = remember(memory, quiet_as(-9.0), START + 3 * HOUR, START + 4 * HOUR)
-    assert [(each.s, each.above) for each in memory.s_days] == [(2.0, None)]
-
-
-def test_a_bound_of_a_search_stays_where_the_known_valve_agrees_and_goes_where_it_does_not():
-    found = [
-        s_seen(replace(said(0.2, s=0.4), as_before=AsBefore(3.0, each)), START) for each in (-40.0, 40.0)
-    ]
-    assert [each.bound for each in found] == pytest.approx([0.44, 1.5])
-    assert [each.above for each in found] == [-MOST, MOST_FOR]
-
-
-def test_a_state_of_the_first_version_keeps_days_and_bounds():
-    memory = remember(ValveMemory(), said(0.9, s=2.0), START, START + HOUR)
-    memory = remember(memory, said(0.2, s=1.0), START + DAY, START + DAY + HOUR)
-    content = json.loads(to_state(memory)) | {"version": 1}
-    content["s_days"] = [[*each[:4], int(each[4] is not None)] for each in content["s_days"]]
-    assert to_state(from_state(json.dumps(content))) == to_state(memory)
-
-
-@pytest.mark.parametrize(("log_ratio", "known"), [(40.0, True), (-40.0, False)])
-def test_a_valve_that_is_not_recognised_where_s_is_seen_is_not_known(log_ratio, known):
-    memory = ValveMemory()
-    for k in range(4):
-        shown = replace(said(0.9, s=3.0, gain=1.5), as_before=AsBefore(3.0, log_ratio) if k > 1 else None)
-        memory = remember(memory, shown, START + k * DAY, START + k * DAY + HOUR)
-        assert k != 1 or hints_from(memory, LoopHints()).known_valve is not None
-    back = from_state(to_state(memory))
-    assert (hints_from(back, LoopHints()).known_valve is not None) == known
-
-
-def test_a_valve_that_was_repaired_and_shows_it_stays_known():
-    shown = [said(0.9, s=3.0, gain=1.5)] * 3
-    mended = replace(said(0.9, s=0.3, gain=1.5), as_before=AsBefore(3.0, -40.0))
-    memory = ValveMemory()
-    for k, each in enumerate([*shown, mended]):
-        memory = remember(memory, each, START + k * DAY, START + k * DAY + HOUR)
-    assert hints_from(memory, LoopHints()).known_valve is not None

@@ -1,6 +1,7 @@
 """S against time: wear, repairs, bounds, short days, outliers, and limits; simulated valves by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -87,32 +88,50 @@ def test_a_repair_is_seen_by_bounds_alone():
 
 
 def divided(above, at=1.5, after=0.0):
-    """Return days each of which is likelier by as many nats where S is above ``at``."""
+    """Return days that are compared, each likelier by as many nats where S is above ``at``."""
     times = [START + (after + k) * DAY for k in range(len(above))]
-    return [SDay(time, at, 0.0, 1.0, above=each) for time, each in zip(times, above, strict=True)]
+    return [SDay(time, at, 0.0, 1.0, 0.0, at, each) for time, each in zip(times, above, strict=True)]
 
 
-def test_one_clear_day_shows_a_repair_and_three_days_of_three_nats_do():
-    for evidence in ([-7.0], [-3.0] * 3):
-        found = trend_of([*days([4.0] * 15), *divided(evidence, after=15)])
+def recognised(levels, agrees=3.0):
+    """Return days that show S, and are compared as well."""
+    return [replace(each, half=2.0, agrees=agrees) for each in days(levels)]
+
+
+def test_two_clear_days_show_a_repair_and_three_days_of_three_nats_do():
+    for evidence in ([-5.0] * 2, [-3.0] * 3):
+        found = trend_of([*recognised([4.0] * 15), *divided(evidence, after=15)])
         assert found.repaired == START + 15 * DAY
         assert found.levels[-1].low == 0.0
         assert 0.3 < found.levels[-1].high < 4.0
-    for too_little in ([-4.0], [-2.0, 2.0, -2.0, -2.0]):
-        assert trend_of([*days([4.0] * 15), *divided(too_little, after=15)]).jumps == ()
+    for too_little in ([-5.0], [-2.0, 2.0, -2.0, -2.0]):
+        assert trend_of([*recognised([4.0] * 15), *divided(too_little, after=15)]).jumps == ()
+
+
+def test_days_say_nothing_where_the_valve_was_never_recognised_or_contradicted_before():
+    for before in (days([4.0] * 15), recognised([4.0] * 15, agrees=-5.0)):
+        found = trend_of([*before, *divided([-5.0] * 10, after=15)])
+        assert found.repaired is None
+        assert found.levels[-1].low > 1.5
+
+
+def test_quiet_days_recognise_a_valve_as_days_that_show_s_do():
+    found = trend_of([*days([4.0] * 8), *divided([3.0] * 3, after=8), *divided([-5.0] * 2, after=11)])
+    assert found.repaired == START + 11 * DAY
 
 
 def test_a_level_that_is_not_sure_does_not_slide_below_the_former_s():
     """A slope that is not known yet must not explain a repair: S does not fall by itself."""
-    unsure = [SDay(START + k * DAY, 2.0, 0.5, 1.0) for k in range(0, 9, 2)]
-    found = trend_of([*unsure, *divided([-7.0] * 3, at=1.0, after=16)])
+    unsure = [SDay(START + k * DAY, 2.0, 0.5, 1.0, None, 1.0, 3.0) for k in range(0, 9, 2)]
+    found = trend_of([*unsure, *divided([-5.0] * 3, at=1.0, after=16)])
     assert found.repaired == START + 16 * DAY
     assert found.levels[-1].low == 0.0
 
 
 def test_days_on_which_the_valve_sticks_as_before_take_a_repair_back_and_move_nothing_else():
-    known = days([4.0] * 15)
-    assert trend_of([*known, *divided([-7.0], after=15), *divided([3.0] * 2, after=16)]).repaired is None
+    known = recognised([4.0] * 15)
+    assert trend_of([*known, *divided([-5.0] * 2, after=15)]).repaired is not None
+    assert trend_of([*known, *divided([-5.0] * 2, after=15), *divided([3.0] * 3, after=17)]).repaired is None
     still = trend_of([*known, *divided([3.0] * 10, after=15)])
     ahead = forecast(trend_of(known).last, WALK, still.last.time)
     assert still.last.mean == pytest.approx(ahead.mean, rel=1e-4)
