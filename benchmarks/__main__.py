@@ -101,7 +101,10 @@ def main() -> None:
         help="CSV file of the simulated cases; a run continues from it",
     )
     parser.add_argument(
-        "--seconds", type=float, metavar="S", help="of measuring, where time passes: plant_scale, plant_together"
+        "--seconds",
+        type=float,
+        metavar="S",
+        help="of measuring, where time passes: plant_scale, plant_together",
     )
     given = parser.parse_args()
     unknown = set(given.names) - set(BENCHMARKS | ONLY_NAMED)

@@ -125,11 +125,15 @@ def measured(bus: Bus, count: int, seconds: float, quiet: Diagnosis) -> tuple[tu
 def in_ms(delays: Iterable[float]) -> str:
     """Return median, 99 % and longest of delays (s), in ms; empty where there are none."""
     there = np.fromiter(delays, float)
-    return ", ".join(f"{1000 * each:.0f}" for each in np.quantile(there, [0.5, 0.99, 1.0])) if len(there) else ""
+    return (
+        ", ".join(f"{1000 * each:.0f}" for each in np.quantile(there, [0.5, 0.99, 1.0])) if len(there) else ""
+    )
 
 
 def flatness(costs: list[Cost]) -> str:
     """Return what a loop costs at each size, in a line."""
     each = [1e6 * cost.agent / cost.loops for cost in costs]
     words = ", ".join(f"{cost.loops}: {us:.0f}" for cost, us in zip(costs, each, strict=True))
-    return f"CPU of a loop, us each second: {words}. The largest over the least: {max(each) / min(each):.2f}.\n"
+    return (
+        f"CPU of a loop, us each second: {words}. The largest over the least: {max(each) / min(each):.2f}.\n"
+    )

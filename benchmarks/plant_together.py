@@ -102,7 +102,8 @@ def stretch(
 ) -> tuple[object, ...]:
     """Return the cells of a row."""
     came = (
-        100 * read.values_of.get(each.bus.key, 0) / (len(ROLES) * len(each.names) * read.wall) for each in plant
+        100 * read.values_of.get(each.bus.key, 0) / (len(ROLES) * len(each.names) * read.wall)
+        for each in plant
     )
     return (
         until,
@@ -123,8 +124,8 @@ def summary(reads: Sequence[Read], count: int, memory: float) -> str:
     wall, values = sum(each.wall for each in reads), sum(each.values for each in reads)
     middle, late = np.quantile(delays, [0.5, 0.99])
     return (
-        f"In {wall:.0f} s: from source to window {1000 * middle:.0f} ms in the median, {1000 * late:.0f} at 99 % "
-        f"of {len(delays)} that were watched, {1000 * delays.max():.0f} at most; "
+        f"In {wall:.0f} s: from source to window {1000 * middle:.0f} ms in the median, "
+        f"{1000 * late:.0f} at 99 % of {len(delays)} that were watched, {1000 * delays.max():.0f} at most; "
         f"{100 * values / (len(ROLES) * count * wall):.2f} % of the values came, "
         f"{sum(each.lost for each in reads)} were discarded; {memory:.0f} MB with all workers at most; "
         f"{sum(each.cpu for each in reads) / wall:.2f} cores for the agent, "

@@ -16,9 +16,9 @@ from asyncua import Client, ua
 from asyncua.common.node import Node
 from pymodbus.client import AsyncModbusTcpClient
 
+from benchmarks.plant.marks import answer
 from benchmarks.plant.modbus_source import REGISTERS
 from benchmarks.plant.opcua_source import node
-from benchmarks.plant.marks import answer
 from benchmarks.plant.values import ROLES
 
 MOST_REGISTERS = 125

@@ -33,9 +33,7 @@ DOUBLE = 11
 """Part 6: the mask of a DataValue, and the type of its Variant."""
 EPOCH, TICKS = 11_644_473_600, 10_000_000
 """s from 1601 to 1970; ticks a second."""
-ITEM = np.dtype(
-    [("handle", "<u4"), ("mask", "u1"), ("kind", "u1"), ("value", "<f8"), ("source_time", "<i8")]
-)
+ITEM = np.dtype([("handle", "<u4"), ("mask", "u1"), ("kind", "u1"), ("value", "<f8"), ("source_time", "<i8")])
 """A MonitoredItemNotification, as it is on the wire."""
 
 
@@ -45,7 +43,7 @@ def node(loop: str, role: str) -> str:
 
 
 class _Items(MonitoredItemService):
-    """What a subscription watches. The nodes are nowhere else: 30,000 take asyncua's address space minutes."""
+    """What a subscription watches; in an address space of asyncua 30,000 nodes take minutes."""
 
     places: Mapping[ua.NodeId, int]
     """Of each node: the number of its loop, times the roles, and its role; the same for all."""

@@ -21,6 +21,7 @@ from agent.runtime.loop.judged import Judged
 from agent.runtime.loop.workers import PoolExecutor
 from agent.runtime.operate import heap
 from agent.runtime.operate.breath import breathing
+from agent.runtime.supervisor import Health
 from agent.settings import HttpSettings, load_settings
 from benchmarks.plant.marks import Marks, Stops, answer
 from connectors.readings import Readings
@@ -43,7 +44,7 @@ class _Windows:
 
 
 def agent(config: Path, quiet: Diagnosis, says: Connection) -> None:
-    """Run the agent of a configuration, each loop with this diagnosis: a scrape is as large as after an hour."""
+    """Run the agent of a configuration; each loop has this diagnosis, so a scrape is as large as later."""
     settings = load_settings(config)
     heap.keep_one_heap()
 
@@ -52,6 +53,7 @@ def agent(config: Path, quiet: Diagnosis, says: Connection) -> None:
         async with PoolExecutor(settings.agent.workers) as executor:
             made = Agent(settings, executor)
             made.observe(windows)
+            made.accompany(Health("heap"), heap.keep_settled)
             serve_page(made, settings.agent.http or HttpSettings(), lambda _: None)
             bus_of = {loop.name: str(loop.connection) for loop in settings.loops}
             for k, (name, pipeline) in enumerate(made.pipelines.items()):

@@ -132,7 +132,7 @@ class Journal:
         return tuple(each for each in commands if each.number not in self._pending.taken)
 
     def _commands_there(self) -> tuple[StoredCommand, ...] | None:
-        """Return the commands; None where the file is another one. Two looks a second: one turn of the thread."""
+        """Return the commands, None where the file is another one, in one turn of the thread."""
         store = self._store
         return None if store is not None and store.is_foreign() else self._opened().commands()
 
