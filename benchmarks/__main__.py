@@ -24,6 +24,7 @@ from benchmarks import (
     oscillation,
     page_load,
     plant_scale,
+    plant_together,
     plant_wide,
     quiet_records,
     real_recordings,
@@ -65,6 +66,7 @@ BENCHMARKS = {
     "quiet_records": quiet_records.run,
     "plant_wide": plant_wide.run,
     "plant_scale": plant_scale.run,
+    "plant_together": plant_together.run,
     "page_load": page_load.run,
     "workbench_tick": workbench_tick.run,
     "hidden_effects": hidden_effects.run,
@@ -98,6 +100,12 @@ def main() -> None:
         metavar="FILE",
         help="CSV file of the simulated cases; a run continues from it",
     )
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        metavar="S",
+        help="of measuring, where time passes: plant_scale, plant_together",
+    )
     given = parser.parse_args()
     unknown = set(given.names) - set(BENCHMARKS | ONLY_NAMED)
     if unknown:
@@ -106,7 +114,7 @@ def main() -> None:
         )
     if given.loops is not None and given.loops < 1:
         parser.error("--loops: expected 1 or more")
-    options = Options(full=given.full, loops=given.loops, save=given.save)
+    options = Options(full=given.full, loops=given.loops, save=given.save, seconds=given.seconds)
     print(f"{platform.platform()}, {cores()} cores, Python {platform.python_version()}\n")
     for name in given.names or BENCHMARKS:
         (BENCHMARKS | ONLY_NAMED)[name](options)

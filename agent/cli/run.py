@@ -77,6 +77,7 @@ async def _until_stopped(config: Path, settings: Settings, load: Callable[[Path]
         agent.accompany(
             Health("configuration"), Reloader(config, agent, manager, changed, load, heap.settle).run
         )
+        agent.accompany(Health("heap"), heap.keep_settled)
         agent.accompany(Health("watchdog"), functools.partial(watch, agent.hung, manager))
         if settings.agent.http is not None:
             _serve_http(agent, settings.agent.http, config)

@@ -16,3 +16,5 @@ class Options:
     """Simulated sticking loops; None takes the usual number."""
     save: Path | None = None
     """File of the simulated cases; None keeps none."""
+    seconds: float | None = None
+    """How long it is measured where that can be chosen, s; None takes the usual time."""

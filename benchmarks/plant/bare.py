@@ -16,9 +16,9 @@ from asyncua import Client, ua
 from asyncua.common.node import Node
 from pymodbus.client import AsyncModbusTcpClient
 
+from benchmarks.plant.marks import answer
 from benchmarks.plant.modbus_source import REGISTERS
 from benchmarks.plant.opcua_source import node
-from benchmarks.plant.readers import answer
 from benchmarks.plant.values import ROLES
 
 MOST_REGISTERS = 125
@@ -38,11 +38,11 @@ class _Count:
 
     def answering(self, says: Connection) -> asyncio.Task[None]:
         """Answer marks of the parent meanwhile."""
-        return asyncio.create_task(answer(says, self.count, None, [], lambda: 0))
+        return asyncio.create_task(answer(says, self.count))
 
-    async def count(self) -> int:
+    async def count(self) -> dict[str, int]:
         """Return how many came."""
-        return self.values
+        return {"": self.values}
 
 
 def mqtt(port: int, _: Sequence[str], says: Connection) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import shutil
 import socket
 import struct
@@ -11,6 +10,8 @@ import subprocess
 import time
 from collections.abc import Iterator
 from pathlib import Path
+
+from benchmarks.plant.values import values_at
 
 BURSTS = 25
 """In which the messages of a second go out: the stations of a plant do not send in the same millisecond."""
@@ -47,8 +48,8 @@ def topic(loop: str) -> str:
     return f"plant/{loop}"
 
 
-def publish(port: int, loops: list[str], until: float, rate: float = 1.0) -> int:
-    """Publish OP and PV of each loop in one message, ``rate`` times a second until then (s UTC); QoS 0.
+def publish(port: int, loops: list[str], until: float) -> int:
+    """Publish OP, PV and SP of each loop in one message, every second until then (s UTC); QoS 0.
 
     Each message bears the time at which it is sent. Returns how many messages were sent.
     """
@@ -58,16 +59,17 @@ def publish(port: int, loops: list[str], until: float, rate: float = 1.0) -> int
         heads = [_text(topic(name)) for name in loops]
         sent, started = 0, time.time()
         for k in range(10**9):
+            table = values_at(float(k), len(loops)).tolist()
             for burst in range(BURSTS):
-                due = started + (k + burst / BURSTS) / rate
+                due = started + k + burst / BURSTS
                 time.sleep(max(due - time.time(), 0.0))
                 now = time.time()
                 if now >= until:
                     return sent
                 packets = []
                 for n in range(burst, len(loops), BURSTS):
-                    pv, op = 50 + 5 * math.sin(0.01 * k + n), 40 + 3 * math.cos(0.01 * k + n)
-                    text = f'{{"t": {now:.6f}, "op": {op:.3f}, "pv": {pv:.3f}, "sp": 50.0}}'
+                    op, pv, sp = table[n]
+                    text = f'{{"t": {now:.6f}, "op": {op:.3f}, "pv": {pv:.3f}, "sp": {sp:.1f}}}'
                     packets.append(_packet(0x30, heads[n] + text.encode()))
                 link.sendall(b"".join(packets))
                 sent += len(packets)

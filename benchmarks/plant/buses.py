@@ -29,9 +29,9 @@ STARTS = 120.0
 class Bus:
     """One way from the plant to its readers."""
 
+    key: str
+    """Of its connection."""
     name: str
-    sizes: tuple[int, ...]
-    """Loops, as far as the source goes on two cores beside agent and client."""
     serve: Callable[[Path, list[str]], AbstractContextManager[int]]
     """Serves the loops of these names, given a folder; yields the port."""
     connection: Callable[[int], dict[str, Any]]
@@ -80,8 +80,8 @@ def _process(serve: Callable[..., Any], *args: object, wait: bool = False) -> It
 
 
 MQTT = Bus(
+    key="mqtt",
     name="MQTT, a message a loop",
-    sizes=(100, 1000, 10_000),
     serve=_broker,
     connection=lambda port: {"kind": "mqtt", "port": port},
     cell=lambda _, loop, role: f"{topic(loop)}#{role}",
@@ -89,18 +89,20 @@ MQTT = Bus(
     tags={"time_field": "t"},
 )
 MODBUS = Bus(
+    key="modbus",
     name="Modbus, neighbours in one read",
-    sizes=(100, 1000, 10_000),
     serve=_modbus,
     connection=lambda port: {"kind": "modbus", "port": port, "poll": 1.0},
     cell=lambda number, _, role: f"holding {(number * len(ROLES) + ROLES.index(role)) * REGISTERS} float32",
     bare=bare.modbus,
 )
 OPCUA = Bus(
+    key="opcua",
     name="OPC UA, subscriptions",
-    sizes=(100, 1000),
     serve=_opcua,
     connection=lambda port: {"kind": "opcua", "url": f"opc.tcp://127.0.0.1:{port}", "timeout": PATIENT},
     cell=lambda _, loop, role: node(loop, role),
     bare=bare.opcua,
 )
+
+BUSES = (MQTT, MODBUS, OPCUA)

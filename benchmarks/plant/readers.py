@@ -1,106 +1,78 @@
-"""What reads the plant: a real agent with its page and workers; and how it reports to the benchmark."""
+"""What reads the plant: a real agent with its page and workers, as ``slipjump run`` has it."""
 
 from __future__ import annotations
 
 import asyncio
-import math
 import time
-from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, replace
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from agent.alarms import Announcement
 from agent.analysis.diagnosis import Diagnosis
 from agent.cli.common.page import serve_page
 from agent.runtime.agent import Agent
 from agent.runtime.capabilities import run_event_loop
 from agent.runtime.intake.gathering import Gatherings
+from agent.runtime.loop.judged import Judged
 from agent.runtime.loop.workers import PoolExecutor
 from agent.runtime.operate import heap
 from agent.runtime.operate.breath import breathing
+from agent.runtime.supervisor import Health
 from agent.settings import HttpSettings, load_settings
+from benchmarks.plant.marks import Marks, Stops, answer
 from connectors.readings import Readings
 
 WATCHED = 50
 """Of so many loops one has the delay of each sample from wire to window measured."""
-WATCH = "watch"
-"""What the parent sends to have the loop watched from now on; True ends that."""
-TICK = 0.02
-"""How often it is seen whether the loop that reads stands still, s."""
 
 
-@dataclass(frozen=True)
-class Read:
-    """What a reader says of the time between two marks."""
-
-    cpu: float
-    """Of its process, s."""
-    wall: float
-    values: int
-    """Of all roles, that reached it."""
-    delays: tuple[float, ...] = ()
-    """From the sending of a sample to its place in a window, s."""
-    stops: tuple[float, ...] = ()
-    """How long the loop that reads stood still, s, the longest ten."""
-    lost: int = 0
-
-    @property
-    def value_cost(self) -> float:
-        """CPU of one value, s; NaN where none came."""
-        return self.cpu / self.values if self.values else math.nan
-
-
-class Stops:
-    """How long the event loop stood still by its own work; not while others had the core."""
+class _Windows:
+    """Counts windows that were judged, and those with a fit."""
 
     def __init__(self) -> None:
-        self.longest: list[float] = []
-        self.wanted = asyncio.Event()
-        """Set while it is watched: fifty looks a second are a good part of the CPU of 1000 loops."""
+        self.looks, self.fits = 0, 0
 
-    async def watch(self) -> None:
-        """Look every ``TICK`` s while it is wanted."""
-        before = time.perf_counter(), time.thread_time()
-        while True:
-            if not self.wanted.is_set():
-                await self.wanted.wait()
-                before = time.perf_counter(), time.thread_time()
-            await asyncio.sleep(TICK)
-            now = time.perf_counter(), time.thread_time()
-            late = min(now[0] - before[0] - TICK, now[1] - before[1])
-            self.longest = sorted([*self.longest, late])[-10:]
-            before = now
+    def judged(self, judged: Judged) -> None:
+        self.looks += 1
+        self.fits += judged.fitted
+
+    def announced(self, _: Announcement) -> None: ...
 
 
 def agent(config: Path, quiet: Diagnosis, says: Connection) -> None:
-    """Run the agent of a configuration as ``slipjump run`` does, each loop with this diagnosis."""
+    """Run the agent of a configuration; each loop has this diagnosis, so a scrape is as large as later."""
     settings = load_settings(config)
     heap.keep_one_heap()
 
     async def main() -> None:
-        stops, delays = Stops(), list[float]()
+        marks, windows = Marks(Stops()), _Windows()
         async with PoolExecutor(settings.agent.workers) as executor:
             made = Agent(settings, executor)
+            made.observe(windows)
+            made.accompany(Health("heap"), heap.keep_settled)
             serve_page(made, settings.agent.http or HttpSettings(), lambda _: None)
+            bus_of = {loop.name: str(loop.connection) for loop in settings.loops}
             for k, (name, pipeline) in enumerate(made.pipelines.items()):
                 pipeline.diagnosis, pipeline.judged_at = replace(quiet, loop=name), 0.0
                 if k % WATCHED == 0:
-                    _watch(pipeline.window, delays)
-            _watch_gatherings(delays)
+                    _watch(pipeline.window, marks.delays.setdefault(bus_of[name], []))
+            _watch_gatherings(lambda loop: marks.delays.setdefault(bus_of[loop], []))
 
-            async def count() -> int:
-                pipelines = made.pipelines.values()
-                return sum([each.window.counters.samples async for each in breathing(pipelines)])
+            async def count() -> dict[str, int]:
+                found = Counter[str]()
+                async for name, pipeline in breathing(made.pipelines.items()):
+                    found[bus_of[name]] += pipeline.window.counters.samples
+                return found
 
-            def lost() -> int:
-                return sum(each.lost for each in made.connections)
-
+            marks.lost = lambda: sum(each.lost for each in made.connections)
+            marks.judged = lambda: (windows.looks, windows.fits)
             work = asyncio.create_task(made.run(heap.settle))
-            watching = asyncio.create_task(stops.watch())
-            await answer(says, count, stops, delays, lost)
+            watching = asyncio.create_task(marks.stops.watch())
+            await answer(says, count, marks)
             watching.cancel()
             work.cancel()
             await asyncio.wait({work, watching})
@@ -108,12 +80,12 @@ def agent(config: Path, quiet: Diagnosis, says: Connection) -> None:
     run_event_loop(main())
 
 
-def _watch_gatherings(delays: list[float]) -> None:
+def _watch_gatherings(delays_of: Callable[[str], list[float]]) -> None:
     put = Gatherings.put
 
     def timed(gatherings: Gatherings, readings: Readings, arrival: float) -> None:
         put(gatherings, readings, arrival)
-        delays.append(time.time() - readings.time)
+        delays_of(readings.tags[0].loop).append(time.time() - readings.time)
 
     Gatherings.put = timed  # type: ignore[method-assign]
 
@@ -127,49 +99,3 @@ def _watch(window: Any, delays: list[float]) -> None:  # noqa: ANN401 - its meth
         return found
 
     window.push = timed
-
-
-async def answer(
-    says: Connection,
-    count: Callable[[], Awaitable[int]],
-    stops: Stops | None,
-    delays: list[float],
-    lost: Callable[[], int],
-) -> None:
-    """Answer each mark of the parent with what happened since the one before; end on an empty one.
-
-    Args:
-        says: To the parent.
-        count: Returns how many values came.
-        stops: Where they are watched.
-        delays: Filled by who measures them, s.
-        lost: Returns how many were lost.
-    """
-    before = cpu, wall, values, missed = time.process_time(), time.perf_counter(), await count(), lost()
-    marked = asyncio.Event()
-    asyncio.get_running_loop().add_reader(says.fileno(), marked.set)
-    while True:
-        await marked.wait()
-        marked.clear()
-        if not says.poll():
-            continue
-        wanted = says.recv()
-        if wanted is None:
-            return
-        if stops is not None:
-            (stops.wanted.set if wanted == WATCH else stops.wanted.clear)()
-        cpu, wall, values, missed = before
-        before = time.process_time(), time.perf_counter(), await count(), lost()
-        says.send(
-            Read(
-                before[0] - cpu,
-                before[1] - wall,
-                before[2] - values,
-                tuple(np.quantile(delays, [0.5, 0.99, 1.0])) if delays else (),
-                tuple(stops.longest) if stops is not None and stops.longest else (0.0,),
-                before[3] - missed,
-            )
-        )
-        delays.clear()
-        if stops is not None:
-            stops.longest.clear()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,7 +36,7 @@ def picture_files(recordings: Sequence[Path], folder: Path | None) -> list[Path 
     taken: set[str] = set()
     files: list[Path | None] = []
     for path in recordings:
-        names = (path.stem, *(f"{path.stem}_{number}" for number in range(2, len(recordings) + 2)))
+        names = chain([path.stem], (f"{path.stem}_{number}" for number in count(2)))
         free = next(name for name in names if taken.isdisjoint(_stems(name)))
         taken.update(_stems(free))
         files.append(folder / f"{free}.png")

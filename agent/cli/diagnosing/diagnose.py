@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -140,6 +141,7 @@ def diagnose(
     entries = [each for path in files for each in _loops(path, options, loop)]
     names = [path if name is None else path.with_name(f"{name}.csv") for path, name in entries]
     valve = valves(names, each=each or plant, one_valve=one_valve)
+    recordings_of = Counter(valve)
     fleet = Fleet(names, valve, report)
     pictures = picture_files(names, plot)
     tasks = [
@@ -152,7 +154,7 @@ def diagnose(
             options,
             name,
             known,
-            shared=plant or valve.count(of) > 1,
+            shared=plant or recordings_of[of] > 1,
             small_picture=report is not None,
             as_json=as_json,
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,6 +40,7 @@ class Fleet:
         if report is not None and report.resolve() in {path.resolve() for path in names}:
             raise typer.BadParameter(f"{report}: is one of the recordings", param_hint="'--report'")
         self._names, self._valve, self._report = names, valve, report
+        self._recordings = Counter(valve)
         self._findings: list[tuple[int, RecordFinding]] = []
         self._not_read: list[str] = []
 
@@ -83,7 +85,7 @@ class Fleet:
     def _name(self, place: int, finding: RecordFinding) -> str:
         """Return the name of a valve: the tag that its recordings share, else the loop of its only one."""
         tag = valve_of(self._names[place])
-        alone = self._valve.count(self._valve[place]) == 1
+        alone = self._recordings[self._valve[place]] == 1
         return finding.loop if alone or tag is None else tag[1]
 
 

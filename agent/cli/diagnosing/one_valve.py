@@ -34,8 +34,9 @@ def valves(recordings: Sequence[Path], *, each: bool, one_valve: bool) -> list[i
         return list(range(len(recordings)))
     if one_valve:
         return [0] * len(recordings)
+    first: dict[tuple[Path, str], int] = {}
     names = [valve_of(path) for path in recordings]
-    return [k if name is None else names.index(name) for k, name in enumerate(names)]
+    return [k if name is None else first.setdefault(name, k) for k, name in enumerate(names)]
 
 
 def together(answers: Iterator[Answer], valve: Sequence[int]) -> Iterator[Answer]:
@@ -45,14 +46,17 @@ def together(answers: Iterator[Answer], valve: Sequence[int]) -> Iterator[Answer
         answers: One for each recording.
         valve: Of each recording, from ``valves``.
     """
+    places: dict[int, list[int]] = {}
+    for k, number in enumerate(valve):
+        places.setdefault(number, []).append(k)
     come: list[Answer] = []
     said = 0
-    for answer in answers:
+    for k, answer in enumerate(answers):
         come.append(answer)
-        k = len(come) - 1
-        if valve[k] not in valve[k + 1 :]:
-            _judge([j for j in range(len(come)) if valve[j] == valve[k]], come)
-        while said < len(come) and valve[said] not in valve[len(come) :]:
+        own = places[valve[k]]
+        if own[-1] == k:
+            _judge(own, come)
+        while said < len(come) and places[valve[said]][-1] < len(come):
             yield come[said]
             come[said] = replace(come[said], found=None, diagnosis=None, window=None)  # they are done with
             said += 1

@@ -109,10 +109,10 @@ def valve_rows(
         valve: Of each, a number that all recordings of its valve share.
         names: Of each, the name of its valve.
     """
-    rows = []
-    for number in dict.fromkeys(valve):
-        own = [each for each, of in zip(findings, valve, strict=True) if of == number]
-        rows.append(ValveRow(names[valve.index(number)], tuple(own), *_answer(own)))
+    own: dict[int, tuple[str, list[RecordFinding]]] = {}
+    for each, number, name in zip(findings, valve, names, strict=True):
+        own.setdefault(number, (name, []))[1].append(each)
+    rows = [ValveRow(name, tuple(some), *_answer(some)) for name, some in own.values()]
     return sorted(_distinguished(rows), key=_urgency)
 
 

@@ -6,13 +6,20 @@ largest block that was ever freed. Both let the daemon grow by MB an hour (docs/
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import ctypes
 import gc
 import os
+from typing import NoReturn
 
 _SETTINGS = {"MALLOC_ARENA_MAX": (-8, 1), "MALLOC_TRIM_THRESHOLD_": (-1, 131072)}
 """Each with its number in malloc.h and its value: one heap; bytes, the default, but it stays once set."""
+
+APART = 30.0
+"""Time between two looks at what was made since, s: first values, diagnoses."""
+LOOKS = 120
+"""After so many, an hour, all of it is searched: only that finds what a lost session leaves behind."""
 
 
 def keep_one_heap() -> None:
@@ -38,3 +45,21 @@ def settle() -> None:
     gc.unfreeze()
     gc.collect()
     gc.freeze()
+
+
+def set_aside() -> None:
+    """Take what was made since ``settle`` out of the search as well; this takes no time.
+
+    First values and diagnoses of 10,000 loops are made after the start; a search through them stops the event
+    loop for a sixth of a second, whenever it comes, as in a scrape.
+    """
+    gc.freeze()
+
+
+async def keep_settled() -> NoReturn:
+    """Set aside what is new twice a minute, and settle once an hour; for a supervisor."""
+    while True:
+        for _ in range(LOOKS):
+            await asyncio.sleep(APART)
+            set_aside()
+        settle()

@@ -114,32 +114,44 @@ class Journal:
         """Return the commands that were not obeyed yet, the oldest first."""
         if self._path is None:
             return ()
-        if not self._writing.locked():
-            async with self._writing:
-                written_anew = await self._look_at_the_file()
-            if written_anew:
-                await self.flush()
         try:
-            commands = await self._in_thread(lambda: self._opened().commands())
+            if self._writing.locked():  # who writes has looked at the file, and may be letting go of it
+                commands = await self._in_thread(lambda: self._opened().commands())
+            else:
+                async with self._writing:
+                    found = await self._in_thread(self._commands_there)
+                    if found is None:
+                        await self._let_go()
+                if found is None:
+                    await self.flush()
+                    found = await self._in_thread(lambda: self._opened().commands())
+                commands = found
         except StoreError as error:
             self._failed(error)
             return ()
         return tuple(each for each in commands if each.number not in self._pending.taken)
 
-    async def _look_at_the_file(self) -> bool:
+    def _commands_there(self) -> tuple[StoredCommand, ...] | None:
+        """Return the commands, None where the file is another one, in one turn of the thread."""
+        store = self._store
+        return None if store is not None and store.is_foreign() else self._opened().commands()
+
+    async def _look_at_the_file(self) -> None:
         """Let go of a file that somebody removed or overwrote, and note all that belongs there."""
         store = self._store
-        if store is None or not await self._in_thread(store.is_foreign):
-            return False
+        if store is not None and await self._in_thread(store.is_foreign):
+            await self._let_go()
+
+    async def _let_go(self) -> None:
         LOG.error(
             "%s was removed, replaced or overwritten by another program; it is written anew",
             self._path,
             extra={"event": "store"},
         )
-        self._store = None
-        await self._in_thread(store.close)
         self._pending = Change(dict(self._alarms), dict(self._waiting)).followed_by(self._pending)
-        return True
+        store, self._store = self._store, None
+        if store is not None:
+            await self._in_thread(store.close)
 
     def _opened(self) -> Store:
         if self._store is None and self._path is not None:
