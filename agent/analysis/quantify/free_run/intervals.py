@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from agent.identify.fitted import Fitted
     from agent.identify.problem import Problem
 
-LEAST_P = 0.05
+LEAST_P = 0.1
 """p of a model from which it counts: intervals of 90 %."""
 MARGIN_S = 0.0075
 """Added on each side of S, over the OP span: friction that the stem of the model does not have (simulated
