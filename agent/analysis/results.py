@@ -97,7 +97,7 @@ class Profile:
     s: FloatArray
     """OP units."""
     p: FloatArray
-    """Of the best model at that S that it is as good as the best of all (``agent.identify.confidence_set``)."""
+    """That the best model at that S is as good as the best of all (``identify.confidence_set``), 0 to 1."""
     delay: FloatArray
     """Delay of the best model at that S, s."""
     j: FloatArray

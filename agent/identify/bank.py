@@ -16,8 +16,8 @@ from agent.identify.problem import STROKE_TIME, Problem, first_blocks
 from agent.jit import kernel
 
 GROUP = 16
-"""Processes that a score takes side by side: four times as many numbers as fit into one register. A bank has a
-multiple of it, filled up with processes that do not answer."""
+"""Processes that a score takes side by side: four times as many numbers as fit into one register. A bank has
+a multiple of it, filled up with processes that do not answer."""
 
 
 class Bank(NamedTuple):

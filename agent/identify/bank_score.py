@@ -49,9 +49,9 @@ def response_sums(
 ) -> None:
     """Fill ``sums`` (3, delays, k): of the response z of each process, of z^2 and of z keep^t.
 
-    Over the samples that count once it is delayed; ``delays`` ascend, so that they end the sums early. A
-    ``GROUP`` of processes goes through the record side by side, and their states and sums lie in one array, at
-    distances that the compiler knows: so it takes several of them at once.
+    Over the samples that count once it is delayed; ``delays`` ascend, so that they end the sums early.
+    A ``GROUP`` of processes goes through the record side by side. Their states and sums lie in one array, at
+    distances that the compiler knows, so it takes several of them at once.
     """
     m = means.size
     state = np.empty(8 * GROUP)
@@ -100,7 +100,9 @@ def add_sums(sums: FloatArray, q: int, group: int, times: float, state: FloatArr
 
 
 @summing_kernel
-def covariances(at: IntArray, by: FloatArray, moves: int, delayed: FloatArray, covariance: FloatArray) -> None:
+def covariances(
+    at: IntArray, by: FloatArray, moves: int, delayed: FloatArray, covariance: FloatArray
+) -> None:
     """Fill the covariance of PV with each delayed response, (delays * k,).
 
     Args:

@@ -174,7 +174,7 @@ def test_the_bank_scores_as_least_squares_on_its_regressors(seed, acting, slowne
     room = scores.room_for(near, DELAYS)
     scores.response_sums(means, near, DELAYS, room.response)
     scores.covariances(at, by, moves, room.delayed, room.covariance)
-    response, covariance = room.response[:, :, :3], room.covariance.reshape(6, -1)[:, :3]
+    response = room.response[:, :, :3]
     assert not room.response[:, :, 3:].any()  # the group is filled up
     late = np.array([[slow.bank_response(means, d, i, near) for i in range(3)] for d in DELAYS])
     np.testing.assert_allclose(response[0], late[:, :, near.burn :].sum(axis=2), rtol=1e-6, atol=1e-6)
