@@ -175,11 +175,13 @@ def room_for(bank: Bank, delays: IntArray) -> Room:
     m = bank.op.size // bank.block
     k = bank.poles.size
     delayed = np.empty((m, delays.size * k))
+    fading = np.empty(delays.size)
     for q in range(delays.size):
+        fading[q] = bank.keep ** delays[q]
         delayed[:, q * k : (q + 1) * k] = bank.sums[delays[q] : delays[q] + m]
     return Room(
         delayed,
-        bank.keep**delays,
+        fading,
         np.empty(m),
         np.empty(m, np.int64),
         np.empty(m),

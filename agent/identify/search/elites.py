@@ -60,7 +60,8 @@ def elites_of(
         before = join(*early)
         refit(before, problem, 4)
         archive = join(archive, before)
-    vain, before_round = 0, {}
+    vain = 0
+    before_round: dict[int, float] = {}
     for step in rounds:
         archive = _of_cells(archive, problem)
         parents = archive.take(np.flatnonzero(archive.costs <= WORTH * least(archive)))
