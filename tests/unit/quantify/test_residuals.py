@@ -23,8 +23,8 @@ def test_their_squares_are_the_error_of_the_model(seed, structure, acting, slown
     problem = problem_of(seed, acting, slowness)
     fitted = start(candidate_of(seed, problem), structure, problem)
     left = residuals(fitted.candidate, fitted.structure, problem)
-    # The error leaves the end of the start-up out: a tenth of it, where it has nearly faded in the first block
-    # that counts.
+    # The error leaves the end of the start-up out: a tenth of it, where it has nearly faded in the first
+    # block that counts.
     assert left @ left == pytest.approx(fitted.error, rel=5e-2)
     np.testing.assert_allclose(left[problem.weight == 0], 0, atol=1e-9)
     np.testing.assert_allclose(problem.basis.T @ left, 0, atol=1e-6 * np.linalg.norm(problem.pv))
