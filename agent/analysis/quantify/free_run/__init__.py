@@ -136,9 +136,14 @@ def unanswered(name: str, failure: str) -> Quantification:
 
 
 def decide(evidence: float, found: Found | None, problem: Problem) -> MethodVerdict:
-    """Return the verdict that the errors support, the valve's turns allow and the fit deserves."""
-    if found is None or evidence < SLIDES_BELOW:
+    """Return the verdict that the errors support, the valve's turns allow and the fit deserves.
+
+    A search whose budget is spent may have missed the valve.
+    """
+    if found is None:
         return "no_stiction"
+    if evidence < SLIDES_BELOW:
+        return "undecided" if found.ended == "spent" else "no_stiction"
     if found.best.candidate[S] < LEAST_S * problem.op_span:
         return "no_stiction"
     sees_it = turns(valve_position(found.best.candidate, problem)) > 0
