@@ -61,7 +61,7 @@ def elites_of(
         refit(before, problem, 4)
         archive = join(archive, before)
     vain = 0
-    before_round: dict[int, float] = {}
+    before_round: dict[float, float] = {}
     for step in rounds:
         archive = _of_cells(archive, problem)
         parents = archive.take(np.flatnonzero(archive.costs <= WORTH * least(archive)))
@@ -75,14 +75,14 @@ def elites_of(
     return archive.sorted(len(archive.costs))
 
 
-def _cells_of_s(population: Candidates, problem: Problem) -> dict[int, float]:
+def _cells_of_s(population: Candidates, problem: Problem) -> dict[float, float]:
     """Return what the best of each cell of S costs."""
-    places = np.floor(population.candidates[:, S] / problem.op_span / S_CELL).astype(int)
-    worst_first = np.argsort(-population.costs, kind="stable")
-    return dict(zip(places[worst_first].tolist(), population.costs[worst_first].tolist(), strict=True))
+    places = population.candidates[:, S] / problem.op_span / S_CELL
+    best = _best_of(places, population.costs)
+    return dict(zip(np.floor(places[best]).tolist(), population.costs[best].tolist(), strict=True))
 
 
-def _gains(now: dict[int, float], before: dict[int, float]) -> bool:
+def _gains(now: dict[float, float], before: dict[float, float]) -> bool:
     """Whether in any cell the best costs less than before, or is the first."""
     return any(cost < (1.0 - GAIN) * before.get(place, math.inf) for place, cost in now.items())
 

@@ -115,17 +115,16 @@ class Journal:
         if self._path is None:
             return ()
         try:
-            if self._writing.locked():  # who writes has looked at the file, and may be letting go of it
-                commands = await self._in_thread(lambda: self._opened().commands())
-            else:
+            commands = None
+            if not self._writing.locked():  # who writes has looked, and may be letting go
                 async with self._writing:
-                    found = await self._in_thread(self._commands_there)
-                    if found is None:
+                    commands = await self._in_thread(self._commands_there)
+                    if commands is None:
                         await self._let_go()
-                if found is None:
+                if commands is None:
                     await self.flush()
-                    found = await self._in_thread(lambda: self._opened().commands())
-                commands = found
+            if commands is None:
+                commands = await self._in_thread(lambda: self._opened().commands())
         except StoreError as error:
             self._failed(error)
             return ()
