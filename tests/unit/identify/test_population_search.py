@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from agent.analysis.quantify.free_run import FreeRun
+from agent.analysis.quantify.free_run.found import SLIDES_BELOW
 from agent.analysis.quantify.free_run.problem import QUICK, SLOW, in_spans
 from agent.analysis.record.recording import LoopWindow
 from agent.identify.objective import FOPDT, INTEGRATOR, J_RATIO, SOPDT, S
@@ -13,8 +14,11 @@ from agent.identify.search import cycle
 from agent.identify.search import search as searching
 from agent.identify.search.cycle import first_horizon, next_cycle, nothing, possible_of
 from agent.identify.search.elites import J_CELL, S_CELL, elites_of
+from agent.identify.search.linear import best_linear
 from agent.identify.search.search import search, surprise
 from agent.physics.valves.damped_stem import damped_stem
+from simulators.draws.random_plants import random_plant
+from simulators.plant import simulate
 from tests.unit.quantify.shipped_plants import op_span, plant, true_s
 
 STICKS = ("fic101_stick_slip", "fic102_moderate_stiction")
@@ -50,6 +54,21 @@ def test_a_small_budget_ends_a_search_after_its_first_turn(monkeypatch):
     monkeypatch.setattr(searching, "BUDGET", 1.0)
     monkeypatch.setattr(cycle, "WHITE", 0.0)
     assert search(views()).ended == "spent"
+
+
+@pytest.mark.parametrize("missing", [False, True])
+def test_where_no_valve_explains_more_than_none_the_first_island_ends_a_search_unless_a_block_is_missing(
+    missing,
+):
+    record = simulate(random_plant(83100, "tuning"))
+    view = in_spans(LoopWindow("x", 0.0, 1.0, record.op, record.pv), SLOW)
+    if missing:
+        weight = view.weight.copy()
+        weight[len(weight) // 2] = 0.0
+        view = view._replace(weight=weight)
+    worth = best_linear(view, (FOPDT, SOPDT)).error / SLIDES_BELOW
+    found = next_cycle(nothing(), view, (FOPDT, SOPDT), worth)
+    assert found.ended == (None if missing else "explains_little")
 
 
 def test_views_that_find_the_same_valve_end_a_search_that_leaves_no_white_noise(monkeypatch):

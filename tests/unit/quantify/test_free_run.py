@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
-from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.quantify.free_run import answer
+from agent.analysis.quantify.free_run.found import Found
+from agent.analysis.quantify.free_run.problem import pose, structures
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.identify.problem import high_pass
+from agent.identify.search.linear import best_linear
 from agent.physics.valves.damped_stem import damped_stem
 from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
@@ -173,3 +176,14 @@ def test_a_loop_that_rests_for_six_periods_before_it_swings_is_fitted():
     found = FREE_RUN.quantify(window)
     assert found.free_run_percent > 90  # 73 where the search looks at periods in which nothing moves
     assert abs(found.stiction.j.value - record.truth.f_s + record.truth.f_d) < 0.05 * window.op_span
+
+
+@pytest.mark.parametrize(("ended", "decision"), [("spent", "undecided"), ("explains_little", "no_stiction")])
+def test_a_search_that_was_spent_without_a_valve_as_good_as_none_is_undecided(ended, decision):
+    window = plant("fic103_healthy")[1]
+    problem = pose(window)
+    linear = best_linear(problem, structures(window.hints))
+    worse = Found(linear, (linear,), np.ones(1), 2.0 * linear.error, ended)
+    found = answer("free_run", worse, linear, problem, window)
+    assert (found.decision, found.evidence, found.stiction) == (decision, 1.0, None)
+    assert found.search_spent == (ended == "spent")

@@ -96,9 +96,10 @@ def answer(
         window: The record.
     """
     evidence = evidence_of(found, linear)
+    spent = found is not None and found.ended == "spent"
+    decision = decide(evidence, found, problem, spent=spent)
     if evidence == 1.0:
         found = None
-    decision = decide(evidence, found, problem)
     best = found.best if found else linear
     chosen = linear if decision == "no_stiction" else best
     of_process = process_intervals_of(found, problem, window.ts) if found and chosen is best else None
@@ -120,7 +121,7 @@ def answer(
         profile=profile(found, problem, window.ts) if found else None,
         quick_evidence=quick_evidence(window, best) if found else 1.0,
         turns=turns(valve_position(best.candidate, problem)) if found else 0,
-        search_spent=found is not None and found.ended == "spent",
+        search_spent=spent,
         sticking=other,
     )
 
@@ -135,15 +136,19 @@ def unanswered(name: str, failure: str) -> Quantification:
     return Quantification(name, None, None, None, None, None, "not_applicable", failure=failure)
 
 
-def decide(evidence: float, found: Found | None, problem: Problem) -> MethodVerdict:
+def decide(evidence: float, found: Found | None, problem: Problem, *, spent: bool) -> MethodVerdict:
     """Return the verdict that the errors support, the valve's turns allow and the fit deserves.
 
-    A search whose budget is spent may have missed the valve.
+    Args:
+        evidence: Linear over sticking error.
+        found: Models of a sticking valve; None where no candidate moves it.
+        problem: What the window poses.
+        spent: Whether the search spent its budget, so that it may have missed the valve.
     """
     if found is None:
         return "no_stiction"
     if evidence < SLIDES_BELOW:
-        return "undecided" if found.ended == "spent" else "no_stiction"
+        return "undecided" if spent else "no_stiction"
     if found.best.candidate[S] < LEAST_S * problem.op_span:
         return "no_stiction"
     sees_it = turns(valve_position(found.best.candidate, problem)) > 0
