@@ -33,12 +33,12 @@ def loops(kind):
 @pytest.mark.parametrize(
     ("name", "least"),
     [
-        ("he_curve_fit", 38),
+        ("he_curve_fit", 37),
         ("rossi_scali", 22),
         ("hagglund_shape", 4),
         ("hagglund_backlash", 10),
         ("damarla", 40),
-        ("srinivasan_dtw", 31),
+        ("srinivasan_dtw", 30),
     ],
 )
 def test_sticking_valves_reported_and_swinging_loads_not(name, least):

@@ -101,6 +101,12 @@ def test_a_given_delay_and_order_are_kept(order, kind):
     assert process.kind == kind
 
 
+def test_a_delay_as_long_as_the_record_allows_no_valve():
+    _, window = plant("fic101_stick_slip")
+    found = FREE_RUN.quantify(window.with_hints(LoopHints(delay=SAMPLES, order=1)))
+    assert found.stiction is None
+
+
 def test_a_gain_of_the_wrong_sign_is_refused():
     _, window = plant("pic401_direct_stick_slip")
     right, wrong = (FREE_RUN.quantify(window.with_hints(LoopHints(acting=a))) for a in ("direct", "reverse"))

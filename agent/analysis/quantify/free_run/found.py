@@ -58,6 +58,8 @@ def find(window: LoopWindow, problem: Problem) -> Found | None:
     without = best_linear(slow, possible)
     worth = math.inf if without is None else without.error / SLIDES_BELOW
     searched = search((slow, quick), possible, worth)
+    if not len(searched.searched.finalists.costs):
+        return None  # hints allow no valve
     rounds = ROUNDS if best_in(slow, searched.searched).error <= worth else FEW_ROUNDS
     models = elites_of(searched.searched, (slow, quick)[searched.view], possible_of(possible), rounds)
     own = pose(window, pass_time=QUICK) if searched.view else problem
