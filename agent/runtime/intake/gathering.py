@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 ROWS = 60
 """Readings that wait at most: what an array costs is then shared by as many values, and memory is small."""
+SPREAD = 30
+"""By how many less than that some settle: thousands of loops that began together must not settle together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +43,11 @@ class LoopColumns:
 class Gathering:
     """Readings with the same tags that wait."""
 
-    def __init__(self, tags: tuple[LoopRole, ...], parts: Sequence[LoopColumns]) -> None:
-        """Make it of the tags and what each loop has of them."""
+    def __init__(self, tags: tuple[LoopRole, ...], parts: Sequence[LoopColumns], number: int = 0) -> None:
+        """Make it of the tags and what each loop has of them, as the one of this number."""
         self.tags = tags
         self._parts = parts
+        self._most = ROWS - number % SPREAD
         self._waiting: list[tuple[Readings, float]] = []
         """Readings, and when each arrived, monotonic, s."""
         self._settles = -math.inf
@@ -55,7 +58,7 @@ class Gathering:
     def put(self, readings: Readings, arrival: float) -> None:
         """Take readings that arrived at ``arrival`` (monotonic, s)."""
         self._waiting.append((readings, arrival))
-        if readings.time >= self._settles or len(self._waiting) >= ROWS:
+        if readings.time >= self._settles or len(self._waiting) >= self._most:
             self.settle()
 
     def settle(self) -> None:
@@ -113,7 +116,7 @@ class Gatherings:
             if intake is not None:
                 intake.settle()
                 parts.append(LoopColumns(intake, own, tuple(tag.role for tag in own), columns))
-        return Gathering(tags, parts)
+        return Gathering(tags, parts, len(self._known))
 
 
 def _one_by_one(part: LoopColumns, waiting: Sequence[tuple[Readings, float]]) -> None:
