@@ -41,10 +41,12 @@ class Silence:
         """The server accepted this node."""
         self._nodes[node] = _Node()
 
-    def told(self, node: str, data: ua.DataValue) -> None:
-        """It reported this."""
-        known = self._nodes.setdefault(node, _Node())
-        known.told, known.heard, known.different = _value(data), True, 0
+    def told(self, node: str, value: object) -> None:
+        """It reported this value."""
+        known = self._nodes.get(node)
+        if known is None:
+            known = self._nodes[node] = _Node()
+        known.told, known.heard, known.different = value, True, 0
 
     def silent(self) -> list[str]:
         """Return what was not reported since the last call."""

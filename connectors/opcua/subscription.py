@@ -11,7 +11,7 @@ import asyncio
 import logging
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from asyncua import Client, ua
@@ -19,8 +19,11 @@ from asyncua.client.ua_session import UaSession
 from asyncua.common.subscription import Subscription
 
 from connectors.base import ConnectionLostError
+from connectors.opcua.asyncua_private import publish_fast
 from connectors.opcua.batches import Batches
+from connectors.opcua.notification import Change, Changes
 from connectors.opcua.options import OpcUaOptions
+from connectors.opcua.values import change_of
 
 _LOG = logging.getLogger(__name__)
 WAITING, WAITING_OF_EACH = 10_000, 10
@@ -65,7 +68,7 @@ class NodeSubscription:
         self._created = time.monotonic()
         self._nodes: dict[int, str] = {}
         """By client handle; one that is watched anew has another one."""
-        self._waiting: list[tuple[str, ua.DataValue]] = []
+        self._waiting: list[tuple[str, Change]] = []
         self._came = asyncio.Event()
         self._ended = False
         self.lost = 0
@@ -93,7 +96,7 @@ class NodeSubscription:
         answers = await self._reads.ask(self._values, [ua.NodeId.from_string(node) for node in nodes])
         return dict(zip(nodes, answers, strict=True))
 
-    async def changes(self, timeout: float) -> list[tuple[str, ua.DataValue]]:  # noqa: ASYNC109 - not to be cancelled
+    async def changes(self, timeout: float) -> list[tuple[str, Change]]:  # noqa: ASYNC109 - not to be cancelled
         """Return all changes that wait, oldest first; none came for ``timeout`` s: an empty list.
 
         Raises:
@@ -118,17 +121,26 @@ class NodeSubscription:
     def _take(self, notifications: list[Any]) -> None:
         most = max(WAITING, WAITING_OF_EACH * len(self._nodes))
         for each in notifications:
-            if isinstance(each, ua.DataChangeNotification):
+            if isinstance(each, Changes | ua.DataChangeNotification):
+                items = each.items if isinstance(each, Changes) else each.MonitoredItems
                 room = max(most - len(self._waiting), 0)
-                self._waiting += [
-                    (self._nodes[item.ClientHandle], item.Value)
-                    for item in each.MonitoredItems[:room]
-                    if item.ClientHandle in self._nodes and item.Value is not None
-                ]
-                self._count_lost(len(each.MonitoredItems) - room)
+                self._waiting += self._changes(items[:room])
+                self._count_lost(len(items) - room)
             elif isinstance(each, ua.StatusChangeNotification):
                 self._ended = True
         self._came.set()
+
+    def _changes(self, items: Sequence[Any]) -> Iterator[tuple[str, Change]]:
+        for item in items:
+            if isinstance(item, tuple):
+                handle, change = item
+            elif item.Value is None:
+                continue
+            else:
+                handle, change = item.ClientHandle, change_of(item.Value)
+            node = self._nodes.get(handle)
+            if node is not None:
+                yield node, change
 
     async def _values(self, nodes: list[ua.NodeId]) -> list[ua.DataValue]:
         found: list[ua.DataValue] = await self._session.read_attributes(nodes, ua.AttributeIds.Value)
@@ -178,6 +190,7 @@ async def subscription(client: Client, options: OpcUaOptions) -> NodeSubscriptio
         MaxNotificationsPerPublish=0,
         PublishingEnabled=True,
     )
+    publish_fast(client.uaclient.session)
     made = NodeSubscription(client.uaclient.session, wanted, options)
     await made.init()
     return made

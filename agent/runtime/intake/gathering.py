@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 ROWS = 60
 """Readings that wait at most: what an array costs is then shared by as many values, and memory is small."""
+FEW = 4
+"""Readings that are taken in value by value all the same: arrays cost more than so many of them."""
 SPREAD = 30
 """By how many less than that some settle: thousands of loops that began together must not settle together."""
 
@@ -52,11 +54,17 @@ class Gathering:
         """Readings, and when each arrived, monotonic, s."""
         self._settles = -math.inf
         """Source time from which readings are taken in at once, s UTC: a window may be due."""
-        for part in parts:
-            part.intake.gathering = self
 
     def put(self, readings: Readings, arrival: float) -> None:
-        """Take readings that arrived at ``arrival`` (monotonic, s)."""
+        """Take readings that arrived at ``arrival`` (monotonic, s).
+
+        A loop may have others, of other roles: what came before comes first.
+        """
+        for part in self._parts:
+            if part.intake.gathering is not self:
+                part.intake.settle()
+                part.intake.gathering = self
+                self.hurry()
         self._waiting.append((readings, arrival))
         if readings.time >= self._settles or len(self._waiting) >= self._most:
             self.settle()
@@ -66,6 +74,14 @@ class Gathering:
         if not self._waiting:
             return
         waiting, self._waiting = self._waiting, []
+        if len(waiting) < FEW:
+            for part in self._parts:
+                _one_by_one(part, waiting)
+        else:
+            self._take(waiting)
+        self._settles = min((part.intake.window.due_from for part in self._parts), default=math.inf)
+
+    def _take(self, waiting: Sequence[tuple[Readings, float]]) -> None:
         source, arrivals = zip(*((readings.time, arrival) for readings, arrival in waiting), strict=True)
         times = RowTimes(np.array(source), np.array(arrivals))
         values = np.array([readings.values for readings, _ in waiting]).T
@@ -76,7 +92,6 @@ class Gathering:
             plain = times.increasing and all(finite[part.columns])
             if not (plain and part.intake.take(rows)):
                 _one_by_one(part, waiting)
-        self._settles = min((part.intake.window.due_from for part in self._parts), default=math.inf)
 
     def hurry(self) -> None:
         """Take the next readings in at once: something else came of one of the loops."""
@@ -114,7 +129,6 @@ class Gatherings:
             first = columns.stop
             intake = self._intake_of(loop)
             if intake is not None:
-                intake.settle()
                 parts.append(LoopColumns(intake, own, tuple(tag.role for tag in own), columns))
         return Gathering(tags, parts, len(self._known))
 

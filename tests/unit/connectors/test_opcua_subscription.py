@@ -59,7 +59,7 @@ async def watching(*nodes):
 
 
 def values(changes):
-    return [(node, data.Value.Value) for node, data in changes]
+    return [(node, change.value) for node, change in changes]
 
 
 def test_all_of_a_notification_comes_at_once_and_in_its_order():

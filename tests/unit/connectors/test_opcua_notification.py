@@ -1,0 +1,238 @@
+"""Both decoders of a publish response say the same of all bytes, and rows say what their samples say."""
+
+import logging
+import math
+from datetime import UTC, datetime, timedelta
+from itertools import groupby
+from operator import itemgetter
+
+import pytest
+from asyncua import ua
+from asyncua.client.ua_session import UaSession
+from asyncua.common.utils import Buffer
+from asyncua.ua.ua_binary import struct_from_binary, struct_to_binary
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from connectors.base import LoopRole
+from connectors.opcua import asyncua_private
+from connectors.opcua.asyncua_private import decoded, publish_fast
+from connectors.opcua.notification import Change, Changes
+from connectors.opcua.rows import LoopRows
+from connectors.opcua.values import change_of, sample
+from connectors.readings import Readings
+
+first = itemgetter(0)
+Kind = ua.VariantType
+BEGINS = datetime(1601, 1, 1, tzinfo=UTC)
+NUMBERS = {
+    Kind.Boolean: st.booleans(),
+    Kind.SByte: st.integers(-(2**7), 2**7 - 1),
+    Kind.Byte: st.integers(0, 2**8 - 1),
+    Kind.Int16: st.integers(-(2**15), 2**15 - 1),
+    Kind.UInt16: st.integers(0, 2**16 - 1),
+    Kind.Int32: st.integers(-(2**31), 2**31 - 1),
+    Kind.UInt32: st.integers(0, 2**32 - 1),
+    Kind.Int64: st.integers(-(2**63), 2**63 - 1),
+    Kind.Float: st.floats(width=32),
+    Kind.Double: st.floats(),
+    Kind.String: st.text(max_size=5),
+}
+VARIANTS = st.sampled_from([*NUMBERS]).flatmap(
+    lambda kind: NUMBERS[kind].map(lambda value: ua.Variant(value, kind))
+)
+OTHERS = st.just(ua.Variant([1.0, 2.0], Kind.Double)) | st.just(ua.Variant(None, Kind.Null))
+TIMES = st.none() | st.datetimes(BEGINS.replace(tzinfo=None), timezones=st.just(UTC))
+
+
+@st.composite
+def data_values(draw):
+    source, server = draw(TIMES), draw(TIMES)
+    made = ua.DataValue(
+        draw(VARIANTS | VARIANTS | OTHERS),
+        draw(st.none() | st.sampled_from([0, 0, 0x408F0000, 0x80000000, 0x80320000]).map(ua.StatusCode)),
+        source,
+        server,
+    )
+    # asyncua has the order of picoseconds wrong where there is a time of the server behind
+    if source is not None and draw(st.booleans()):
+        made.SourcePicoseconds = draw(st.integers(0, 9999))
+    if server is not None and draw(st.booleans()):
+        made.ServerPicoseconds = draw(st.integers(0, 9999))
+    return made
+
+
+@st.composite
+def responses(draw):
+    changes = [
+        ua.DataChangeNotification(
+            [
+                ua.MonitoredItemNotification(draw(st.integers(0, 2**32 - 1)), each)
+                for each in draw(st.lists(data_values(), max_size=8))
+            ]
+        )
+        for _ in range(draw(st.integers(0, 2)))
+    ]
+    if draw(st.integers(0, 5)) == 0:
+        changes.append(ua.StatusChangeNotification())
+    parameters = ua.PublishResult(
+        draw(st.integers(0, 2**32 - 1)),
+        draw(st.lists(st.integers(0, 9), max_size=3)),
+        draw(st.booleans()),
+        ua.NotificationMessage(draw(st.integers(0, 9)), BEGINS + timedelta(days=1), changes),
+        draw(st.lists(st.sampled_from([0, 0x80000000]).map(ua.StatusCode), max_size=2)),
+    )
+    header = ua.ResponseHeader(RequestHandle=draw(st.integers(0, 9)))
+    if draw(st.integers(0, 5)) == 0:
+        header.StringTable = ["x"]
+    return bytes(struct_to_binary(ua.PublishResponse(ResponseHeader=header, Parameters=parameters)))
+
+
+def content(response):
+    """All that is used of a response, comparable also where a number is NaN."""
+    found, message = response.Parameters, response.Parameters.NotificationMessage
+    parts = []
+    for each in message.NotificationData or []:
+        if isinstance(each, Changes):
+            parts += [item if isinstance(item, tuple) else _pair(item) for item in each.items]
+        elif isinstance(each, ua.DataChangeNotification):
+            parts += [_pair(item) for item in each.MonitoredItems]
+        else:
+            parts.append(each)
+    rest = (message.SequenceNumber, message.PublishTime, [each.value for each in found.Results or []])
+    head = (found.SubscriptionId, found.AvailableSequenceNumbers or [], found.MoreNotifications)
+    return repr((head, parts, rest))
+
+
+def _pair(item):
+    return item.ClientHandle, change_of(item.Value)
+
+
+def by_asyncua(data):
+    try:
+        return content(struct_from_binary(ua.PublishResponse, Buffer(data)))
+    except Exception as error:  # noqa: BLE001 - asyncua raises what it likes
+        return type(error)
+
+
+@settings(max_examples=200, deadline=None)
+@given(responses())
+def test_both_say_the_same(data):
+    fast = decoded(Buffer(data))
+    assert fast is None or content(fast) == by_asyncua(data)
+
+
+@settings(max_examples=400, deadline=None)
+@given(responses(), st.data())
+def test_bytes_that_no_server_may_send_are_left_to_asyncua_or_say_the_same(data, draw):
+    broken = bytearray(data)
+    for _ in range(draw.draw(st.integers(1, 3))):
+        broken[draw.draw(st.integers(0, len(broken) - 1))] = draw.draw(st.integers(0, 255))
+    broken = bytes(broken[: draw.draw(st.integers(len(broken) // 2, len(broken)))])
+    fast = decoded(Buffer(broken))
+    assert fast is None or content(fast) == by_asyncua(broken)
+
+
+def plain(count=3, kind=Kind.Double, status=None):
+    values = [ua.DataValue(ua.Variant(float(k), kind), status, BEGINS) for k in range(count)]
+    items = [ua.MonitoredItemNotification(k, each) for k, each in enumerate(values)]
+    message = ua.NotificationMessage(7, BEGINS, [ua.DataChangeNotification(items)])
+    return ua.PublishResponse(Parameters=ua.PublishResult(5, [7], False, message))
+
+
+def test_what_is_plain_takes_the_short_way_and_one_that_is_not_goes_alone():
+    response = plain()
+    response.Parameters.NotificationMessage.NotificationData[0].MonitoredItems[1].Value = ua.DataValue("text")
+    fast = decoded(Buffer(struct_to_binary(response)))
+    (changes,) = fast.Parameters.NotificationMessage.NotificationData
+    assert [isinstance(item, tuple) for item in changes.items] == [True, False, True]
+    assert changes.items[2] == (2, Change(2.0, 0, BEGINS.timestamp()))
+
+
+class Session(UaSession):
+    """Has this answer."""
+
+    def __init__(self, answer):
+        self.answer = answer
+        self.logger = logging.getLogger("asyncua.test")
+
+    async def _send_request(self, request, timeout=0):  # noqa: ARG002, ASYNC109
+        return Buffer(self.answer)
+
+
+async def test_an_answer_that_cannot_be_read_is_what_asyncua_makes_of_it():
+    good, bad = struct_to_binary(plain()), struct_to_binary(plain())[:-9]
+    for answer, fails in ((good, False), (bad, True)):
+        own, theirs = Session(answer), Session(answer)
+        publish_fast(own)
+        if not fails:
+            assert content(await own.publish([])) == content(await theirs.publish([]))
+            continue
+        errors = []
+        for session in (own, theirs):
+            with pytest.raises(Exception) as raised:  # noqa: PT011 - the same, whichever
+                await session.publish([])
+            errors.append((raised.type, type(raised.value.__cause__)))
+        assert errors[0] == errors[1]
+
+
+def test_the_installed_asyncua_has_every_member(monkeypatch):
+    assert asyncua_private.missing() == [], "change connectors/opcua/asyncua_private.py"
+    monkeypatch.delattr(UaSession, "_send_request")
+    assert asyncua_private.missing() == ["UaSession._send_request"]
+
+
+TAGS = {
+    "a": [LoopRole("A", "pv")],
+    "b": [LoopRole("A", "op")],
+    "c": [LoopRole("A", "sp"), LoopRole("B", "sp")],
+    "d": [LoopRole("B", "pv")],
+}
+VALUES = st.sampled_from([1.0, 2, True, math.nan, "text", None, 3.5])
+CHANGES = st.tuples(
+    st.sampled_from([*TAGS]),
+    st.builds(
+        Change, VALUES, st.sampled_from([0, 0, 0, 0x40000000, 0x80000000]), st.sampled_from([1.0, 1.0, 2.0])
+    ),
+)
+
+
+def flat(pieces):
+    """Samples by tag, in the order of each."""
+    samples = [
+        one for piece in pieces for one in (piece.samples() if isinstance(piece, Readings) else [piece])
+    ]
+    return {
+        tag: [repr(each) for each in samples if each.tag == tag] for names in TAGS.values() for tag in names
+    }
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(CHANGES, max_size=12))
+def test_rows_say_what_their_samples_say(changes):
+    rows = LoopRows(TAGS)
+    pieces = [piece for node, change in changes for piece in rows.put(node, change)] + [*rows.ended()]
+    assert [*rows.ended()] == []
+    assert flat(pieces) == flat([sample(tag, change) for node, change in changes for tag in TAGS[node]])
+    for loop in "AB":  # in the order in which they came
+        named = [
+            (piece.tags[0] if isinstance(piece, Readings) else piece.tag, piece.time) for piece in pieces
+        ]
+        own = [change.time for node, change in changes for tag in TAGS[node] if tag.loop == loop]
+        assert [*map(first, groupby(time for tag, time in named if tag.loop == loop))] == [
+            *map(first, groupby(own))
+        ]
+
+
+def test_values_of_a_loop_with_one_time_are_one_piece_with_the_same_tags_again():
+    rows = LoopRows({node: names[:1] for node, names in TAGS.items()})
+    found = []
+    for time in (1.0, 2.0):
+        for node in "bac" if time == 1.0 else "abc":
+            found += rows.put(node, Change(time, 0, time))
+    one, other = found
+    assert one.tags is other.tags
+    assert [each.role for each in one.tags] == ["pv", "op", "sp"]
+    assert [*rows.put("a", Change(1.0, 0, 3.0)), *rows.put("b", Change(1.0, 0, 3.0))] == []
+    (part,) = rows.ended()
+    assert [each.role for each in part.tags] == ["pv", "op"]
