@@ -25,13 +25,13 @@ from connectors.base import (
 )
 from connectors.cancellation import ends_when_cancelled, obey_cancellation
 from connectors.opcua.batches import Batches
-from connectors.opcua.notification import Change
+from connectors.opcua.notification import Block
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
 from connectors.opcua.rows import LoopRows
 from connectors.opcua.security import identify, refusal
 from connectors.opcua.silence import Silence
-from connectors.opcua.subscription import subscription
-from connectors.opcua.values import in_words, is_waiting, no_write, variant
+from connectors.opcua.subscription import Reported, subscription
+from connectors.opcua.values import in_words, no_write, variant
 from connectors.options import LoopTags
 from connectors.readings import Readings, one_by_one
 
@@ -42,7 +42,7 @@ logging.getLogger("asyncua").setLevel(
 _SESSION_TIMEOUT = 60_000
 """How long the server keeps a session that it hears nothing from, ms; its watchdog reads more often."""
 _AT_ONCE = 100
-"""Changes that are read before others have their turn: one notification may have thousands."""
+"""Pieces that are read before others have their turn: one notification may have thousands."""
 
 OpcUaLoops = Mapping[str, LoopTags[OpcUaTag, OpcUaTarget]]
 
@@ -125,20 +125,21 @@ class OpcUaSession:
                 changes = await watched.changes(min(self._options.timeout, self._options.retry))
                 obey_cancellation()
                 self._count_lost(watched.lost)
-                for first in range(0, len(changes), _AT_ONCE):
-                    for each in self._pieces_of(changes[first : first + _AT_ONCE], silence):
-                        yield each
-                    await asyncio.sleep(0)
-                for each in self._rows.ended():
+                for k, each in enumerate(self._pieces_of(changes, silence), start=1):
                     yield each
+                    if k % _AT_ONCE == 0:
+                        await asyncio.sleep(0)
 
-    def _pieces_of(
-        self, changes: Sequence[tuple[str, Change]], silence: Silence
-    ) -> Iterator[Sample | Readings]:
-        for node, change in changes:
-            silence.told(node, change.value)
-            if not is_waiting(change):
+    def _pieces_of(self, changes: Sequence[Reported], silence: Silence) -> Iterator[Sample | Readings]:
+        for nodes, values in changes:
+            if isinstance(values, Block):
+                silence.told(nodes, values.values.tolist())
+                yield from self._rows.put_many(nodes, values)
+                continue
+            silence.told(nodes, [each.value for each in values])
+            for node, change in zip(nodes, values, strict=True):
                 yield from self._rows.put(node, change)
+        yield from self._rows.ended()
 
     async def publish(self, publication: Publication) -> None:
         """Write a state or its end, the flag last; raises ConnectionLostError, RefusedError."""

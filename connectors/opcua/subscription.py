@@ -11,8 +11,8 @@ import asyncio
 import logging
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 from asyncua import Client, ua
 from asyncua.client.ua_session import UaSession
@@ -21,7 +21,7 @@ from asyncua.common.subscription import Subscription
 from connectors.base import ConnectionLostError
 from connectors.opcua.asyncua_private import publish_fast
 from connectors.opcua.batches import Batches
-from connectors.opcua.notification import Change, Changes
+from connectors.opcua.notification import Block, Change, Changes
 from connectors.opcua.options import OpcUaOptions
 from connectors.opcua.values import change_of
 
@@ -35,6 +35,13 @@ _NO_FILTER = (
     ua.StatusCodes.BadMonitoredItemFilterInvalid,
     ua.StatusCodes.BadMonitoredItemFilterUnsupported,
 )
+
+
+class Reported(NamedTuple):
+    """Values of nodes, in the order in which they came."""
+
+    nodes: list[str]
+    values: Block | list[Change]
 
 
 class _Notifications(Subscription):  # type: ignore[misc]
@@ -68,7 +75,7 @@ class NodeSubscription:
         self._created = time.monotonic()
         self._nodes: dict[int, str] = {}
         """By client handle; one that is watched anew has another one."""
-        self._waiting: list[tuple[str, Change]] = []
+        self._waiting: list[Reported] = []
         self._came = asyncio.Event()
         self._ended = False
         self.lost = 0
@@ -96,7 +103,7 @@ class NodeSubscription:
         answers = await self._reads.ask(self._values, [ua.NodeId.from_string(node) for node in nodes])
         return dict(zip(nodes, answers, strict=True))
 
-    async def changes(self, timeout: float) -> list[tuple[str, Change]]:  # noqa: ASYNC109 - not to be cancelled
+    async def changes(self, timeout: float) -> list[Reported]:  # noqa: ASYNC109 - not to be cancelled
         """Return all changes that wait, oldest first; none came for ``timeout`` s: an empty list.
 
         Raises:
@@ -119,28 +126,40 @@ class NodeSubscription:
         return found
 
     def _take(self, notifications: list[Any]) -> None:
-        most = max(WAITING, WAITING_OF_EACH * len(self._nodes))
         for each in notifications:
-            if isinstance(each, Changes | ua.DataChangeNotification):
-                items = each.items if isinstance(each, Changes) else each.MonitoredItems
-                room = max(most - len(self._waiting), 0)
-                self._waiting += self._changes(items[:room])
-                self._count_lost(len(items) - room)
+            if isinstance(each, Changes):
+                for part in each.parts:
+                    self._hold(part)
+            elif isinstance(each, ua.DataChangeNotification):
+                self._hold(each.MonitoredItems)
             elif isinstance(each, ua.StatusChangeNotification):
                 self._ended = True
         self._came.set()
 
-    def _changes(self, items: Sequence[Any]) -> Iterator[tuple[str, Change]]:
-        for item in items:
-            if isinstance(item, tuple):
-                handle, change = item
-            elif item.Value is None:
-                continue
-            else:
-                handle, change = item.ClientHandle, change_of(item.Value)
-            node = self._nodes.get(handle)
-            if node is not None:
-                yield node, change
+    def _hold(self, part: Block | list[Any]) -> None:
+        """Keep what there is room for, and count the rest."""
+        room = max(WAITING, WAITING_OF_EACH * len(self._nodes)) - sum(
+            len(each.nodes) for each in self._waiting
+        )
+        kept = min(len(part), max(room, 0))
+        self._count_lost(len(part) - kept)
+        if kept:
+            self._waiting.append(self._reported(part.first(kept) if isinstance(part, Block) else part[:kept]))
+
+    def _reported(self, part: Block | list[Any]) -> Reported:
+        names = self._nodes
+        if isinstance(part, Block):
+            nodes = [names.get(each, "") for each in part.handles.tolist()]
+            if all(nodes):
+                return Reported(nodes, part)
+            part = part.items()
+        items = [
+            each if isinstance(each, tuple) else (each.ClientHandle, change_of(each.Value))
+            for each in part
+            if isinstance(each, tuple) or each.Value is not None
+        ]
+        known = [(names[handle], change) for handle, change in items if handle in names]
+        return Reported([node for node, _ in known], [change for _, change in known])
 
     async def _values(self, nodes: list[ua.NodeId]) -> list[ua.DataValue]:
         found: list[ua.DataValue] = await self._session.read_attributes(nodes, ua.AttributeIds.Value)

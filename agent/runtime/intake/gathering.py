@@ -8,6 +8,7 @@ one by one.
 from __future__ import annotations
 
 import math
+from array import array
 from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
@@ -50,8 +51,8 @@ class Gathering:
         self.tags = tags
         self._parts = parts
         self._most = ROWS - number % SPREAD
-        self._waiting: list[tuple[Readings, float]] = []
-        """Readings, and when each arrived, monotonic, s."""
+        self._times, self._arrivals, self._values = array("d"), array("d"), array("d")
+        """Of readings that wait: source times (s UTC), arrivals (monotonic, s), values; 40 bytes for 3."""
         self._settles = -math.inf
         """Source time from which readings are taken in at once, s UTC: a window may be due."""
 
@@ -65,33 +66,29 @@ class Gathering:
                 part.intake.settle()
                 part.intake.gathering = self
                 self.hurry()
-        self._waiting.append((readings, arrival))
-        if readings.time >= self._settles or len(self._waiting) >= self._most:
+        self._times.append(readings.time)
+        self._arrivals.append(arrival)
+        self._values.frombytes(readings.values.tobytes())
+        if readings.time >= self._settles or len(self._times) >= self._most:
             self.settle()
 
     def settle(self) -> None:
         """Have the loops take in what waits."""
-        if not self._waiting:
+        if not self._times:
             return
-        waiting, self._waiting = self._waiting, []
-        if len(waiting) < FEW:
-            for part in self._parts:
-                _one_by_one(part, waiting)
-        else:
-            self._take(waiting)
-        self._settles = min((part.intake.window.due_from for part in self._parts), default=math.inf)
-
-    def _take(self, waiting: Sequence[tuple[Readings, float]]) -> None:
-        source, arrivals = zip(*((readings.time, arrival) for readings, arrival in waiting), strict=True)
-        times = RowTimes(np.array(source), np.array(arrivals))
-        values = np.array([readings.values for readings, _ in waiting]).T
+        times = RowTimes(np.array(self._times), np.array(self._arrivals))
+        values = np.array(self._values).reshape(len(times.source), -1).T
+        for each in (self._times, self._arrivals, self._values):
+            del each[:]
         finite = np.isfinite(values).all(axis=1).tolist()
         short = short_of(values)
+        few = len(times.source) < FEW
         for part in self._parts:
             rows = ValueRows(part.roles, times, values[part.columns], short[part.columns])
-            plain = times.increasing and all(finite[part.columns])
+            plain = not few and times.increasing and all(finite[part.columns])
             if not (plain and part.intake.take(rows)):
-                _one_by_one(part, waiting)
+                _one_by_one(part, rows)
+        self._settles = min((part.intake.window.due_from for part in self._parts), default=math.inf)
 
     def hurry(self) -> None:
         """Take the next readings in at once: something else came of one of the loops."""
@@ -133,7 +130,8 @@ class Gatherings:
         return Gathering(tags, parts, len(self._known))
 
 
-def _one_by_one(part: LoopColumns, waiting: Sequence[tuple[Readings, float]]) -> None:
-    for readings, arrival in waiting:
-        for tag, value in zip(part.tags, readings.values[part.columns].tolist(), strict=True):
-            part.intake.push_one(Sample.measured(tag, readings.time, value), arrival)
+def _one_by_one(part: LoopColumns, rows: ValueRows) -> None:
+    columns = (each.tolist() for each in (rows.times.source, rows.times.arrivals, rows.values.T))
+    for time, arrival, values in zip(*columns, strict=True):
+        for tag, value in zip(part.tags, values, strict=True):
+            part.intake.push_one(Sample.measured(tag, time, value), arrival)

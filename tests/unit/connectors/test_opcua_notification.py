@@ -6,6 +6,7 @@ from datetime import UTC, datetime, timedelta
 from itertools import groupby
 from operator import itemgetter
 
+import numpy as np
 import pytest
 from asyncua import ua
 from asyncua.client.ua_session import UaSession
@@ -17,7 +18,7 @@ from hypothesis import strategies as st
 from connectors.base import LoopRole
 from connectors.opcua import asyncua_private
 from connectors.opcua.asyncua_private import decoded, publish_fast
-from connectors.opcua.notification import Change, Changes
+from connectors.opcua.notification import Block, Change, Changes
 from connectors.opcua.rows import LoopRows
 from connectors.opcua.values import change_of, sample
 from connectors.readings import Readings
@@ -38,6 +39,7 @@ NUMBERS = {
     Kind.Double: st.floats(),
     Kind.String: st.text(max_size=5),
 }
+PLAIN = st.sampled_from([Kind.Boolean, Kind.Int16, Kind.UInt32, Kind.Float, Kind.Double])
 VARIANTS = st.sampled_from([*NUMBERS]).flatmap(
     lambda kind: NUMBERS[kind].map(lambda value: ua.Variant(value, kind))
 )
@@ -63,12 +65,27 @@ def data_values(draw):
 
 
 @st.composite
+def alike(draw):
+    """Enough of one layout for numpy, and some others before and behind."""
+    kind, status, times = draw(PLAIN), draw(st.sampled_from([None, 0, 0x80000000])), draw(TIMES | TIMES)
+    numbers = draw(st.lists(NUMBERS[kind], min_size=6, max_size=20))
+    made = [
+        ua.DataValue(ua.Variant(each, kind), None if status is None else ua.StatusCode(status), times)
+        for each in numbers
+    ]
+    for each in made[draw(st.integers(0, 20)) :]:
+        each.ServerTimestamp = draw(st.just(None) | TIMES)
+    others = st.lists(data_values(), max_size=2)
+    return [*draw(others), *made, *draw(others)]
+
+
+@st.composite
 def responses(draw):
     changes = [
         ua.DataChangeNotification(
             [
                 ua.MonitoredItemNotification(draw(st.integers(0, 2**32 - 1)), each)
-                for each in draw(st.lists(data_values(), max_size=8))
+                for each in draw(st.lists(data_values(), max_size=8) | alike())
             ]
         )
         for _ in range(draw(st.integers(0, 2)))
@@ -94,7 +111,9 @@ def content(response):
     parts = []
     for each in message.NotificationData or []:
         if isinstance(each, Changes):
-            parts += [item if isinstance(item, tuple) else _pair(item) for item in each.items]
+            for part in each.parts:
+                items = part.items() if isinstance(part, Block) else part
+                parts += [_float(*item) if isinstance(item, tuple) else _pair(item) for item in items]
         elif isinstance(each, ua.DataChangeNotification):
             parts += [_pair(item) for item in each.MonitoredItems]
         else:
@@ -105,7 +124,13 @@ def content(response):
 
 
 def _pair(item):
-    return item.ClientHandle, change_of(item.Value)
+    return _float(item.ClientHandle, change_of(item.Value))
+
+
+def _float(handle, change):
+    """As a sample has it."""
+    number = isinstance(change.value, int | float)
+    return handle, change._replace(value=float(change.value)) if number else change
 
 
 def by_asyncua(data):
@@ -145,8 +170,9 @@ def test_what_is_plain_takes_the_short_way_and_one_that_is_not_goes_alone():
     response.Parameters.NotificationMessage.NotificationData[0].MonitoredItems[1].Value = ua.DataValue("text")
     fast = decoded(Buffer(struct_to_binary(response)))
     (changes,) = fast.Parameters.NotificationMessage.NotificationData
-    assert [isinstance(item, tuple) for item in changes.items] == [True, False, True]
-    assert changes.items[2] == (2, Change(2.0, 0, BEGINS.timestamp()))
+    (items,) = changes.parts
+    assert [isinstance(item, tuple) for item in items] == [True, False, True]
+    assert items[2] == (2, Change(2.0, 0, BEGINS.timestamp()))
 
 
 class Session(UaSession):
@@ -197,6 +223,37 @@ CHANGES = st.tuples(
 )
 
 
+BLOCK = st.lists(
+    st.tuples(
+        st.sampled_from([*TAGS]),
+        st.sampled_from([1.0, 2.0, math.nan]),
+        st.sampled_from([0, 0, 0, 0x80000000]),
+    ),
+    min_size=1,
+    max_size=8,
+)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(BLOCK, max_size=4), st.sampled_from([1.0, 2.0]))
+def test_a_block_says_what_its_values_say_one_by_one(blocks, step):
+    many, single = LoopRows(TAGS), LoopRows(TAGS)
+    found, expected = [], []
+    for k, items in enumerate([*blocks, [(node, 4.0, 0) for node in "dabcdc"]]):
+        times = [float(k) + step * (place // 4) for place, _ in enumerate(items)]
+        nodes, values, status = zip(*items, strict=True)
+        block = Block(
+            np.arange(len(items), dtype=np.uint32),
+            np.array(values),
+            np.array(status, np.uint32),
+            np.array(times),
+        )
+        found += many.put_many(nodes, block)
+        for (node, value, code), time in zip(items, times, strict=True):
+            expected += single.put(node, Change(value, code, time))
+    assert flat([*found, *many.ended()]) == flat([*expected, *single.ended()])
+
+
 def flat(pieces):
     """Samples by tag, in the order of each."""
     samples = [
@@ -236,3 +293,13 @@ def test_values_of_a_loop_with_one_time_are_one_piece_with_the_same_tags_again()
     assert [*rows.put("a", Change(1.0, 0, 3.0)), *rows.put("b", Change(1.0, 0, 3.0))] == []
     (part,) = rows.ended()
     assert [each.role for each in part.tags] == ["pv", "op"]
+
+
+def test_all_values_of_many_loops_in_a_block_are_a_piece_for_each_loop():
+    rows = LoopRows({f"{loop}.{role}": [LoopRole(loop, role)] for loop in "XY" for role in ("pv", "op")})
+    nodes = ["X.pv", "X.op", "Y.pv", "Y.op"]
+    block = Block(np.arange(4, dtype=np.uint32), np.arange(4.0), np.zeros(4, np.uint32), np.full(4, 9.0))
+    one, other = rows.put_many(nodes, block)
+    assert (one.values.tolist(), other.values.tolist(), one.time) == ([0.0, 1.0], [2.0, 3.0], 9.0)
+    again, _ = rows.put_many(nodes, block)
+    assert again.tags is one.tags

@@ -146,7 +146,7 @@ def test_what_waits_is_bounded():
     loop = Loop(seconds=4000.0)
     for k in range(1000):
         loop.put(readings(float(k), [50.0, 40.0, 45.0, 1.0]), float(k))
-        assert len(loop.gathering._waiting) < ROWS
+        assert len(loop.gathering._times) < ROWS
 
 
 def test_a_sample_comes_after_the_rows_before_it():
