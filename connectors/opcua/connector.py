@@ -132,14 +132,9 @@ class OpcUaSession:
 
     def _pieces_of(self, changes: Sequence[Reported], silence: Silence) -> Iterator[Sample | Readings]:
         for nodes, values in changes:
-            if isinstance(values, Block):
-                silence.told(nodes, values.values.tolist())
-                yield from self._rows.put_many(nodes, values)
-                continue
-            silence.told(nodes, [each.value for each in values])
-            for node, change in zip(nodes, values, strict=True):
-                yield from self._rows.put(node, change)
-        yield from self._rows.ended()
+            told = values.values.tolist() if isinstance(values, Block) else [each.value for each in values]
+            silence.told(nodes, told)
+            yield from self._rows.pieces(nodes, values)
 
     async def publish(self, publication: Publication) -> None:
         """Write a state or its end, the flag last; raises ConnectionLostError, RefusedError."""

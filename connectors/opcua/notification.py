@@ -23,8 +23,8 @@ _EPOCH = 11_644_473_600
 """s from 1601 to 1970."""
 _TICKS, _MICROSECONDS = 10, 1_000_000
 """Ticks in a microsecond, microseconds in a second."""
-_EXACT = (_EPOCH * 10_000_000) + 9 * 10**16
-"""Ticks up to which microseconds since 1970 are exact as a float: the year 2255."""
+_EXACT = range(_EPOCH * 10_000_000 - 9 * 10**16, _EPOCH * 10_000_000 + 9 * 10**16)
+"""Ticks whose microseconds from 1970 are exact as a float: the years 1685 to 2255."""
 _FEW, _MOST = 8, 4096
 """Items that numpy reads at once: fewer are read faster one by one, and no more are looked at in vain."""
 _LAST = 2_650_467_743_990_000_000
@@ -242,7 +242,7 @@ def _block(body: bytes, at: int, left: int) -> tuple[Block, int] | None:
     count = min(left, _MOST, (len(body) - at) // layout.size)
     table = np.frombuffer(body, layout.kind, count, at)
     ticks = table[str(layout.time)]
-    alike = (table["1"] == key[0]) & (table["2"] == key[1]) & (ticks >= 0) & (ticks < _EXACT)
+    alike = (table["1"] == key[0]) & (table["2"] == key[1]) & (ticks >= _EXACT.start) & (ticks < _EXACT.stop)
     count = count if alike.all() else int(alike.argmin())
     if count < _FEW:
         return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,127 +12,97 @@ from connectors.opcua.notification import Block, Change
 from connectors.opcua.values import is_waiting, sample
 from connectors.readings import Readings
 
+_NOWHERE = -1
+"""Column of a node that is read for several tags."""
+
 
 class _Row:
-    """What came of a loop with one time."""
+    """A loop, and which of its tags have come in one piece."""
 
     def __init__(self) -> None:
         self.names: list[LoopRole] = []
-        """All tags of the loop."""
-        self.time = math.nan
-        self._values: dict[int, float] = {}
-        self._tags: dict[tuple[int, ...], tuple[LoopRole, ...]] = {}
-        """By columns: readings with the same tags have the same object."""
+        self._tags: dict[tuple[int, ...] | None, tuple[LoopRole, ...]] = {}
 
-    @property
-    def all_tags(self) -> tuple[LoopRole, ...]:
-        """All tags of the loop, the same object each time."""
-        return self._of(tuple(range(len(self.names))))
-
-    def takes(self, column: int, time: float) -> bool:
-        """Return whether a value belongs to it."""
-        return not self._values or (time == self.time and column not in self._values)
-
-    def put(self, column: int, time: float, value: float) -> bool:
-        """Take a value that belongs to it; return whether it is complete."""
-        self.time = time
-        self._values[column] = value
-        return len(self._values) == len(self.names)
-
-    def ended(self) -> Iterator[Sample | Readings]:
-        """Yield what came, and begin anew."""
-        values, self._values = self._values, {}
-        if len(values) > 1:
-            columns = tuple(sorted(values))
-            yield Readings(self._of(columns), self.time, np.array([values[each] for each in columns]))
-        elif values:
-            ((column, value),) = values.items()
-            yield Sample.measured(self.names[column], self.time, value)
-
-    def _of(self, columns: tuple[int, ...]) -> tuple[LoopRole, ...]:
+    def piece(self, columns: tuple[int, ...] | None, time: float, values: np.ndarray) -> Sample | Readings:
+        """Return what came of these columns, None: of all; readings have the same tags again."""
+        if len(values) == 1:
+            place = 0 if columns is None else columns[0]
+            return Sample.measured(self.names[place], time, float(values[0]))
         tags = self._tags.get(columns)
         if tags is None:
-            tags = self._tags[columns] = tuple(self.names[each] for each in columns)
-        return tags
-
-
-class _Place(NamedTuple):
-    """Where values of a node belong."""
-
-    row: _Row
-    column: int
-
-
-_NOWHERE = (-1, -1)
-"""Row and column of a node that is read for several tags."""
+            there = range(len(self.names)) if columns is None else columns
+            tags = self._tags[columns] = tuple(self.names[each] for each in there)
+        return Readings(tags, time, values)
 
 
 class LoopRows:
-    """Gives values on in their order, those of a loop with the same time together."""
+    """Gives values on in their order."""
 
     def __init__(self, tags: Mapping[str, Sequence[LoopRole]]) -> None:
         """Make it of what each node is read for."""
+        self._tags = tags
         rows: dict[str, _Row] = {}
-        self._places: dict[str, list[_Place]] = {}
+        self._rows: list[_Row] = []
+        self._places: dict[str, tuple[int, int]] = {}
+        """Of each node: number of its row, and its column."""
+        numbers: dict[str, int] = {}
         for node, names in tags.items():
             for name in names:
-                row = rows.setdefault(name.loop, _Row())
-                self._places.setdefault(node, []).append(_Place(row, len(row.names)))
+                if name.loop not in rows:
+                    numbers[name.loop] = len(self._rows)
+                    rows[name.loop] = _Row()
+                    self._rows.append(rows[name.loop])
+                row = rows[name.loop]
+                alone = len(names) == 1
+                self._places[node] = numbers[name.loop], len(row.names) if alone else _NOWHERE
                 row.names.append(name)
-        self._rows = list(rows.values())
-        number = {row: k for k, row in enumerate(self._rows)}
-        self._places_of = {
-            node: (number[places[0].row], places[0].column) if len(places) == 1 else _NOWHERE
-            for node, places in self._places.items()
-        }
-        self._widths = np.array([len(row.names) for row in self._rows])
-        self._begun: dict[_Row, None] = {}
+        self._widths = np.array([len(row.names) for row in self._rows], np.intp)
 
-    def put_many(self, nodes: Sequence[str], block: Block) -> Iterator[Sample | Readings]:
-        """Do what ``put`` does with each; all of a loop side by side is taken at once."""
-        places = np.array([self._places_of[node] for node in nodes])
-        row, column = places.T
-        plain = (block.status == 0) & np.isfinite(block.values) & (row >= 0)
-        goes_on = (
-            (row[1:] == row[:-1]) & (column[1:] == column[:-1] + 1) & (block.times[1:] == block.times[:-1])
-        )
+    def pieces(self, nodes: Sequence[str], values: Block | Sequence[Change]) -> Iterator[Sample | Readings]:
+        """Yield what came of the nodes, values of a loop side by side with one time together."""
+        if not isinstance(values, Block):
+            yield from self._one_by_one(nodes, values)
+            return
+        row, column = np.array([self._places[node] for node in nodes], np.intp).reshape(-1, 2).T
+        plain = (values.status == 0) & np.isfinite(values.values) & (column != _NOWHERE)
+        goes_on = (row[1:] == row[:-1]) & (column[1:] > column[:-1]) & (values.times[1:] == values.times[:-1])
         starts = np.flatnonzero(np.append([True], ~goes_on))
         ends = np.append(starts[1:], [len(nodes)])
-        whole = (column[starts] == 0) & (ends - starts == self._widths[row[starts]])
-        whole &= np.logical_and.reduceat(plain, starts)
-        items: list[tuple[int, Change]] = [] if whole.all() else block.items()
-        for k, start, end, at in zip(
-            whole.tolist(), starts.tolist(), ends.tolist(), block.times[starts].tolist(), strict=True
-        ):
-            if k:
-                own = self._rows[row[start]]
-                yield from own.ended()
-                yield Readings(own.all_tags, at, block.values[start:end])
-                continue
-            for place in range(start, end):
-                yield from self.put(nodes[place], items[place][1])
+        all_plain = np.logical_and.reduceat(plain, starts)
+        whole = ends - starts == self._widths[row[starts]]
+        items = None if all_plain.all() else [change for _, change in values.items()]
+        groups = (all_plain, whole, starts, ends, row[starts], values.times[starts])
+        for usual, full, start, end, number, time in zip(*(each.tolist() for each in groups), strict=True):
+            if usual:
+                columns = None if full else tuple(column[start:end].tolist())
+                yield self._rows[number].piece(columns, time, values.values[start:end])
+            elif items is not None:
+                yield from self._one_by_one(nodes[start:end], items[start:end])
 
-    def put(self, node: str, change: Change) -> Iterator[Sample | Readings]:
-        """Take a value, and yield what waits for no others any more."""
-        if is_waiting(change):
-            return
-        value, plain = change.value, _is_plain(change)
-        for row, column in self._places[node]:
-            if not plain or not row.takes(column, change.time):
-                yield from row.ended()
-            if not plain or not isinstance(value, int | float):
-                yield sample(row.names[column], change)
-                continue
-            self._begun[row] = None
-            if row.put(column, change.time, float(value)):
-                yield from row.ended()
-                del self._begun[row]
+    def _one_by_one(self, nodes: Sequence[str], changes: Sequence[Change]) -> Iterator[Sample | Readings]:
+        held: list[tuple[int, float]] = []
+        """Columns and values of the loop ``number`` at ``time``."""
+        number, time = 0, math.nan
+        for node, change in zip(nodes, changes, strict=True):
+            row, column = self._places[node]
+            value = change.value
+            plain = column != _NOWHERE and _is_plain(change)
+            if held and not (plain and row == number and change.time == time and column > held[-1][0]):
+                yield self._held(number, time, held)
+                held = []
+            if plain and isinstance(value, int | float):
+                number, time = row, change.time
+                held.append((column, float(value)))
+            elif not is_waiting(change):
+                for name in self._tags[node]:
+                    yield sample(name, change)
+        if held:
+            yield self._held(number, time, held)
 
-    def ended(self) -> Iterator[Sample | Readings]:
-        """Yield all that still waits: nothing more came."""
-        for row in self._begun:
-            yield from row.ended()
-        self._begun.clear()
+    def _held(self, number: int, time: float, held: Sequence[tuple[int, float]]) -> Sample | Readings:
+        columns, values = zip(*held, strict=True)
+        row = self._rows[number]
+        return row.piece(columns if len(columns) < len(row.names) else None, time, np.array(values))
 
 
 def _is_plain(change: Change) -> bool:

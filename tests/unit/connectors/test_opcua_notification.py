@@ -3,8 +3,6 @@
 import logging
 import math
 from datetime import UTC, datetime, timedelta
-from itertools import groupby
-from operator import itemgetter
 
 import numpy as np
 import pytest
@@ -20,10 +18,9 @@ from connectors.opcua import asyncua_private
 from connectors.opcua.asyncua_private import decoded, publish_fast
 from connectors.opcua.notification import Block, Change, Changes
 from connectors.opcua.rows import LoopRows
-from connectors.opcua.values import change_of, sample
+from connectors.opcua.values import change_of, is_waiting, sample
 from connectors.readings import Readings
 
-first = itemgetter(0)
 Kind = ua.VariantType
 BEGINS = datetime(1601, 1, 1, tzinfo=UTC)
 NUMBERS = {
@@ -223,83 +220,76 @@ CHANGES = st.tuples(
 )
 
 
-BLOCK = st.lists(
-    st.tuples(
-        st.sampled_from([*TAGS]),
-        st.sampled_from([1.0, 2.0, math.nan]),
-        st.sampled_from([0, 0, 0, 0x80000000]),
-    ),
-    min_size=1,
-    max_size=8,
-)
-
-
-@settings(max_examples=300, deadline=None)
-@given(st.lists(BLOCK, max_size=4), st.sampled_from([1.0, 2.0]))
-def test_a_block_says_what_its_values_say_one_by_one(blocks, step):
-    many, single = LoopRows(TAGS), LoopRows(TAGS)
-    found, expected = [], []
-    for k, items in enumerate([*blocks, [(node, 4.0, 0) for node in "dabcdc"]]):
-        times = [float(k) + step * (place // 4) for place, _ in enumerate(items)]
-        nodes, values, status = zip(*items, strict=True)
-        block = Block(
-            np.arange(len(items), dtype=np.uint32),
-            np.array(values),
-            np.array(status, np.uint32),
-            np.array(times),
-        )
-        found += many.put_many(nodes, block)
-        for (node, value, code), time in zip(items, times, strict=True):
-            expected += single.put(node, Change(value, code, time))
-    assert flat([*found, *many.ended()]) == flat([*expected, *single.ended()])
+STEPS = st.lists(st.sampled_from([0.0, 0.0, 1.0]), min_size=12, max_size=12)
 
 
 def flat(pieces):
-    """Samples by tag, in the order of each."""
-    samples = [
-        one for piece in pieces for one in (piece.samples() if isinstance(piece, Readings) else [piece])
+    """Samples in their order."""
+    return [
+        repr(one) for piece in pieces for one in (piece.samples() if isinstance(piece, Readings) else [piece])
     ]
-    return {
-        tag: [repr(each) for each in samples if each.tag == tag] for names in TAGS.values() for tag in names
-    }
+
+
+def block_of(values, status, times):
+    return Block(
+        np.arange(len(values), dtype=np.uint32), np.array(values), np.array(status, np.uint32), times
+    )
+
+
+def one_by_one(changes):
+    return flat(
+        sample(tag, change) for node, change in changes if not is_waiting(change) for tag in TAGS[node]
+    )
 
 
 @settings(max_examples=300, deadline=None)
 @given(st.lists(CHANGES, max_size=12))
-def test_rows_say_what_their_samples_say(changes):
-    rows = LoopRows(TAGS)
-    pieces = [piece for node, change in changes for piece in rows.put(node, change)] + [*rows.ended()]
-    assert [*rows.ended()] == []
-    assert flat(pieces) == flat([sample(tag, change) for node, change in changes for tag in TAGS[node]])
-    for loop in "AB":  # in the order in which they came
-        named = [
-            (piece.tags[0] if isinstance(piece, Readings) else piece.tag, piece.time) for piece in pieces
-        ]
-        own = [change.time for node, change in changes for tag in TAGS[node] if tag.loop == loop]
-        assert [*map(first, groupby(time for tag, time in named if tag.loop == loop))] == [
-            *map(first, groupby(own))
-        ]
+def test_pieces_say_what_their_samples_say(changes):
+    nodes, values = [node for node, _ in changes], [change for _, change in changes]
+    assert flat(LoopRows(TAGS).pieces(nodes, values)) == one_by_one(changes)
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from([*TAGS]),
+            st.sampled_from([1.0, 2.0, math.nan]),
+            st.sampled_from([0, 0, 0, 0x80000000, ua.StatusCodes.BadWaitingForInitialData]),
+        ),
+        min_size=1,
+        max_size=12,
+    ),
+    STEPS,
+)
+def test_a_block_says_what_its_values_say(items, steps):
+    nodes, values, status = zip(*items, strict=True)
+    times = np.cumsum(steps)[: len(nodes)]
+    block = Block(
+        np.arange(len(nodes), dtype=np.uint32), np.array(values), np.array(status, np.uint32), times
+    )
+    changes = [
+        (node, Change(value, code, time))
+        for node, value, code, time in zip(nodes, values, status, times.tolist(), strict=True)
+    ]
+    pieces = [*LoopRows(TAGS).pieces(nodes, block)]
+    assert flat(pieces) == one_by_one(changes)
+    same = [*LoopRows(TAGS).pieces(nodes, [change for _, change in changes])]
+    assert list(map(repr, pieces)) == list(map(repr, same))
 
 
 def test_values_of_a_loop_with_one_time_are_one_piece_with_the_same_tags_again():
-    rows = LoopRows({node: names[:1] for node, names in TAGS.items()})
-    found = []
-    for time in (1.0, 2.0):
-        for node in "bac" if time == 1.0 else "abc":
-            found += rows.put(node, Change(time, 0, time))
-    one, other = found
-    assert one.tags is other.tags
-    assert [each.role for each in one.tags] == ["pv", "op", "sp"]
-    assert [*rows.put("a", Change(1.0, 0, 3.0)), *rows.put("b", Change(1.0, 0, 3.0))] == []
-    (part,) = rows.ended()
-    assert [each.role for each in part.tags] == ["pv", "op"]
+    rows = LoopRows(
+        {f"{loop}.{role}": [LoopRole(loop, role)] for loop in "XY" for role in ("pv", "op", "sp")}
+    )
+    nodes = ["X.pv", "X.op", "X.sp", "Y.pv", "Y.sp", "Y.op"]
 
+    def block(time):
+        return Block(np.arange(6, dtype=np.uint32), np.arange(6.0), np.zeros(6, np.uint32), np.full(6, time))
 
-def test_all_values_of_many_loops_in_a_block_are_a_piece_for_each_loop():
-    rows = LoopRows({f"{loop}.{role}": [LoopRole(loop, role)] for loop in "XY" for role in ("pv", "op")})
-    nodes = ["X.pv", "X.op", "Y.pv", "Y.op"]
-    block = Block(np.arange(4, dtype=np.uint32), np.arange(4.0), np.zeros(4, np.uint32), np.full(4, 9.0))
-    one, other = rows.put_many(nodes, block)
-    assert (one.values.tolist(), other.values.tolist(), one.time) == ([0.0, 1.0], [2.0, 3.0], 9.0)
-    again, _ = rows.put_many(nodes, block)
-    assert again.tags is one.tags
+    whole, some, alone = rows.pieces(nodes, block(9.0))
+    assert (whole.values.tolist(), some.values.tolist(), alone.value) == ([0.0, 1.0, 2.0], [3.0, 4.0], 5.0)
+    again, some_again, _ = rows.pieces(nodes, [Change(value, 0, 10.0) for value in range(6)])
+    assert again.tags is whole.tags
+    assert some_again.tags is some.tags
+    assert [tag.role for tag in some.tags] == ["pv", "sp"]
