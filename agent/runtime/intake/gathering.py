@@ -51,6 +51,7 @@ class Gathering:
         self.tags = tags
         self._parts = parts
         self._most = ROWS - number % SPREAD
+        self._longest = min((part.intake.longest_wait for part in parts), default=math.inf)
         self._times, self._arrivals, self._values = array("d"), array("d"), array("d")
         """Of readings that wait: source times (s UTC), arrivals (monotonic, s), values; 40 bytes for 3."""
         self._settles = -math.inf
@@ -69,7 +70,8 @@ class Gathering:
         self._times.append(readings.time)
         self._arrivals.append(arrival)
         self._values.frombytes(readings.values.tobytes())
-        if readings.time >= self._settles or len(self._times) >= self._most:
+        late = arrival - self._arrivals[0] >= self._longest
+        if readings.time >= self._settles or len(self._times) >= self._most or late:
             self.settle()
 
     def settle(self) -> None:
