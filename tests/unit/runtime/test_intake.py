@@ -164,8 +164,6 @@ def test_where_raw_samples_are_kept_rows_wait_for_seconds_only():
         assert len(loop.gathering._times) <= 10
     over = [each.number for each in loop.recorder._over]
     assert over == sorted(set(over))
-        {each.number for each in loop.recorder._over}
-    )
 
 
 def test_a_sample_comes_after_the_rows_before_it():
