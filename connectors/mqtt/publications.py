@@ -13,7 +13,7 @@ _LONGEST_LENGTH = 4
 """Bytes that the length of a packet takes at most."""
 
 
-class Publication(NamedTuple):
+class PlainPublication(NamedTuple):
     """One message and what it takes to go on."""
 
     message: Message
@@ -32,7 +32,7 @@ class Publications:
         self._speaks_5 = speaks_5
         self._topics: dict[bytes, Topic] = {}
 
-    def read(self, held: bytes, at: int) -> Publication | None:
+    def read(self, held: bytes, at: int) -> PlainPublication | None:
         """Return the publication that begins at a place of ``held``; None where paho has to read it."""
         qos, (place, end) = held[at] >> 1 & 3, _content(held, at + 1)
         if held[at] & 0xF0 != _PUBLISH or qos > 1 or end < place + 2 or end > len(held):
@@ -45,7 +45,7 @@ class Publications:
         if topic is None:
             return None
         number = held[topic_end] << 8 | held[topic_end + 1] if qos else 0
-        return Publication(
+        return PlainPublication(
             Message(topic, held[payload:end], qos, bool(held[at] & 1), number, properties=None), end
         )
 

@@ -11,7 +11,7 @@ from asyncua.client.ua_session import UaSession
 from asyncua.common.utils import Buffer
 from asyncua.ua.ua_binary import struct_from_binary
 
-from connectors.opcua.notification import Response, read_response
+from connectors.opcua.notification import PlainResponse, read_response
 
 MEMBERS: tuple[tuple[type, tuple[str, ...]], ...] = ((UaSession, ("_send_request",)),)
 """Class of asyncua -> its members that are used below."""
@@ -39,7 +39,7 @@ class _Answered:
 
 
 def publish_fast(session: UaSession) -> None:
-    """Have a session put ``Changes`` in the place of each DataChangeNotification that is plain."""
+    """Have a session put ``NodeChanges`` in the place of each DataChangeNotification that is plain."""
 
     async def publish(acknowledged: list[ua.SubscriptionAcknowledgement]) -> ua.PublishResponse:
         request = ua.PublishRequest()
@@ -66,7 +66,7 @@ def _item(body: bytes, at: int) -> tuple[ua.MonitoredItemNotification, int]:
     return item, buffer.cur_pos
 
 
-def _as_asyncua(found: Response[ua.MonitoredItemNotification]) -> ua.PublishResponse:
+def _as_asyncua(found: PlainResponse[ua.MonitoredItemNotification]) -> ua.PublishResponse:
     message = ua.NotificationMessage(
         found.sequence, _BEGINS + timedelta(microseconds=found.published // 10), found.changes
     )

@@ -25,12 +25,12 @@ from connectors.base import (
 )
 from connectors.cancellation import ends_when_cancelled, obey_cancellation
 from connectors.opcua.batches import Batches
-from connectors.opcua.notification import Block
+from connectors.opcua.notification import ValueBlock
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
 from connectors.opcua.rows import LoopRows
 from connectors.opcua.security import identify, refusal
 from connectors.opcua.silence import Silence
-from connectors.opcua.subscription import Reported, subscription
+from connectors.opcua.subscription import NodeReport, subscription
 from connectors.opcua.values import in_words, no_write, variant
 from connectors.options import LoopTags
 from connectors.readings import Readings, one_by_one
@@ -130,9 +130,11 @@ class OpcUaSession:
                     if k % _AT_ONCE == 0:
                         await asyncio.sleep(0)
 
-    def _pieces_of(self, changes: Sequence[Reported], silence: Silence) -> Iterator[Sample | Readings]:
+    def _pieces_of(self, changes: Sequence[NodeReport], silence: Silence) -> Iterator[Sample | Readings]:
         for nodes, values in changes:
-            told = values.values.tolist() if isinstance(values, Block) else [each.value for each in values]
+            told = (
+                values.values.tolist() if isinstance(values, ValueBlock) else [each.value for each in values]
+            )
             silence.told(nodes, told)
             yield from self._rows.pieces(nodes, values)
 

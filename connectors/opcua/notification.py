@@ -52,7 +52,7 @@ _OBJECT = struct.Struct("<BBH B i")
 """Type and length of an ExtensionObject with a body of bytes."""
 
 
-class Change(NamedTuple):
+class NodeValue(NamedTuple):
     """A value of a node as its server sent it."""
 
     value: object
@@ -64,7 +64,7 @@ class Change(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Block:
+class ValueBlock:
     """Values of many nodes, (n,) each."""
 
     handles: NDArray[np.uint32]
@@ -78,26 +78,26 @@ class Block:
         """Return how many."""
         return len(self.handles)
 
-    def first(self, count: int) -> Block:
+    def first(self, count: int) -> ValueBlock:
         """Return the first of them."""
-        return Block(self.handles[:count], self.values[:count], self.status[:count], self.times[:count])
+        return ValueBlock(self.handles[:count], self.values[:count], self.status[:count], self.times[:count])
 
-    def items(self) -> list[tuple[int, Change]]:
+    def items(self) -> list[tuple[int, NodeValue]]:
         """Return them one by one."""
         columns = (each.tolist() for each in (self.handles, self.values, self.status, self.times))
-        return [(handle, Change(*rest)) for handle, *rest in zip(*columns, strict=True)]
+        return [(handle, NodeValue(*rest)) for handle, *rest in zip(*columns, strict=True)]
 
 
 @dataclass(frozen=True, slots=True)
-class Changes(Generic[Other]):
+class NodeChanges(Generic[Other]):
     """What one notification has, in its order."""
 
-    parts: list[Block | list[tuple[int, Change] | Other]]
+    parts: list[ValueBlock | list[tuple[int, NodeValue] | Other]]
     """Client handles and values, or what another decoder made of an item."""
 
 
 @dataclass(frozen=True, slots=True)
-class Response(Generic[Other]):
+class PlainResponse(Generic[Other]):
     """A publish response that has nothing but changes of data."""
 
     subscription: int
@@ -107,7 +107,7 @@ class Response(Generic[Other]):
     sequence: int
     published: int
     """Ticks since 1601."""
-    changes: list[Changes[Other]]
+    changes: list[NodeChanges[Other]]
     results: list[int]
     """Status of each acknowledgement."""
 
@@ -152,7 +152,9 @@ def _layouts() -> Iterator[tuple[bytes, _Layout]]:
 _LAYOUTS = dict(_layouts())
 
 
-def read_response(data: bytes, other: Callable[[bytes, int], tuple[Other, int]]) -> Response[Other] | None:
+def read_response(
+    data: bytes, other: Callable[[bytes, int], tuple[Other, int]]
+) -> PlainResponse[Other] | None:
     """Return the content of a publish response; None where another decoder has to read it.
 
     Args:
@@ -165,7 +167,7 @@ def read_response(data: bytes, other: Callable[[bytes, int], tuple[Other, int]])
         return None  # it ends too early: the other decoder says so in its own words
 
 
-def _response(data: bytes, other: Callable[[bytes, int], tuple[Other, int]]) -> Response[Other] | None:
+def _response(data: bytes, other: Callable[[bytes, int], tuple[Other, int]]) -> PlainResponse[Other] | None:
     head = _HEAD.unpack_from(data)
     *_, result, diagnostics, texts, none, no_id, no_body = head
     if head[:3] != (*_PLAIN_TYPE, _RESPONSE) or result or diagnostics or texts > 0 or no_body:
@@ -191,15 +193,15 @@ def _response(data: bytes, other: Callable[[bytes, int], tuple[Other, int]]) -> 
     (diagnosed,) = _INT.unpack_from(data, at)
     if diagnosed > 0 or not 0 <= published < _LAST:
         return None
-    return Response(subscription, available, bool(more), sequence, published, changes, results)
+    return PlainResponse(subscription, available, bool(more), sequence, published, changes, results)
 
 
-def read_changes(body: bytes, other: Callable[[bytes, int], tuple[Other, int]]) -> Changes[Other] | None:
+def read_changes(body: bytes, other: Callable[[bytes, int], tuple[Other, int]]) -> NodeChanges[Other] | None:
     """Return what a DataChangeNotification has; None where it has diagnostics. Raises struct.error."""
     (left,) = _INT.unpack_from(body)
     at = _INT.size
-    parts: list[Block | list[tuple[int, Change] | Other]] = []
-    single: list[tuple[int, Change] | Other] = []
+    parts: list[ValueBlock | list[tuple[int, NodeValue] | Other]] = []
+    single: list[tuple[int, NodeValue] | Other] = []
     while left > 0:
         block = _block(body, at, left)
         if block is not None:
@@ -213,10 +215,10 @@ def read_changes(body: bytes, other: Callable[[bytes, int], tuple[Other, int]]) 
         left -= 1
     parts.append(single)
     (diagnosed,) = _INT.unpack_from(body, at)
-    return None if diagnosed > 0 else Changes(parts)
+    return None if diagnosed > 0 else NodeChanges(parts)
 
 
-def _item(body: bytes, at: int) -> tuple[tuple[int, Change], int] | None:
+def _item(body: bytes, at: int) -> tuple[tuple[int, NodeValue], int] | None:
     """Return a plain item and where it ends; None for any other."""
     layout = _LAYOUTS.get(body[at + 4 : at + 6])
     if layout is None:
@@ -227,10 +229,10 @@ def _item(body: bytes, at: int) -> tuple[tuple[int, Change], int] | None:
         return None
     status = 0 if layout.status is None else int(fields[layout.status])
     time = (ticks // _TICKS - _EPOCH * _MICROSECONDS) / _MICROSECONDS
-    return (int(fields[0]), Change(fields[3], status, time)), at + layout.size
+    return (int(fields[0]), NodeValue(fields[3], status, time)), at + layout.size
 
 
-def _block(body: bytes, at: int, left: int) -> tuple[Block, int] | None:
+def _block(body: bytes, at: int, left: int) -> tuple[ValueBlock, int] | None:
     """Return as many items with the layout of the first as there are, and where they end; None if few."""
     key = body[at + 4 : at + 6]
     layout = _LAYOUTS.get(key)
@@ -250,7 +252,7 @@ def _block(body: bytes, at: int, left: int) -> tuple[Block, int] | None:
     status = np.zeros(count, np.uint32) if layout.status is None else table[str(layout.status)]
     values = table["3"] if key[1] != _BOOLEAN else table["3"] != 0
     times = (ticks // _TICKS - _EPOCH * _MICROSECONDS) / _MICROSECONDS
-    return Block(table["0"], values.astype(np.float64), status, times), at + count * layout.size
+    return ValueBlock(table["0"], values.astype(np.float64), status, times), at + count * layout.size
 
 
 def _numbers(data: bytes, at: int) -> tuple[list[int], int]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from connectors.base import LoopRole, Sample
-from connectors.opcua.notification import Block, Change
+from connectors.opcua.notification import NodeValue, ValueBlock
 from connectors.opcua.values import is_waiting, sample
 from connectors.readings import Readings
 
@@ -58,9 +58,11 @@ class LoopRows:
                 row.names.append(name)
         self._widths = np.array([len(row.names) for row in self._rows], np.intp)
 
-    def pieces(self, nodes: Sequence[str], values: Block | Sequence[Change]) -> Iterator[Sample | Readings]:
+    def pieces(
+        self, nodes: Sequence[str], values: ValueBlock | Sequence[NodeValue]
+    ) -> Iterator[Sample | Readings]:
         """Yield what came of the nodes, values of a loop side by side with one time together."""
-        if not isinstance(values, Block):
+        if not isinstance(values, ValueBlock):
             yield from self._one_by_one(nodes, values)
             return
         row, column = np.array([self._places[node] for node in nodes], np.intp).reshape(-1, 2).T
@@ -79,7 +81,7 @@ class LoopRows:
             elif items is not None:
                 yield from self._one_by_one(nodes[start:end], items[start:end])
 
-    def _one_by_one(self, nodes: Sequence[str], changes: Sequence[Change]) -> Iterator[Sample | Readings]:
+    def _one_by_one(self, nodes: Sequence[str], changes: Sequence[NodeValue]) -> Iterator[Sample | Readings]:
         held: list[tuple[int, float]] = []
         """Columns and values of the loop ``number`` at ``time``."""
         number, time = 0, math.nan
@@ -105,7 +107,7 @@ class LoopRows:
         return row.piece(columns if len(columns) < len(row.names) else None, time, np.array(values))
 
 
-def _is_plain(change: Change) -> bool:
+def _is_plain(change: NodeValue) -> bool:
     """Return whether a value is a good number with a time, and nothing else is to be said of it."""
     value = change.value
     return (

@@ -21,7 +21,7 @@ from asyncua.common.subscription import Subscription
 from connectors.base import ConnectionLostError
 from connectors.opcua.asyncua_private import publish_fast
 from connectors.opcua.batches import Batches
-from connectors.opcua.notification import Block, Change, Changes
+from connectors.opcua.notification import NodeChanges, NodeValue, ValueBlock
 from connectors.opcua.options import OpcUaOptions
 from connectors.opcua.values import change_of
 
@@ -37,11 +37,11 @@ _NO_FILTER = (
 )
 
 
-class Reported(NamedTuple):
+class NodeReport(NamedTuple):
     """Values of nodes, in the order in which they came."""
 
     nodes: list[str]
-    values: Block | list[Change]
+    values: ValueBlock | list[NodeValue]
 
 
 class _Notifications(Subscription):  # type: ignore[misc]
@@ -63,7 +63,7 @@ class _Notifications(Subscription):  # type: ignore[misc]
 
 
 class NodeSubscription:
-    """Changes of many nodes; made by ``subscription``."""
+    """NodeChanges of many nodes; made by ``subscription``."""
 
     def __init__(
         self, session: UaSession, wanted: ua.CreateSubscriptionParameters, options: OpcUaOptions
@@ -75,7 +75,7 @@ class NodeSubscription:
         self._created = time.monotonic()
         self._nodes: dict[int, str] = {}
         """By client handle; one that is watched anew has another one."""
-        self._waiting: list[Reported] = []
+        self._waiting: list[NodeReport] = []
         self._came = asyncio.Event()
         self._ended = False
         self.lost = 0
@@ -103,7 +103,7 @@ class NodeSubscription:
         answers = await self._reads.ask(self._values, [ua.NodeId.from_string(node) for node in nodes])
         return dict(zip(nodes, answers, strict=True))
 
-    async def changes(self, timeout: float) -> list[Reported]:  # noqa: ASYNC109 - not to be cancelled
+    async def changes(self, timeout: float) -> list[NodeReport]:  # noqa: ASYNC109 - not to be cancelled
         """Return all changes that wait, oldest first; none came for ``timeout`` s: an empty list.
 
         Raises:
@@ -127,7 +127,7 @@ class NodeSubscription:
 
     def _take(self, notifications: list[Any]) -> None:
         for each in notifications:
-            if isinstance(each, Changes):
+            if isinstance(each, NodeChanges):
                 for part in each.parts:
                     self._hold(part)
             elif isinstance(each, ua.DataChangeNotification):
@@ -136,7 +136,7 @@ class NodeSubscription:
                 self._ended = True
         self._came.set()
 
-    def _hold(self, part: Block | list[Any]) -> None:
+    def _hold(self, part: ValueBlock | list[Any]) -> None:
         """Keep what there is room for, and count the rest."""
         room = max(WAITING, WAITING_OF_EACH * len(self._nodes)) - sum(
             len(each.nodes) for each in self._waiting
@@ -144,14 +144,16 @@ class NodeSubscription:
         kept = min(len(part), max(room, 0))
         self._count_lost(len(part) - kept)
         if kept:
-            self._waiting.append(self._reported(part.first(kept) if isinstance(part, Block) else part[:kept]))
+            self._waiting.append(
+                self._reported(part.first(kept) if isinstance(part, ValueBlock) else part[:kept])
+            )
 
-    def _reported(self, part: Block | list[Any]) -> Reported:
+    def _reported(self, part: ValueBlock | list[Any]) -> NodeReport:
         names = self._nodes
-        if isinstance(part, Block):
+        if isinstance(part, ValueBlock):
             nodes = [names.get(each, "") for each in part.handles.tolist()]
             if all(nodes):
-                return Reported(nodes, part)
+                return NodeReport(nodes, part)
             part = part.items()
         items = [
             each if isinstance(each, tuple) else (each.ClientHandle, change_of(each.Value))
@@ -159,7 +161,7 @@ class NodeSubscription:
             if isinstance(each, tuple) or each.Value is not None
         ]
         known = [(names[handle], change) for handle, change in items if handle in names]
-        return Reported([node for node, _ in known], [change for _, change in known])
+        return NodeReport([node for node, _ in known], [change for _, change in known])
 
     async def _values(self, nodes: list[ua.NodeId]) -> list[ua.DataValue]:
         found: list[ua.DataValue] = await self._session.read_attributes(nodes, ua.AttributeIds.Value)

@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from asyncua import ua
 
 from connectors.base import JsonValue, LoopRole, Quality, Sample
-from connectors.opcua.notification import Change
+from connectors.opcua.notification import NodeValue
 
 _INTEGERS = {
     ua.VariantType.SByte: (-(2**7), 2**7 - 1),
@@ -30,20 +30,20 @@ def quality(status: ua.StatusCode) -> Quality:
     return Quality.UNCERTAIN if status.is_uncertain() else Quality.BAD
 
 
-def change_of(data: ua.DataValue) -> Change:
+def change_of(data: ua.DataValue) -> NodeValue:
     """Return what asyncua decoded as the other decoder gives it."""
     stamp = data.SourceTimestamp or data.ServerTimestamp
     time = stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp() if stamp else math.nan
     value = data.Value.Value if data.Value is not None else None
-    return Change(value, 0 if data.StatusCode is None else data.StatusCode.value, time)
+    return NodeValue(value, 0 if data.StatusCode is None else data.StatusCode.value, time)
 
 
-def is_waiting(change: Change) -> bool:
+def is_waiting(change: NodeValue) -> bool:
     """Return whether the server has had no value yet."""
     return bool(change.status == ua.StatusCodes.BadWaitingForInitialData)
 
 
-def sample(tag: LoopRole, change: Change) -> Sample:
+def sample(tag: LoopRole, change: NodeValue) -> Sample:
     """Return the sample that a server sent for ``tag``.
 
     Its time is the source's; a server that has none gives its own, and one without a clock gets the time of

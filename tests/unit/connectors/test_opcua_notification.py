@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from connectors.base import LoopRole
 from connectors.opcua import asyncua_private
 from connectors.opcua.asyncua_private import decoded, publish_fast
-from connectors.opcua.notification import Block, Change, Changes
+from connectors.opcua.notification import NodeChanges, NodeValue, ValueBlock
 from connectors.opcua.rows import LoopRows
 from connectors.opcua.values import change_of, is_waiting, sample
 from connectors.readings import Readings
@@ -107,9 +107,9 @@ def content(response):
     found, message = response.Parameters, response.Parameters.NotificationMessage
     parts = []
     for each in message.NotificationData or []:
-        if isinstance(each, Changes):
+        if isinstance(each, NodeChanges):
             for part in each.parts:
-                items = part.items() if isinstance(part, Block) else part
+                items = part.items() if isinstance(part, ValueBlock) else part
                 parts += [_float(*item) if isinstance(item, tuple) else _pair(item) for item in items]
         elif isinstance(each, ua.DataChangeNotification):
             parts += [_pair(item) for item in each.MonitoredItems]
@@ -169,7 +169,7 @@ def test_what_is_plain_takes_the_short_way_and_one_that_is_not_goes_alone():
     (changes,) = fast.Parameters.NotificationMessage.NotificationData
     (items,) = changes.parts
     assert [isinstance(item, tuple) for item in items] == [True, False, True]
-    assert items[2] == (2, Change(2.0, 0, BEGINS.timestamp()))
+    assert items[2] == (2, NodeValue(2.0, 0, BEGINS.timestamp()))
 
 
 class Session(UaSession):
@@ -215,7 +215,10 @@ VALUES = st.sampled_from([1.0, 2, True, math.nan, "text", None, 3.5])
 CHANGES = st.tuples(
     st.sampled_from([*TAGS]),
     st.builds(
-        Change, VALUES, st.sampled_from([0, 0, 0, 0x40000000, 0x80000000]), st.sampled_from([1.0, 1.0, 2.0])
+        NodeValue,
+        VALUES,
+        st.sampled_from([0, 0, 0, 0x40000000, 0x80000000]),
+        st.sampled_from([1.0, 1.0, 2.0]),
     ),
 )
 
@@ -231,7 +234,7 @@ def flat(pieces):
 
 
 def block_of(values, status, times):
-    return Block(
+    return ValueBlock(
         np.arange(len(values), dtype=np.uint32), np.array(values), np.array(status, np.uint32), times
     )
 
@@ -265,11 +268,11 @@ def test_pieces_say_what_their_samples_say(changes):
 def test_a_block_says_what_its_values_say(items, steps):
     nodes, values, status = zip(*items, strict=True)
     times = np.cumsum(steps)[: len(nodes)]
-    block = Block(
+    block = ValueBlock(
         np.arange(len(nodes), dtype=np.uint32), np.array(values), np.array(status, np.uint32), times
     )
     changes = [
-        (node, Change(value, code, time))
+        (node, NodeValue(value, code, time))
         for node, value, code, time in zip(nodes, values, status, times.tolist(), strict=True)
     ]
     pieces = [*LoopRows(TAGS).pieces(nodes, block)]
@@ -285,11 +288,13 @@ def test_values_of_a_loop_with_one_time_are_one_piece_with_the_same_tags_again()
     nodes = ["X.pv", "X.op", "X.sp", "Y.pv", "Y.sp", "Y.op"]
 
     def block(time):
-        return Block(np.arange(6, dtype=np.uint32), np.arange(6.0), np.zeros(6, np.uint32), np.full(6, time))
+        return ValueBlock(
+            np.arange(6, dtype=np.uint32), np.arange(6.0), np.zeros(6, np.uint32), np.full(6, time)
+        )
 
     whole, some, alone = rows.pieces(nodes, block(9.0))
     assert (whole.values.tolist(), some.values.tolist(), alone.value) == ([0.0, 1.0, 2.0], [3.0, 4.0], 5.0)
-    again, some_again, _ = rows.pieces(nodes, [Change(value, 0, 10.0) for value in range(6)])
+    again, some_again, _ = rows.pieces(nodes, [NodeValue(value, 0, 10.0) for value in range(6)])
     assert again.tags is whole.tags
     assert some_again.tags is some.tags
     assert [tag.role for tag in some.tags] == ["pv", "sp"]

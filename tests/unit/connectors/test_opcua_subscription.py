@@ -8,7 +8,7 @@ from asyncua import ua
 
 from connectors.base import ConnectionLostError
 from connectors.opcua import subscription as module
-from connectors.opcua.notification import Block
+from connectors.opcua.notification import ValueBlock
 from connectors.opcua.options import OpcUaOptions
 from connectors.opcua.subscription import NodeSubscription
 from tests.unit.runtime.agents import virtual
@@ -65,7 +65,7 @@ def values(changes):
         for nodes, found in changes
         for node, value in zip(
             nodes,
-            found.values.tolist() if isinstance(found, Block) else [each.value for each in found],
+            found.values.tolist() if isinstance(found, ValueBlock) else [each.value for each in found],
             strict=True,
         )
     ]
