@@ -45,7 +45,7 @@ def incoming(session: Session) -> AsyncIterator[Sample | Order | Readings]:
     return session.readings() if isinstance(session, ReadsTogether) else session.samples()
 
 
-async def one_by_one(pieces: AsyncGenerator[Sample | Readings]) -> AsyncIterator[Sample]:
+async def one_by_one(pieces: AsyncGenerator[Sample | Order | Readings]) -> AsyncIterator[Sample | Order]:
     """Yield samples in place of readings."""
     async with aclosing(pieces):
         async for each in pieces:

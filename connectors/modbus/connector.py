@@ -12,6 +12,7 @@ from connectors.base import (
     ConfigError,
     ConnectionLostError,
     JsonValue,
+    Order,
     Publication,
     RefusedError,
     Sample,
@@ -82,11 +83,11 @@ class ModbusSession:
         self._loops = loops
         self._parking = parking
 
-    def samples(self) -> AsyncIterator[Sample]:
+    def samples(self) -> AsyncIterator[Sample | Order]:
         """Yield the values of every loop at every poll; raises ConnectionLostError."""
         return one_by_one(self.readings())
 
-    async def readings(self) -> AsyncGenerator[Sample | Readings]:
+    async def readings(self) -> AsyncGenerator[Sample | Order | Readings]:
         """Yield the same, those of one request in one piece; raises ConnectionLostError."""
         tags = {name: loop.tags for name, loop in self._loops.items()}
         lanes = [client for client in self._clients for _ in range(self._options.requests)]

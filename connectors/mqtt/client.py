@@ -12,13 +12,13 @@ from functools import partial
 from typing import Any, Self
 
 from aiomqtt import Client, Message, MqttCodeError, MqttError, ProtocolVersion, Will
-from paho.mqtt.enums import MQTTErrorCode
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 
 from connectors.base import AccessDeniedError, ConnectionLostError, RefusedError
 from connectors.mqtt.inbox import Inbox, Losses
 from connectors.mqtt.options import Broker
+from connectors.mqtt.paho_private import FastReading
 from connectors.tls import explain, refusal
 
 logging.getLogger("mqtt").setLevel(logging.CRITICAL)  # what it logs, the session raises
@@ -26,7 +26,7 @@ logging.getLogger("mqtt").setLevel(logging.CRITICAL)  # what it logs, the sessio
 _VERSIONS = {"3.1.1": ProtocolVersion.V311, "5": ProtocolVersion.V5}
 AT_LEAST_ONCE = 1
 AT_ONCE = 100
-"""Messages that are read, or taken from those that wait, before others have their turn: some milliseconds."""
+"""Messages that are taken from those that wait before others have their turn: some milliseconds."""
 _NOT_LET_IN = (0x86, 0x87, 0x8A, 0x8C)
 """Bad user or password, not authorized, banned, bad method (MQTT 5, 3.2.2.2); those of 3.1.1 become these."""
 
@@ -83,9 +83,9 @@ class StrictClient(Client):
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401 - all that aiomqtt takes
         super().__init__(*args, **kwargs)
-        self._read_packet = self._client.loop_read
-        self._client.loop_read = self._read_packets
         self._speaks_5 = kwargs.get("protocol") is ProtocolVersion.V5
+        reading = FastReading(self._client, self._queue.put_nowait, speaks_5=self._speaks_5)
+        self._client.loop_read = reading.read
         self._one_at_a_time = asyncio.Lock()
         self._refusal: str | None = None
 
@@ -123,16 +123,6 @@ class StrictClient(Client):
                 )
             if self._refusal is not None:
                 raise RefusedError(f"topic {message.topic}: {self._refusal}")
-
-    def _read_packets(self, max_packets: int = 1) -> MQTTErrorCode:
-        """Read while messages come; paho reads one for each time that the socket was looked at."""
-        found = MQTTErrorCode.MQTT_ERR_SUCCESS
-        for _ in range(AT_ONCE):
-            before = self._queue.arrived
-            found = self._read_packet(max_packets)
-            if self._queue.arrived == before:
-                break
-        return found
 
     def _on_socket_register_write(self, client: Any, userdata: Any, sock: Any) -> None:  # noqa: ANN401, ARG002
         """Write when the socket can take it; aiomqtt's does not look whether it is still open by then."""

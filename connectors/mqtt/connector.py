@@ -9,8 +9,10 @@ import logging
 import math
 import secrets
 import time
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncGenerator, AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
+
+from aiomqtt import Message
 
 from connectors.base import (
     WITHDRAWN,
@@ -28,6 +30,7 @@ from connectors.mqtt.orders import OrderReader
 from connectors.mqtt.reader import TopicReader, readers_of
 from connectors.mqtt.status import status
 from connectors.mqtt.topics import MqttLoops, Topics, topics_of
+from connectors.readings import Readings, one_by_one
 
 _LOG = logging.getLogger(__name__)
 _FAREWELL = 1.0
@@ -114,6 +117,11 @@ class MqttSession:
 
     async def samples(self) -> AsyncIterator[Sample | Order]:
         """Yield the samples and orders of every message; a topic that the broker refuses is reported once."""
+        async for each in one_by_one(self.readings()):
+            yield each
+
+    async def readings(self) -> AsyncGenerator[Sample | Order | Readings]:
+        """Yield the same, a message in one piece where it can be."""
         refused = await subscribe(self._client, dict.fromkeys([*self._readers, *self._topics.orders]))
         for topic, code in refused.items():
             for name in self._readers[topic].names if topic in self._readers else ():
@@ -122,20 +130,25 @@ class MqttSession:
                 _LOG.warning("topic %s: the broker refuses it, nobody can order there", topic)
         with as_connection_lost():
             async for message in self._client.received():
-                topic, payload, arrival = message.topic.value, bytes(message.payload), time.time()
-                retained = bool(message.retain)
-                if topic in self._topics.orders:
-                    order = self._orders.order(topic, payload, arrival, retained=retained)
-                    if order is not None:
-                        yield order
-                reader = self._readers.get(topic)
-                if reader is None:
-                    continue  # amqtt was seen to send what nobody subscribed to
-                malformed = reader.malformed
-                for sample in reader.samples(payload, arrival, retained=retained):
-                    yield sample
-                if malformed == 0 and reader.malformed:
-                    _LOG.warning("topic %s: a message cannot be read as configured", topic)
+                for each in self._read(message):
+                    yield each
+
+    def _read(self, message: Message) -> Sequence[Sample | Order | Readings]:
+        topic, payload, arrival = message.topic.value, bytes(message.payload), time.time()
+        retained = bool(message.retain)
+        found: list[Sample | Order | Readings] = []
+        if topic in self._topics.orders:
+            order = self._orders.order(topic, payload, arrival, retained=retained)
+            if order is not None:
+                found.append(order)
+        reader = self._readers.get(topic)
+        if reader is None:
+            return found  # amqtt was seen to send what nobody subscribed to
+        malformed = reader.malformed
+        read = reader.readings(payload, arrival, retained=retained)
+        if malformed == 0 and reader.malformed:
+            _LOG.warning("topic %s: a message cannot be read as configured", topic)
+        return [*found, read] if isinstance(read, Readings) else [*found, *read]
 
     async def publish(self, publication: Publication) -> None:
         """Publish a state, retained, or an event, until the broker has it; an end takes the state back.

@@ -39,15 +39,12 @@ class Inbox(asyncio.Queue[Message]):
     def __init__(self, maxsize: int = 0, losses: Losses | None = None) -> None:
         """Make an empty one for ``maxsize`` messages, which counts in ``losses``."""
         super().__init__(maxsize)
-        self.arrived = 0
-        """Messages that came, those that were discarded among them."""
         self._losses = losses or Losses()
         self._held: Counter[str] = Counter()
 
     def put_nowait(self, item: Message) -> None:
         """Keep a message, or discard it and count that."""
         topic = item.topic.value
-        self.arrived += 1
         if self._held[topic] >= max(self.maxsize - self.qsize(), 1) or self.full():
             self._losses.note(topic)
             return

@@ -39,6 +39,8 @@ def bare(payload: bytes) -> float | str:
 
 def field(tree: JsonTree, path: str) -> JsonTree:
     """Return what stands at a dotted path, e.g. ``loop.pv`` or ``values.0``; raises MalformedError."""
+    if isinstance(tree, dict) and path in tree and "." not in path:
+        return tree[path]
     for key in path.split("."):
         if isinstance(tree, dict) and key in tree:
             tree = tree[key]
@@ -58,6 +60,13 @@ def value(tree: JsonTree) -> float | str:
     if isinstance(tree, int | float):
         return _float(tree)
     raise MalformedPayloadError("neither number nor text")
+
+
+def number(tree: JsonTree) -> float:
+    """Return a JSON number; raises MalformedError for all else, also for what ``value`` makes one of."""
+    if isinstance(tree, bool) or not isinstance(tree, int | float):
+        raise MalformedPayloadError("no number")
+    return _float(tree)
 
 
 def seconds(tree: JsonTree) -> float:

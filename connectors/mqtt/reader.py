@@ -1,14 +1,29 @@
-"""Messages become samples; what cannot be read becomes a missing value, and is counted."""
+"""Messages become samples; what cannot be read becomes a missing value, and is counted.
+
+A message that has all of its loops, with one time, becomes readings: one piece for as many values as it has.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
+import numpy as np
+
 from connectors.base import LoopRole, Quality, Sample
 from connectors.mqtt.options import MqttTag
-from connectors.mqtt.payload import JsonTree, MalformedPayloadError, bare, field, parse, seconds, value
+from connectors.mqtt.payload import (
+    JsonTree,
+    MalformedPayloadError,
+    bare,
+    field,
+    number,
+    parse,
+    seconds,
+    value,
+)
 from connectors.mqtt.topics import MqttLoops
+from connectors.readings import Readings
 
 
 def readers_of(loops: MqttLoops) -> dict[str, TopicReader]:
@@ -17,14 +32,28 @@ def readers_of(loops: MqttLoops) -> dict[str, TopicReader]:
     for name, loop in loops.items():
         for role, tag in loop.tags.items():
             tags.setdefault(tag.topic, {})[LoopRole(name, role)] = tag
-    return {topic: TopicReader(each) for topic, each in tags.items()}
+    return {topic: TopicReader(each, whole=_whole(each, loops)) for topic, each in tags.items()}
+
+
+def _whole(tags: Mapping[LoopRole, MqttTag], loops: MqttLoops) -> bool:
+    """Return whether all tags of the loops are among these: others of a loop may come before or after."""
+    named = {name.loop for name in tags}
+    return sum(len(loops[loop].tags) for loop in named) == len(tags)
 
 
 class TopicReader:
     """All tags that one topic carries."""
 
-    def __init__(self, tags: Mapping[LoopRole, MqttTag]) -> None:
+    def __init__(self, tags: Mapping[LoopRole, MqttTag], *, whole: bool = False) -> None:
+        """Make it for tags; ``whole``: their loops have no others."""
         self._tags = tags
+        self._names = tuple(tags)
+        self._fields = tuple(tag.field for tag in tags.values())
+        self._time_field = next((tag.time_field for tag in tags.values()), None)
+        self._is_one_row = whole and all(
+            tag.field is not None and tag.time_field == self._time_field for tag in tags.values()
+        )
+        """Whether a message can be one piece."""
         self._newest = math.nan
         self.malformed = 0
         """Messages of which some tag could not be read."""
@@ -33,6 +62,20 @@ class TopicReader:
     def names(self) -> Iterable[LoopRole]:
         """Of the tags."""
         return self._tags
+
+    def readings(self, payload: bytes, arrival: float, *, retained: bool) -> Sequence[Sample] | Readings:
+        """Return the same as ``samples``, in one piece where that says all: plain numbers with one time."""
+        if not self._is_one_row or (retained and self._time_field is None):
+            return self.samples(payload, arrival, retained=retained)
+        try:
+            tree = parse(payload)
+            at = arrival if self._time_field is None else seconds(field(tree, self._time_field))
+            values = [number(field(tree, path)) for path in self._fields if path is not None]
+        except MalformedPayloadError:
+            return self.samples(payload, arrival, retained=retained)
+        if self._time_field is not None:
+            self._newest = at
+        return Readings(self._names, at, np.array(values))
 
     def samples(self, payload: bytes, arrival: float, *, retained: bool) -> Sequence[Sample]:
         """Return one sample for each tag.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, asynccontextmanager, contextmanager
 
 from asyncua import Client, ua
@@ -16,6 +16,7 @@ from connectors.base import (
     ConnectionLostError,
     JsonValue,
     LoopRole,
+    Order,
     Publication,
     RefusedError,
     Sample,
@@ -24,12 +25,15 @@ from connectors.base import (
 )
 from connectors.cancellation import ends_when_cancelled, obey_cancellation
 from connectors.opcua.batches import Batches
+from connectors.opcua.notification import ValueBlock
 from connectors.opcua.options import OpcUaOptions, OpcUaTag, OpcUaTarget
+from connectors.opcua.rows import LoopRows
 from connectors.opcua.security import identify, refusal
 from connectors.opcua.silence import Silence
-from connectors.opcua.subscription import subscription
-from connectors.opcua.values import in_words, is_waiting, no_write, sample, variant
+from connectors.opcua.subscription import NodeReport, subscription
+from connectors.opcua.values import in_words, no_write, variant
 from connectors.options import LoopTags
+from connectors.readings import Readings, one_by_one
 
 logging.getLogger("asyncua").setLevel(
     logging.CRITICAL
@@ -38,7 +42,7 @@ logging.getLogger("asyncua").setLevel(
 _SESSION_TIMEOUT = 60_000
 """How long the server keeps a session that it hears nothing from, ms; its watchdog reads more often."""
 _AT_ONCE = 100
-"""Changes that are read before others have their turn: one notification may have thousands."""
+"""Pieces that are read before others have their turn: one notification may have thousands."""
 
 OpcUaLoops = Mapping[str, LoopTags[OpcUaTag, OpcUaTarget]]
 
@@ -83,9 +87,14 @@ class OpcUaSession:
         for name, loop in loops.items():
             for role, tag in loop.tags.items():
                 self._tags.setdefault(tag.node, []).append(LoopRole(name, role))
+        self._rows = LoopRows(self._tags)
 
-    async def samples(self) -> AsyncIterator[Sample]:
-        """Yield every change.
+    def samples(self) -> AsyncIterator[Sample | Order]:
+        """Yield every change; raises ConnectionLostError."""
+        return one_by_one(self.readings())
+
+    async def readings(self) -> AsyncGenerator[Sample | Order | Readings]:
+        """Yield the same, those of a loop with one time in one piece.
 
         A node that is not there is reported once and tried again now and then; one that is silent is read.
         """
@@ -116,17 +125,18 @@ class OpcUaSession:
                 changes = await watched.changes(min(self._options.timeout, self._options.retry))
                 obey_cancellation()
                 self._count_lost(watched.lost)
-                for first in range(0, len(changes), _AT_ONCE):
-                    for each in self._samples_of(changes[first : first + _AT_ONCE], silence):
-                        yield each
-                    await asyncio.sleep(0)
+                for k, each in enumerate(self._pieces_of(changes, silence), start=1):
+                    yield each
+                    if k % _AT_ONCE == 0:
+                        await asyncio.sleep(0)
 
-    def _samples_of(self, changes: Sequence[tuple[str, ua.DataValue]], silence: Silence) -> Iterator[Sample]:
-        for node, data in changes:
-            silence.told(node, data)
-            if not is_waiting(data):
-                for name in self._tags[node]:
-                    yield sample(name, data)
+    def _pieces_of(self, changes: Sequence[NodeReport], silence: Silence) -> Iterator[Sample | Readings]:
+        for nodes, values in changes:
+            told = (
+                values.values.tolist() if isinstance(values, ValueBlock) else [each.value for each in values]
+            )
+            silence.told(nodes, told)
+            yield from self._rows.pieces(nodes, values)
 
     async def publish(self, publication: Publication) -> None:
         """Write a state or its end, the flag last; raises ConnectionLostError, RefusedError."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 
 from asyncua import ua
 
@@ -15,16 +15,6 @@ MOST = 3
 """Times that a node is watched anew in one session: some servers never report what a read returns."""
 
 
-@dataclass(slots=True)
-class _Node:
-    told: object = None
-    """Its newest value."""
-    heard: bool = True
-    """Whether it was reported since the last look."""
-    different: int = 0
-    """Looks in a row that found another value."""
-
-
 class Silence:
     """Nodes that are watched, and which of them were silent between two looks.
 
@@ -34,36 +24,46 @@ class Silence:
     """
 
     def __init__(self) -> None:
-        self._nodes: dict[str, _Node] = {}
+        self._told: dict[str, object] = {}
+        """Newest value of each node that is watched."""
+        self._heard: set[str] = set()
+        """Nodes that were reported since the last look."""
+        self._different: Counter[str] = Counter()
+        """Looks in a row that found another value."""
         self._renewed: Counter[str] = Counter()
 
     def watch(self, node: str) -> None:
         """The server accepted this node."""
-        self._nodes[node] = _Node()
+        self._told[node] = None
+        self._heard.add(node)
+        del self._different[node]
 
-    def told(self, node: str, data: ua.DataValue) -> None:
-        """It reported this."""
-        known = self._nodes.setdefault(node, _Node())
-        known.told, known.heard, known.different = _value(data), True, 0
+    def told(self, nodes: Sequence[str], values: Iterable[object]) -> None:
+        """It reported these values."""
+        self._told.update(zip(nodes, values, strict=True))
+        self._heard.update(nodes)
 
     def silent(self) -> list[str]:
         """Return what was not reported since the last call."""
-        silent = [node for node, known in self._nodes.items() if not known.heard]
-        for known in self._nodes.values():
-            known.heard = False
+        for node in self._heard & self._different.keys():
+            del self._different[node]
+        silent = [node for node in self._told if node not in self._heard]
+        self._heard.clear()
         return silent
 
     def is_lost(self, node: str, read: ua.DataValue) -> bool:
         """Return whether a silent node that reads so must be watched anew; it is forgotten then."""
-        known = self._nodes[node]
         status = read.StatusCode or ua.StatusCode()
         if status.value not in GONE:
-            told = known.heard or _same(_value(read), known.told)
-            known.different = 0 if told else known.different + 1
-            if known.different < DIFFERENT or self._renewed[node] == MOST:
+            if node in self._heard or _same(_value(read), self._told[node]):
+                del self._different[node]
+                return False
+            self._different[node] += 1
+            if self._different[node] < DIFFERENT or self._renewed[node] == MOST:
                 return False
             self._renewed[node] += 1
-        del self._nodes[node]
+        del self._told[node], self._different[node]
+        self._heard.discard(node)
         return True
 
 

@@ -12,15 +12,18 @@ import logging
 import math
 import time
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from asyncua import Client, ua
 from asyncua.client.ua_session import UaSession
 from asyncua.common.subscription import Subscription
 
 from connectors.base import ConnectionLostError
+from connectors.opcua.asyncua_private import publish_fast
 from connectors.opcua.batches import Batches
+from connectors.opcua.notification import NodeChanges, NodeValue, ValueBlock
 from connectors.opcua.options import OpcUaOptions
+from connectors.opcua.values import change_of
 
 _LOG = logging.getLogger(__name__)
 WAITING, WAITING_OF_EACH = 10_000, 10
@@ -32,6 +35,13 @@ _NO_FILTER = (
     ua.StatusCodes.BadMonitoredItemFilterInvalid,
     ua.StatusCodes.BadMonitoredItemFilterUnsupported,
 )
+
+
+class NodeReport(NamedTuple):
+    """Values of nodes, in the order in which they came."""
+
+    nodes: list[str]
+    values: ValueBlock | list[NodeValue]
 
 
 class _Notifications(Subscription):  # type: ignore[misc]
@@ -53,7 +63,7 @@ class _Notifications(Subscription):  # type: ignore[misc]
 
 
 class NodeSubscription:
-    """Changes of many nodes; made by ``subscription``."""
+    """NodeChanges of many nodes; made by ``subscription``."""
 
     def __init__(
         self, session: UaSession, wanted: ua.CreateSubscriptionParameters, options: OpcUaOptions
@@ -65,7 +75,7 @@ class NodeSubscription:
         self._created = time.monotonic()
         self._nodes: dict[int, str] = {}
         """By client handle; one that is watched anew has another one."""
-        self._waiting: list[tuple[str, ua.DataValue]] = []
+        self._waiting: list[NodeReport] = []
         self._came = asyncio.Event()
         self._ended = False
         self.lost = 0
@@ -93,7 +103,7 @@ class NodeSubscription:
         answers = await self._reads.ask(self._values, [ua.NodeId.from_string(node) for node in nodes])
         return dict(zip(nodes, answers, strict=True))
 
-    async def changes(self, timeout: float) -> list[tuple[str, ua.DataValue]]:  # noqa: ASYNC109 - not to be cancelled
+    async def changes(self, timeout: float) -> list[NodeReport]:  # noqa: ASYNC109 - not to be cancelled
         """Return all changes that wait, oldest first; none came for ``timeout`` s: an empty list.
 
         Raises:
@@ -116,19 +126,42 @@ class NodeSubscription:
         return found
 
     def _take(self, notifications: list[Any]) -> None:
-        most = max(WAITING, WAITING_OF_EACH * len(self._nodes))
         for each in notifications:
-            if isinstance(each, ua.DataChangeNotification):
-                room = max(most - len(self._waiting), 0)
-                self._waiting += [
-                    (self._nodes[item.ClientHandle], item.Value)
-                    for item in each.MonitoredItems[:room]
-                    if item.ClientHandle in self._nodes and item.Value is not None
-                ]
-                self._count_lost(len(each.MonitoredItems) - room)
+            if isinstance(each, NodeChanges):
+                for part in each.parts:
+                    self._hold(part)
+            elif isinstance(each, ua.DataChangeNotification):
+                self._hold(each.MonitoredItems)
             elif isinstance(each, ua.StatusChangeNotification):
                 self._ended = True
         self._came.set()
+
+    def _hold(self, part: ValueBlock | list[Any]) -> None:
+        """Keep what there is room for, and count the rest."""
+        room = max(WAITING, WAITING_OF_EACH * len(self._nodes)) - sum(
+            len(each.nodes) for each in self._waiting
+        )
+        kept = min(len(part), max(room, 0))
+        self._count_lost(len(part) - kept)
+        if kept:
+            self._waiting.append(
+                self._reported(part.first(kept) if isinstance(part, ValueBlock) else part[:kept])
+            )
+
+    def _reported(self, part: ValueBlock | list[Any]) -> NodeReport:
+        names = self._nodes
+        if isinstance(part, ValueBlock):
+            nodes = [names.get(each, "") for each in part.handles.tolist()]
+            if all(nodes):
+                return NodeReport(nodes, part)
+            part = part.items()
+        items = [
+            each if isinstance(each, tuple) else (each.ClientHandle, change_of(each.Value))
+            for each in part
+            if isinstance(each, tuple) or each.Value is not None
+        ]
+        known = [(names[handle], change) for handle, change in items if handle in names]
+        return NodeReport([node for node, _ in known], [change for _, change in known])
 
     async def _values(self, nodes: list[ua.NodeId]) -> list[ua.DataValue]:
         found: list[ua.DataValue] = await self._session.read_attributes(nodes, ua.AttributeIds.Value)
@@ -178,6 +211,7 @@ async def subscription(client: Client, options: OpcUaOptions) -> NodeSubscriptio
         MaxNotificationsPerPublish=0,
         PublishingEnabled=True,
     )
+    publish_fast(client.uaclient.session)
     made = NodeSubscription(client.uaclient.session, wanted, options)
     await made.init()
     return made

@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from asyncua import ua
 
 from connectors.base import JsonValue, LoopRole, Quality, Sample
+from connectors.opcua.notification import NodeValue
 
 _INTEGERS = {
     ua.VariantType.SByte: (-(2**7), 2**7 - 1),
@@ -29,21 +30,27 @@ def quality(status: ua.StatusCode) -> Quality:
     return Quality.UNCERTAIN if status.is_uncertain() else Quality.BAD
 
 
-def is_waiting(data: ua.DataValue) -> bool:
+def change_of(data: ua.DataValue) -> NodeValue:
+    """Return what asyncua decoded as the other decoder gives it."""
+    stamp = data.SourceTimestamp or data.ServerTimestamp
+    time = stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp() if stamp else math.nan
+    value = data.Value.Value if data.Value is not None else None
+    return NodeValue(value, 0 if data.StatusCode is None else data.StatusCode.value, time)
+
+
+def is_waiting(change: NodeValue) -> bool:
     """Return whether the server has had no value yet."""
-    return data.StatusCode is not None and data.StatusCode.value == ua.StatusCodes.BadWaitingForInitialData
+    return bool(change.status == ua.StatusCodes.BadWaitingForInitialData)
 
 
-def sample(tag: LoopRole, data: ua.DataValue) -> Sample:
+def sample(tag: LoopRole, change: NodeValue) -> Sample:
     """Return the sample that a server sent for ``tag``.
 
     Its time is the source's; a server that has none gives its own, and one without a clock gets the time of
     arrival. Bad values are kept as they came, missing ones and those that are no scalar are NaN.
     """
-    stamp = data.SourceTimestamp or data.ServerTimestamp
-    at = stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp() if stamp else time.time()
-    status = data.StatusCode or ua.StatusCode()
-    value = data.Value.Value if data.Value is not None else None
+    value, at = change.value, time.time() if math.isnan(change.time) else change.time
+    status = ua.StatusCode(change.status)
     if not isinstance(value, int | float | str):
         return Sample.missing(tag, at, status.value, _no_value(value, status))
     return Sample.measured(

@@ -24,7 +24,7 @@ from connectors.mqtt.options import MqttTag
 from connectors.mqtt.orders import OrderReader
 from connectors.mqtt.reader import TopicReader, readers_of
 from connectors.mqtt.topics import Topics
-from connectors.opcua.values import is_waiting, sample
+from connectors.opcua.values import change_of, is_waiting, sample
 from connectors.options import LoopTags
 from connectors.recording import RecordingError, read_recording
 from tests.conftest import ROOT
@@ -179,9 +179,10 @@ def test_no_value_of_opc_ua_is_more_than_it_is(_name, often):
             source,
             server,
         )
-        is_waiting(data)
+        change = change_of(data)
+        is_waiting(change)
         for tag in (LoopRole("FIC101", "pv"), LoopRole("FIC101", "mode")):
-            got = sample(tag, data)
+            got = sample(tag, change)
             assert math.isfinite(got.time)
             if got.quality is not Quality.BAD:
                 assert status is None or status >> 30 < 2

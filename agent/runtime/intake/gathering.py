@@ -8,6 +8,7 @@ one by one.
 from __future__ import annotations
 
 import math
+from array import array
 from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
 
 ROWS = 60
 """Readings that wait at most: what an array costs is then shared by as many values, and memory is small."""
+FEW = 4
+"""Readings that are taken in value by value all the same: arrays cost more than so many of them."""
+SPREAD = 30
+"""By how many less than that some settle: thousands of loops that began together must not settle together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,38 +46,50 @@ class LoopColumns:
 class Gathering:
     """Readings with the same tags that wait."""
 
-    def __init__(self, tags: tuple[LoopRole, ...], parts: Sequence[LoopColumns]) -> None:
-        """Make it of the tags and what each loop has of them."""
+    def __init__(self, tags: tuple[LoopRole, ...], parts: Sequence[LoopColumns], number: int = 0) -> None:
+        """Make it of the tags and what each loop has of them, as the one of this number."""
         self.tags = tags
         self._parts = parts
-        self._waiting: list[tuple[Readings, float]] = []
-        """Readings, and when each arrived, monotonic, s."""
+        self._most = ROWS - number % SPREAD
+        self._longest = min((part.intake.longest_wait for part in parts), default=math.inf)
+        self._times, self._arrivals, self._values = array("d"), array("d"), array("d")
+        """Of readings that wait: source times (s UTC), arrivals (monotonic, s), values; 40 bytes for 3."""
         self._settles = -math.inf
         """Source time from which readings are taken in at once, s UTC: a window may be due."""
-        for part in parts:
-            part.intake.gathering = self
 
     def put(self, readings: Readings, arrival: float) -> None:
-        """Take readings that arrived at ``arrival`` (monotonic, s)."""
-        self._waiting.append((readings, arrival))
-        if readings.time >= self._settles or len(self._waiting) >= ROWS:
+        """Take readings that arrived at ``arrival`` (monotonic, s).
+
+        A loop may have others, of other roles: what came before comes first.
+        """
+        for part in self._parts:
+            if part.intake.gathering is not self:
+                part.intake.settle()
+                part.intake.gathering = self
+                self.hurry()
+        self._times.append(readings.time)
+        self._arrivals.append(arrival)
+        self._values.frombytes(readings.values.tobytes())
+        late = arrival - self._arrivals[0] >= self._longest
+        if readings.time >= self._settles or len(self._times) >= self._most or late:
             self.settle()
 
     def settle(self) -> None:
         """Have the loops take in what waits."""
-        if not self._waiting:
+        if not self._times:
             return
-        waiting, self._waiting = self._waiting, []
-        source, arrivals = zip(*((readings.time, arrival) for readings, arrival in waiting), strict=True)
-        times = RowTimes(np.array(source), np.array(arrivals))
-        values = np.array([readings.values for readings, _ in waiting]).T
+        times = RowTimes(np.array(self._times), np.array(self._arrivals))
+        values = np.array(self._values).reshape(len(times.source), -1).T
+        for each in (self._times, self._arrivals, self._values):
+            del each[:]
         finite = np.isfinite(values).all(axis=1).tolist()
         short = short_of(values)
+        few = len(times.source) < FEW
         for part in self._parts:
             rows = ValueRows(part.roles, times, values[part.columns], short[part.columns])
-            plain = times.increasing and all(finite[part.columns])
+            plain = not few and times.increasing and all(finite[part.columns])
             if not (plain and part.intake.take(rows)):
-                _one_by_one(part, waiting)
+                _one_by_one(part, rows)
         self._settles = min((part.intake.window.due_from for part in self._parts), default=math.inf)
 
     def hurry(self) -> None:
@@ -111,12 +128,12 @@ class Gatherings:
             first = columns.stop
             intake = self._intake_of(loop)
             if intake is not None:
-                intake.settle()
                 parts.append(LoopColumns(intake, own, tuple(tag.role for tag in own), columns))
-        return Gathering(tags, parts)
+        return Gathering(tags, parts, len(self._known))
 
 
-def _one_by_one(part: LoopColumns, waiting: Sequence[tuple[Readings, float]]) -> None:
-    for readings, arrival in waiting:
-        for tag, value in zip(part.tags, readings.values[part.columns].tolist(), strict=True):
-            part.intake.push_one(Sample.measured(tag, readings.time, value), arrival)
+def _one_by_one(part: LoopColumns, rows: ValueRows) -> None:
+    columns = (each.tolist() for each in (rows.times.source, rows.times.arrivals, rows.values.T))
+    for time, arrival, values in zip(*columns, strict=True):
+        for tag, value in zip(part.tags, values, strict=True):
+            part.intake.push_one(Sample.measured(tag, time, value), arrival)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Protocol
 
 from agent.runtime.intake.usable import UsableValues
@@ -16,6 +17,10 @@ if TYPE_CHECKING:
     from agent.runtime.samples.recorder import SampleRecorder
     from agent.settings import LoopSettings
     from connectors.base import Sample
+
+
+KEPT_WITHIN = 10.0
+"""s for which readings wait where raw samples are kept: their minute is over after 15 s of silence."""
 
 
 class WaitingReadings(Protocol):
@@ -54,6 +59,8 @@ class Intake:
         self.came_due = came_due
         self.gathering: WaitingReadings | None = None
         """Where readings of this loop wait; None while there were none."""
+        self.longest_wait = math.inf if recorder is None else KEPT_WITHIN
+        """For which readings may wait, s."""
         self._recorder = recorder
 
     def push(self, sample: Sample, arrival: float) -> None:
@@ -70,11 +77,13 @@ class Intake:
 
     def take(self, rows: ValueRows) -> bool:
         """Take rows in at once; return False, and take nothing, where one needs a look of its own."""
-        if self._recorder is not None or not self.usable.well(rows.roles):
+        if not self.usable.well(rows.roles):
             return False
         places = self.window.places_for(rows)
         if places is None or not (self.clock is None or self.clock.follows(rows)):
             return False
+        if self._recorder is not None:
+            self._recorder.take(self.usable.loop, rows)
         self.window.take(rows, places)
         self.heard = float(rows.times.arrivals[-1])
         return True

@@ -25,7 +25,7 @@ class UsableValues:
 
     def __init__(self, loop: str) -> None:
         """Begin without any value."""
-        self._loop = loop
+        self.loop = loop
         self._since: dict[str, float] = {}
         self._why = dict.fromkeys(NEEDED, "no value came")
         self._logged: dict[str, float] = {}
@@ -47,7 +47,7 @@ class UsableValues:
             self._logged[role] = arrival
             text = "%s: %s cannot be used: %s"
             LOG.warning(
-                text, self._loop, role.upper(), self._why[role], extra={"event": "bad", "loop": self._loop}
+                text, self.loop, role.upper(), self._why[role], extra={"event": "bad", "loop": self.loop}
             )
 
     def well(self, roles: Sequence[str]) -> bool:

@@ -9,6 +9,8 @@ from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, NoReturn
 
+import numpy as np
+
 from agent.runtime.intake.window import LAST_TIME
 from agent.runtime.samples.minute import MINUTE, OpenMinute
 from agent.runtime.samples.sample_file import SampleFile, SampleGap
@@ -18,6 +20,7 @@ from connectors.cancellation import obey_cancellation
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from agent.runtime.intake.rows import ValueRows
     from connectors.base import Sample
 
 LOG = logging.getLogger(__name__)
@@ -57,15 +60,29 @@ class SampleRecorder:
         """Take a sample that arrived at ``arrival`` (monotonic, s); one without a time is left out."""
         if not abs(sample.time) <= LAST_TIME:
             return
-        number = math.floor(sample.time / MINUTE)
-        minutes = self._open.setdefault(sample.tag.loop, [])
+        loop = sample.tag.loop
+        self._minute(loop, math.floor(sample.time / MINUTE)).put(sample, arrival)
+        self._close_oldest(loop)
+
+    def take(self, loop: str, rows: ValueRows) -> None:
+        """Take rows of a loop, all good and with times that are believed, as ``put`` does one by one."""
+        numbers = np.floor(rows.times.source / MINUTE).astype(np.int64)
+        firsts = np.flatnonzero(np.append([True], numbers[1:] != numbers[:-1])).tolist()
+        for first, end in zip(firsts, [*firsts[1:], len(numbers)], strict=True):
+            self._minute(loop, int(numbers[first])).take(rows, slice(first, end))
+            self._close_oldest(loop)
+
+    def _minute(self, loop: str, number: int) -> OpenMinute:
+        """Return the open minute of this number, begun where there is none."""
+        minutes = self._open.setdefault(loop, [])
         for minute in minutes:
             if minute.number == number:
-                minute.put(sample, arrival)
-                return
-        minute = OpenMinute(sample.tag.loop, number)
-        minute.put(sample, arrival)
-        minutes.append(minute)
+                return minute
+        minutes.append(OpenMinute(loop, number))
+        return minutes[-1]
+
+    def _close_oldest(self, loop: str) -> None:
+        minutes = self._open[loop]
         if len(minutes) > AT_A_TIME:
             oldest = min(minutes, key=lambda each: each.number)
             minutes.remove(oldest)

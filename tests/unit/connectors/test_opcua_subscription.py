@@ -8,6 +8,7 @@ from asyncua import ua
 
 from connectors.base import ConnectionLostError
 from connectors.opcua import subscription as module
+from connectors.opcua.notification import ValueBlock
 from connectors.opcua.options import OpcUaOptions
 from connectors.opcua.subscription import NodeSubscription
 from tests.unit.runtime.agents import virtual
@@ -59,7 +60,15 @@ async def watching(*nodes):
 
 
 def values(changes):
-    return [(node, data.Value.Value) for node, data in changes]
+    return [
+        (node, value)
+        for nodes, found in changes
+        for node, value in zip(
+            nodes,
+            found.values.tolist() if isinstance(found, ValueBlock) else [each.value for each in found],
+            strict=True,
+        )
+    ]
 
 
 def test_all_of_a_notification_comes_at_once_and_in_its_order():
@@ -104,10 +113,10 @@ def test_what_waits_follows_the_number_of_nodes_and_the_rest_is_counted(monkeypa
         server, made = await watching(*[f"ns=2;s={k}" for k in range(nodes)])
         for _ in range(5):
             await server.send(changed(*[(server.handles["ns=2;s=0"], float(k)) for k in range(10)]))
-        found = len(await made.changes(1.0))
+        found = len(values(await made.changes(1.0)))
         lost = made.lost
         await server.send(changed((server.handles["ns=2;s=0"], 1.0)))
-        return found, lost, len(await made.changes(1.0)), made.lost
+        return found, lost, len(values(await made.changes(1.0))), made.lost
 
     assert virtual(scenario()) == (most, 50 - most, 1, 50 - most)
 

@@ -7,7 +7,7 @@ import pytest
 from asyncua import ua
 
 from connectors.base import LoopRole, Quality
-from connectors.opcua.values import is_waiting, sample, variant
+from connectors.opcua.values import change_of, is_waiting, sample, variant
 
 SOURCE = datetime(2023, 11, 14, 22, 13, 20, tzinfo=UTC)
 Kind = ua.VariantType
@@ -15,7 +15,7 @@ Kind = ua.VariantType
 
 def value(number, kind=Kind.Double, status=ua.StatusCodes.Good, **stamps):
     stamps = stamps or {"SourceTimestamp": SOURCE}
-    return ua.DataValue(ua.Variant(number, kind), ua.StatusCode(status), **stamps)
+    return change_of(ua.DataValue(ua.Variant(number, kind), ua.StatusCode(status), **stamps))
 
 
 @pytest.mark.parametrize(
@@ -49,7 +49,7 @@ def test_every_number_is_a_float(number, kind):
         value(math.nan),
         value("text", Kind.String),
         value([1.0, 2.0]),
-        ua.DataValue(None, ua.StatusCode(ua.StatusCodes.Good), SourceTimestamp=SOURCE),
+        change_of(ua.DataValue(None, ua.StatusCode(ua.StatusCodes.Good), SourceTimestamp=SOURCE)),
     ],
 )
 def test_what_is_no_number_is_missing(data):
@@ -63,7 +63,7 @@ def test_a_mode_may_be_text():
 
 
 def test_a_node_that_waits_has_no_value_yet():
-    assert is_waiting(ua.DataValue(None, ua.StatusCode(ua.StatusCodes.BadWaitingForInitialData)))
+    assert is_waiting(change_of(ua.DataValue(None, ua.StatusCode(ua.StatusCodes.BadWaitingForInitialData))))
     assert not is_waiting(value(1.0))
 
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import asdict
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from agent.runtime.intake.gathering import ROWS, Gathering, LoopColumns
 from agent.runtime.intake.intake import Intake
 from agent.runtime.intake.source_clock import SourceClock
 from agent.runtime.intake.window import RollingWindow
+from agent.runtime.samples.recorder import SampleRecorder
 from agent.settings import WindowSettings
 from connectors.base import LoopRole, Sample
 from connectors.readings import Readings
@@ -34,19 +36,26 @@ LATE = st.sampled_from([0.0, 0.0, 0.0, 0.01, 65.0])
 class Loop:
     """An intake, its wall clock and what came due."""
 
-    def __init__(self, *, seconds=40.0, clock=True):
+    def __init__(self, *, seconds=40.0, clock=True, kept=False):
         self.now = 0.0
         self.due = []
         options = loop_settings(
             roles=ROLES, window=WindowSettings(seconds=seconds, hop=0.25), automatic=(1.0,)
         )
         clocks = SourceClock("FIC101", DAY, lambda: START + self.now) if clock else None
-        self.intake = Intake(options, lambda window, at: self.due.append((window, at)), clocks)
-        self.gathering = Gathering(TAGS, [LoopColumns(self.intake, TAGS, ROLES, slice(0, len(ROLES)))])
+        self.recorder = SampleRecorder(Path("none.sqlite"), 1.0) if kept else None
+        self.intake = Intake(options, lambda window, at: self.due.append((window, at)), clocks, self.recorder)
+        self.gathering = self._gathering(TAGS)
+        self._of_some = {tags: self._gathering(tags) for tags in (TAGS[:2], TAGS[:1], TAGS[1:3])}
+        """Those of only some roles, which other readings may have."""
+
+    def _gathering(self, tags):
+        roles = tuple(tag.role for tag in tags)
+        return Gathering(tags, [LoopColumns(self.intake, tags, roles, slice(0, len(roles)))])
 
     def put(self, readings, arrival):
         self.now = arrival
-        self.gathering.put(readings, arrival)
+        self._of_some.get(readings.tags, self.gathering).put(readings, arrival)
 
     def push(self, readings, arrival):
         self.now = arrival
@@ -69,16 +78,21 @@ class Loop:
                 for role, ring in window._rings.items()
             },
             "due": [(each.start, at, *_columns(each)) for each, at in self.due],
+            "kept": self.recorder and self._kept(self.recorder),
             "clock": clock and (clock._any, clock._roles, clock.absurd, clock.leaps),
         }
+
+    def _kept(self, recorder):
+        minutes = [*recorder._over, *(each for some in recorder._open.values() for each in some)]
+        return [(each.number, each.touched, each.table().packed()) for each in minutes]
 
 
 def _columns(window):
     return [window.pv.tobytes(), window.op.tobytes(), window.clocks_apart, window.duplicates]
 
 
-def readings(time, values):
-    return Readings(TAGS, START + time, np.array(values))
+def readings(time, values, tags=TAGS):
+    return Readings(tags, START + time, np.array(values)[[TAGS.index(tag) for tag in tags]])
 
 
 def same(one, other):
@@ -86,20 +100,21 @@ def same(one, other):
     return repr(one) == repr(other)
 
 
-ROW = st.tuples(STEPS, LATE, st.tuples(*[VALUES] * len(ROLES)), st.integers(0, 40))
+OF_ROLES = st.sampled_from([TAGS, TAGS, TAGS, TAGS[:2], TAGS[:1], TAGS[1:3]])
+ROW = st.tuples(STEPS, LATE, st.tuples(*[VALUES] * len(ROLES)), st.integers(0, 40), OF_ROLES)
 
 
 @settings(max_examples=150, deadline=None)
-@given(st.lists(ROW, min_size=1, max_size=40), st.booleans(), st.integers(3, 9))
-def test_rows_leave_what_values_leave_one_by_one(rows, clock, repeated):
-    many, single = Loop(clock=clock), Loop(clock=clock)
+@given(st.lists(ROW, min_size=1, max_size=40), st.booleans(), st.integers(3, 9), st.booleans())
+def test_rows_leave_what_values_leave_one_by_one(rows, clock, repeated, kept):
+    many, single = Loop(clock=clock, kept=kept), Loop(clock=clock, kept=kept)
     source = arrival = 0.0
-    for k, (step, late, values, look) in enumerate(rows):
+    for k, (step, late, values, look, tags) in enumerate(rows):
         for again in range(repeated):  # mostly as it should be, between two oddities
             source += step if again == 0 else 1.0
             arrival += 1.0 + (late if again == 0 else 0.0)
             shown = values if again == 0 else [50.0 + k, 40.0 + again, 45.0, 1.0]
-            each = readings(source, shown)
+            each = readings(source, shown, tags if again % 2 == 0 or k % 3 else TAGS)
             many.put(each, arrival)
             single.push(each, arrival)
         if look == 0:
@@ -139,7 +154,16 @@ def test_what_waits_is_bounded():
     loop = Loop(seconds=4000.0)
     for k in range(1000):
         loop.put(readings(float(k), [50.0, 40.0, 45.0, 1.0]), float(k))
-        assert len(loop.gathering._waiting) < ROWS
+        assert len(loop.gathering._times) < ROWS
+
+
+def test_where_raw_samples_are_kept_rows_wait_for_seconds_only():
+    loop = Loop(seconds=4000.0, kept=True)
+    for k in range(300):
+        loop.put(readings(float(k), [50.0, 40.0, 45.0, 1.0]), float(k))
+        assert len(loop.gathering._times) <= 10
+    over = [each.number for each in loop.recorder._over]
+    assert over == sorted(set(over))
 
 
 def test_a_sample_comes_after_the_rows_before_it():

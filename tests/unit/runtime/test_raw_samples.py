@@ -16,6 +16,7 @@ from agent.runtime.samples.postgres_samples import PostgresSamples, samples_forw
 from agent.runtime.samples.recorder import SampleRecorder
 from agent.runtime.samples.sample_file import SampleFile, SampleGap, samples_path
 from agent.runtime.store import forwarder as sending
+from agent.runtime.store.postgres_history import PostgresHistory
 from agent.settings import (
     AgentSettings,
     ConnectionSettings,
@@ -113,6 +114,21 @@ def test_rows_of_the_database_are_what_came(tmp_path, postgres, database):
     assert second[3][0] is None
     assert math.isnan(second[3][1])
     assert second[4:] == ([1.5, None], None, None, [None, "MAN"], [0, 2])
+
+
+def test_every_table_with_a_time_can_be_a_hypertable(postgres, database):
+    """TimescaleDB allows no unique index without the time, and no foreign key to a hypertable."""
+    with contextlib.closing(PostgresHistory(database)), contextlib.closing(PostgresSamples(database)):
+        pass
+    unique = "SELECT relname FROM pg_index JOIN pg_class ON pg_class.oid = indrelid WHERE indisunique"
+    assert asked(postgres, unique + " AND relname LIKE 'slipjump%'") == [("slipjump_origin",)]
+    foreign = "SELECT 1 FROM pg_constraint WHERE contype = 'f' AND conname LIKE 'slipjump%'"
+    assert asked(postgres, foreign) == []
+    timed = (
+        "SELECT table_name FROM information_schema.columns WHERE column_name = 'time' "
+        "AND is_nullable = 'NO' AND table_name LIKE 'slipjump%' ORDER BY 1"
+    )
+    assert asked(postgres, timed) == [(f"slipjump_{name}",) for name in ("entry", "gap", "sample", "window")]
 
 
 def test_a_loop_second_takes_sixteen_bytes_and_its_part_of_a_row(tmp_path, postgres, database):
