@@ -5,8 +5,8 @@ level as its own interval says, or it is astray and less sure, or the day is an 
 state after it is the mean and covariance of that mixture.
 
 Most of what an interval allows for is the same in all windows of a valve, as the models lack the same every
-day. It cannot be separated from the level, so the filter follows the level that windows show; how far that is from
-S of the valve is added at the end (``of_valve``), and no number of windows averages it away.
+day. It cannot be separated from the level, so the filter follows the level that windows show; how far that is
+from S of the valve is added at the end (``of_valve``), and no number of windows averages it away.
 
 A day that does not show S may still divide it: S is below a number rather than above it, or the other way,
 and by how much likelier. It moves the level only where that number lies within what is known of it. Beyond,
@@ -35,6 +35,9 @@ fits in a neighbouring valley. All four are the likeliest values for simulated v
 s_errors``)."""
 OUTLIER = 0.005
 """Share of the windows that say nothing. None of 193 was so; with Jeffreys' prior 0.003."""
+
+SOFT = 0.05
+"""Standard deviation of what divides S, logarithm: it is known from windows, which are wrong by as much."""
 
 
 class LevelWalk(NamedTuple):
@@ -84,10 +87,10 @@ class SeenLevel(NamedTuple):
     """What a day shows of the level."""
 
     value: float
-    """Logarithm of S, or of what divides it."""
+    """Logarithm of S."""
     sd: float
-    above: float | None = None
-    """Log of how much likelier the day is where S is above ``value`` than below; None: S itself is seen."""
+    divides: tuple[tuple[float, float], ...] = ()
+    """Where S is not seen: logarithm of what divides it, and of how much likelier the day is if S is above."""
     agrees: float = 0.0
     """Nats by which the day is likelier in this kind of valve, whatever S is."""
 
@@ -140,7 +143,11 @@ def step(state: Filtered, walk: LevelWalk, time: float, seen: SeenLevel) -> Filt
         seen: What the day shows.
     """
     ahead = forecast(state, walk.level_sd, time)
-    return _shown(ahead, walk, seen) if seen.above is None else _divided(ahead, seen, seen.above)
+    if not seen.divides:
+        return _shown(ahead, walk, seen)
+    for value, above in seen.divides:
+        ahead = _divided(ahead, value, above)
+    return ahead._replace(log_likelihood=ahead.log_likelihood + seen.agrees)
 
 
 def _shown(state: Filtered, walk: LevelWalk, seen: SeenLevel) -> Filtered:
@@ -164,17 +171,17 @@ def _shown(state: Filtered, walk: LevelWalk, seen: SeenLevel) -> Filtered:
     return found._replace(inverse=state.inverse + 1 / seen.sd, precision=state.precision + 1 / seen.sd**2)
 
 
-def _divided(state: Filtered, seen: SeenLevel, above: float) -> Filtered:
+def _divided(state: Filtered, value: float, above: float) -> Filtered:
     """Return the state after a day that shows on which side of a value S is."""
     level, variance = state.level, state.level_var
-    room = (seen.value - level) / math.sqrt(variance + seen.sd**2)
+    room = (value - level) / math.sqrt(variance + SOFT**2)
     below, other = _share(room), math.exp(above) * _share(-room)
-    found = math.log(below + other) + seen.agrees
-    if abs(seen.value - level) >= NORMAL_90 * math.sqrt(variance):
+    found = math.log(below + other)
+    if abs(value - level) >= NORMAL_90 * math.sqrt(variance):
         return state._replace(log_likelihood=state.log_likelihood + found)
     share = below / (below + other)
-    mean, left = _below(level, variance, seen.value, seen.sd)
-    mirrored, rest = _below(-level, variance, -seen.value, seen.sd)
+    mean, left = _below(level, variance, value, SOFT)
+    mirrored, rest = _below(-level, variance, -value, SOFT)
     middle = share * mean - (1 - share) * mirrored
     spread = share * (left + (mean - middle) ** 2) + (1 - share) * (rest + (mirrored + middle) ** 2)
     return _moved(state, (middle - level) / variance, (variance - spread) / variance**2, found)

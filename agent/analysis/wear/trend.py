@@ -26,8 +26,6 @@ DAY = 86400.0
 """s"""
 ENDS = (0.05, 0.95)
 """Probabilities of being below the ends of a 90 % interval."""
-SOFT = 0.05
-"""Standard deviation of what divides S, logarithm: it is known from windows, which are wrong by as much."""
 FEWEST = 3
 """Days below which there is no trend."""
 LEAST = 1e-3
@@ -137,7 +135,7 @@ def _levels(days: Sequence[SDay], followed: Sequence[Sequence[LikelyStretch]]) -
     """Return S on each day with its interval: quantiles of the mixture."""
     levels, shown = [], -1
     for k, (day, parts) in enumerate(zip(days, followed, strict=True)):
-        if day.above is None or day.divided(recognised=True)[1] > 0:
+        if day.above is None or any(above > 0 for _, above in day.divided(recognised=True)):
             shown = k
         found = (quantile(_log_s(parts), 0.5), quantile(_log_s(parts, shown), ENDS[0]))
         levels.append(Level(day.time, *map(math.exp, (*found, quantile(_log_s(parts), ENDS[1])))))
@@ -223,7 +221,7 @@ def _kinds(days: Sequence[SDay], least: float) -> list[Kind]:
 def _seen(day: SDay, least: float, *, recognised: bool) -> SeenLevel:
     """Return what a day shows of log S: a lognormal distribution with mean and deviation of its S."""
     if day.above is not None:
-        divides, above = day.divided(recognised=recognised)
-        return SeenLevel(math.log(max(divides, least)), SOFT, above)
+        divides = day.divided(recognised=recognised)
+        return SeenLevel(0.0, 0.0, tuple((math.log(max(each, least)), above) for each, above in divides))
     s, agrees = max(day.s, least), day.agrees or 0.0
-    return SeenLevel(math.log(s), math.sqrt(math.log1p((day.sd / s) ** 2)), None, agrees * recognised)
+    return SeenLevel(math.log(s), math.sqrt(math.log1p((day.sd / s) ** 2)), agrees=agrees * recognised)

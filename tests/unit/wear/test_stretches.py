@@ -18,9 +18,14 @@ from agent.analysis.wear.stretches import (
 )
 
 TIMES = [0.0, 1.0, 2.5, 3.0, 6.0]
-SHOWN = [SeenLevel(1.4, 0.1), SeenLevel(1.3, 0.1), SeenLevel(1.5, 0.2), SeenLevel(0.7, 0.03, -4.0)]
+SHOWN = [
+    SeenLevel(1.4, 0.1),
+    SeenLevel(1.3, 0.1),
+    SeenLevel(1.5, 0.2),
+    SeenLevel(0.0, 0.0, ((0.7, -4.0), (1.0, -1.0))),
+]
 SEEN = [*SHOWN, SeenLevel(0.2, 0.4)]
-KINDS = [Kind(0.8, SEEN), Kind(0.2, [*SEEN[:3], SeenLevel(0.7, 0.03, 0.0), SEEN[4]])]
+KINDS = [Kind(0.8, SEEN), Kind(0.2, [*SEEN[:3], SeenLevel(0.0, 0.0, ((0.7, 0.0),)), SEEN[4]])]
 MIDDLE = 1.4
 
 
