@@ -90,7 +90,7 @@ class SeenLevel(NamedTuple):
     """Logarithm of S."""
     sd: float
     divides: tuple[tuple[float, float], ...] = ()
-    """Where S is not seen: logarithm of what divides it, and of how much likelier the day is if S is above."""
+    """Where S is not seen: log of what divides it, and of how much likelier the day is if S is above."""
     agrees: float = 0.0
     """Nats by which the day is likelier in this kind of valve, whatever S is."""
 
