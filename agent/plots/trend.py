@@ -42,7 +42,7 @@ def trend_figure(loop: str, days: Sequence[SDay], trend: Trend, limit: float | N
             (_date(each.time), divides)
             for each in days
             if each.above is not None
-            for divides, above in [each.divided(recognised=True)]
+            for divides, above in each.divided(recognised=True)
             if (above > 0) == larger
         ]
         if dividing:

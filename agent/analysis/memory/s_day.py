@@ -63,18 +63,24 @@ class SDay:
         """The upper end of what a search found, OP units."""
         return self.s + 2 * self.sd
 
-    def divided(self, *, recognised: bool) -> tuple[float, float]:
+    def divided(self, *, recognised: bool) -> tuple[tuple[float, float], ...]:
         """Return what divides S, OP units, and by how many nats it is above that rather than below.
+
+        Where a search and the comparison with the former S both speak for less, S above the bound is as
+        unlikely as the search says, and S above half of the former one as the clearer of both says: they
+        come from the same windows, so they do not add up.
 
         Args:
             recognised: Whether comparisons with the former S are right for this valve.
         """
         found = self.above or 0.0
         if not recognised or self.agrees is None:
-            return self.bound, found
+            return ((self.bound, found),)
         if self.bound < self.half and found < 0 and self.agrees < 0:
-            return self.bound, min(self.agrees, found)
-        return self.half, self.agrees
+            both = min(self.agrees, found)
+            at_bound = found if self.agrees < found else found - self.agrees
+            return (self.bound, at_bound), (self.half, both - at_bound)
+        return ((self.half, self.agrees),)
 
 
 def s_seen(diagnosis: Diagnosis, time: float) -> SDay | None:
@@ -151,8 +157,7 @@ def falls(days: Sequence[SDay], seen: SDay) -> bool:
         return False
     if seen.above is None:
         return seen.s < REPAIRED * former
-    divides, above = seen.divided(recognised=True)
-    return above < 0 and divides <= former
+    return any(above < 0 and divides <= former for divides, above in seen.divided(recognised=True))
 
 
 def _one_day(last: SDay, new: SDay) -> SDay:

@@ -18,7 +18,7 @@ from agent.analysis.memory.s_day import SDay, falls, known_s_of, s_seen, with_s
 from agent.analysis.memory.weighing_windows import BASE_RATE, Counts, probability_of
 from agent.analysis.record.known_process import KnownValve
 from agent.analysis.response.candidates import UNSURE_GAIN
-from agent.analysis.wear.trend import trend_of
+from agent.analysis.wear.trend import repaired_of
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis
@@ -35,7 +35,7 @@ PROCESSES = 24
 """Windows whose process is kept, the newest."""
 WATCHED = 14
 """Days that are searched for a repair, the newest that showed or divided S; half as many after it, they may
-take it back. A search takes 40 ms, and it is in the agent's event loop."""
+take it back. A search is in the agent's event loop, and its time grows with the square of them: 4 to 9 ms."""
 NOTHING: Counts = (0.0,) * len(OUTCOMES)
 
 
@@ -134,8 +134,7 @@ def _since_repair(memory: ValveMemory, seen: SDay) -> ValveMemory:
     recent = noticed is not None and sum(each.time > noticed for each in days) <= WATCHED // 2
     if not recent and not falls(days, seen):
         return memory
-    trend = trend_of(days)
-    repaired = None if trend is None else trend.repaired
+    repaired = repaired_of(days)
     if repaired is not None and (noticed is None or repaired > noticed):
         return replace(memory, former=NOTHING, before=memory.former, repaired=memory.until)
     if recent and repaired is None:

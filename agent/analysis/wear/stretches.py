@@ -1,11 +1,16 @@
 """Days cut into stretches without a jump, for each kind of valve that it may be.
 
-The most likely partition (dynamic programming over all of them) for each kind; how probable a kind is follows
-from the days so far: a random effect a valve, which no number of windows averages away. There are valves
-whose windows are right and valves where S is short, and either may be recognised by its former S or not.
+A day has its place in many partitions of the days up to it: its stretch began on any of them. How probable
+each begin is follows from the sum over all partitions before it, so S is known as a mixture over begins. A
+jump that may have come on several days is as probable as these together. A stretch is steady, or it wears.
 
-Source: B. Jackson et al., "An algorithm for optimal partitioning of data on an interval", IEEE Signal
-Processing Letters 12, 2005.
+There are random effects a valve, which no number of windows averages away. It is recognised by its former S
+or it is not, and its windows scatter little or as far as their intervals say: how probable a kind is follows
+from the days so far. And its windows are wrong in the same way (``filter``).
+
+Source: D. Barry and J. A. Hartigan, "Product partition models for change point problems", Annals of
+Statistics 20, 1992; R. P. Adams and D. J. C. MacKay, "Bayesian online changepoint detection", arXiv
+0710.3742, 2007.
 """
 
 from __future__ import annotations
@@ -13,7 +18,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from agent.analysis.wear.filter import Filtered, LevelWalk, SeenLevel, begin, mixed, step
+from agent.analysis.wear.filter import Filtered, LevelWalk, SeenLevel, Slope, begin, of_valve, step
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,21 +27,23 @@ JUMPS_A_DAY = 1 / 365
 """Rate of repairs and sudden damages: one a year."""
 WALK = 0.01
 """Standard deviation of the walk of log S in a day: 8 % in two months."""
-SLOPE = 0.05
-"""Standard deviation of the slope of log S before anything is seen, a day: weeks double S."""
+SLOPES = (Slope(0.5, 0.0, 0.003), Slope(0.5, 0.04, 0.025))
+"""Slope of log S: one stretch in two is steady, by a tenth in a month; the other wears, and weeks double S. S
+falls by repair alone, so a level that is not seen for days does not sink into what contradicts it."""
 SPREAD = 1.5
 """Standard deviation of log S before anything is seen, and after a jump."""
 FALLS = 1.5
 """By how much log S fell at a jump, in the mean, as most are repairs: to a fifth, so that a twentieth is as
 probable as hardly less."""
-SHORT_VALVES = 0.388
-"""Share of the valves whose windows are short, before any is seen."""
-LACKS = 0.083
-"""Mean of what S of their windows lacks, and the standard deviation of that, logarithm of S. Both are the
+SCATTERS = ((0.69, 0.35), (0.31, 1.01))
+"""Share of the valves, and standard deviation of what log S of each window has for itself there, over that of
+its interval: in most valves windows agree far better than their intervals say, in others as they say. The
 likeliest values for simulated valves (``python -m benchmarks s_errors``)."""
 UNRECOGNISED = 0.15
 """Share of the valves, before any is seen, that a comparison with their former S calls repaired in each
 window, also while they stick."""
+LEAST_LIKELY = -9.0
+"""Log of the share, over that of the likeliest part of a day, below which a part is left out."""
 
 
 class Kind(NamedTuple):
@@ -48,64 +55,92 @@ class Kind(NamedTuple):
     """What each day shows in it."""
 
 
-class Followed(NamedTuple):
-    """The level on a day."""
+class LikelyStretch(NamedTuple):
+    """What S is on a day where it is a valve of one kind, and its stretch began on one day."""
 
+    share: float
+    """How probable that is by the days up to it; all parts of a day add up to one."""
     first: int
-    """First day of its stretch, in the likelier kind of valve."""
+    """First day of the stretch."""
     state: Filtered
-    """From the days up to it, all kinds of valve mixed."""
 
 
-class _Day(NamedTuple):
-    """A day of the most likely partition into stretches."""
+class _Running(NamedTuple):
+    """A stretch that goes on."""
 
+    start: float
+    """Log probability of all that was before it, and of its begin, nats."""
     first: int
-    """First day of its stretch."""
     state: Filtered
-    score: float
-    """Log probability of the kind of valve and all days so far, nats."""
+
+    @property
+    def weight(self) -> float:
+        """Log probability of it and all days so far, nats."""
+        return self.start + self.state.log_likelihood
 
 
-def follow(times: Sequence[float], kinds: Sequence[Kind], middle: float) -> list[Followed]:
-    """Return the level on each day.
+def follow(times: Sequence[float], kinds: Sequence[Kind], middle: float) -> list[list[LikelyStretch]]:
+    """Return what S may be on each day, by the days up to it.
 
     Args:
         times: Of the days, days, in order.
-        kinds: Kinds of valve that it may be, beside whether S of its windows is short.
+        kinds: Kinds of valve that it may be, beside how far its windows scatter.
         middle: Of log S, where nothing else is known.
     """
-    found = [
-        _likeliest(times, kind.seen, LevelWalk(WALK, SLOPE, SPREAD, middle, lacks), share * kind.share)
+    valves = [
+        (kind.seen, LevelWalk(WALK, SPREAD, middle, own), math.log(share * kind.share))
         for kind in kinds
-        for lacks, share in ((0.0, 1 - SHORT_VALVES), (LACKS, SHORT_VALVES))
+        for share, own in SCATTERS
     ]
-    likeliest = max(found, key=lambda days: days[-1].score)
-    states = [mixed(_shares(day), [each.state for each in day]) for day in zip(*found, strict=True)]
-    return [Followed(day.first, state) for day, state in zip(likeliest, states, strict=True)]
+    running: list[list[_Running]] = [[] for _ in valves]
+    found = []
+    for k, time in enumerate(times):
+        gap = time - times[k - 1] if k else 0.0
+        running = [
+            _next_day(before, walk, k, time, gap, seen[k], share)
+            for before, (seen, walk, share) in zip(running, valves, strict=True)
+        ]
+        top = max(each.weight for some in running for each in some)
+        running = [[each for each in some if each.weight > top + LEAST_LIKELY] for some in running]
+        found.append(_parts([each for some in running for each in some], top))
+    return found
 
 
-def _shares(kinds: Sequence[_Day]) -> list[float]:
-    """Return how probable each kind of valve is by a day."""
-    top = max(each.score for each in kinds)
-    weights = [math.exp(each.score - top) for each in kinds]
-    return [each / sum(weights) for each in weights]
+def _next_day(
+    before: Sequence[_Running],
+    walk: LevelWalk,
+    k: int,
+    time: float,
+    gap: float,
+    seen: SeenLevel,
+    share: float,
+) -> list[_Running]:
+    """Return the stretches of a kind of valve after one more day, the ``k``-th, ``gap`` days after the last.
+
+    ``share`` is the log probability of the kind.
+    """
+    went_on = [each._replace(start=each.start - JUMPS_A_DAY * gap) for each in before]
+    if k and before:
+        share = _log_sum([each.weight for each in before])
+        share += math.log(-math.expm1(-JUMPS_A_DAY * max(gap, 1.0)))
+    begun = [
+        _Running(share + math.log(each.share), k, begin(walk, each, time, FALLS if k else 0.0))
+        for each in SLOPES
+        if before or not k
+    ]
+    return [each._replace(state=step(each.state, walk, time, seen)) for each in (*went_on, *begun)]
 
 
-def _likeliest(
-    times: Sequence[float], seen: Sequence[SeenLevel], walk: LevelWalk, share: float
-) -> list[_Day]:
-    """Return the days in the most likely partition; ``share`` of the valves are of this kind."""
-    count = len(times)
-    best: list[list[_Day]] = [[] for _ in range(count + 1)]
-    for first in range(count):
-        days = times[first] - times[first - 1] if first else 0.0
-        jumped = math.log(-math.expm1(-JUMPS_A_DAY * max(days, 1.0))) if first else 0.0
-        before = jumped + (best[first][-1].score if first else math.log(share))
-        state, stretch = begin(walk, times[first], FALLS if first else 0.0), best[first]
-        for last in range(first, count):
-            state = step(state, walk, times[last], seen[last])
-            stretch = [*stretch, _Day(first, state, before + state.log_likelihood)]
-            if not best[last + 1] or stretch[-1].score > best[last + 1][-1].score:
-                best[last + 1] = stretch
-    return best[count]
+def _parts(running: Sequence[_Running], top: float) -> list[LikelyStretch]:
+    """Return the stretches with their probabilities; ``top`` is the log weight of the likeliest."""
+    weights = [math.exp(each.weight - top) for each in running]
+    total = sum(weights)
+    return [
+        LikelyStretch(weight / total, each.first, of_valve(each.state))
+        for each, weight in zip(running, weights, strict=True)
+    ]
+
+
+def _log_sum(logs: Sequence[float]) -> float:
+    top = max(logs)
+    return top + math.log(sum(math.exp(each - top) for each in logs))

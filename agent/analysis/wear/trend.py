@@ -12,17 +12,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.results import NORMAL_90
-from agent.analysis.wear.filter import Filtered, SeenLevel, forecast
-from agent.analysis.wear.stretches import LACKS, UNRECOGNISED, WALK, Kind, follow
+from agent.analysis.wear.filter import SeenLevel, forecast
+from agent.analysis.wear.mixture import Normal, below, quantile
+from agent.analysis.wear.stretches import UNRECOGNISED, WALK, Kind, follow
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.memory.s_day import SDay
+    from agent.analysis.wear.stretches import LikelyStretch
 
 DAY = 86400.0
 """s"""
+ENDS = (0.05, 0.95)
+"""Probabilities of being below the ends of a 90 % interval."""
 FEWEST = 3
 """Days below which there is no trend."""
 LEAST = 1e-3
@@ -74,12 +77,13 @@ class Trend:
     """Of S since the last jump, as it is on the last day, OP units a day, with a 90 % interval."""
     worse_since: float | None
     """Time from which S rises, s UTC; None: it does not rise for certain."""
-    last: Filtered
+    last: tuple[LikelyStretch, ...]
+    """What S may be on the last day."""
 
     @property
     def repaired(self) -> float | None:
         """Time of the last repair, s UTC; None: there was none."""
-        return next((each.time for each in reversed(self.jumps) if each.repair), None)
+        return _last_repair(self.jumps)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,47 +106,103 @@ def trend_of(days: Sequence[SDay]) -> Trend | None:
     """
     if len(days) < FEWEST:
         return None
-    times = [each.time / DAY for each in days]
+    followed = _followed(days)
+    levels = _levels(days, followed)
+    stretches = _stretches(followed)
+    newest = followed[-1]
+    slopes = [Normal(each.share, each.state.slope, each.state.slope_var) for each in newest]
+    slope, low, high = (levels[-1].s * quantile(slopes, each) for each in (0.5, *ENDS))
+    worse_since = days[stretches[-1][0]].time if low > 0 else None
+    return Trend(levels, _jumps(days, followed, stretches), slope, low, high, worse_since, tuple(newest))
+
+
+def repaired_of(days: Sequence[SDay]) -> float | None:
+    """Return the time of the last repair, s UTC; None: there was none. As ``trend_of``, in less time."""
+    if len(days) < FEWEST:
+        return None
+    followed = _followed(days)
+    return _last_repair(_jumps(days, followed, _stretches(followed)))
+
+
+def _followed(days: Sequence[SDay]) -> list[list[LikelyStretch]]:
+    """Return what S may be on each day, by the days up to it."""
     known = [each.s for each in days if each.above is None] or [each.bound for each in days]
     middle = max(float(np.median(known)), 1e-9)
-    followed = follow(times, _kinds(days, LEAST * middle), math.log(middle))
-    jumps: list[Jump] = []
-    levels: list[Level] = []
-    first = 0
-    for k, (start, state) in enumerate(followed):
-        if start != first:
-            first = start
-            end = next((j for j in range(k, len(days)) if followed[j].first != first), len(days))
-            after = math.exp(float(followed[end - 1].state.mean[0]))
-            jumps.append(Jump(days[k].time, levels[-1].s, after))
-        s, low, high = (math.exp(each) for each in _interval(state, 0))
-        only_bounds = all(
-            each.above is not None and each.divided(recognised=True)[1] <= 0 for each in days[first : k + 1]
-        )
-        levels.append(Level(days[k].time, s, 0.0 if only_bounds else low, high))
-    last = followed[-1].state
-    slope, low, high = (levels[-1].s * each for each in _interval(last, 1))
-    worse_since = days[first].time if low > 0 else None
-    return Trend(tuple(levels), tuple(jumps), slope, low, high, worse_since, last)
+    return follow([each.time / DAY for each in days], _kinds(days, LEAST * middle), math.log(middle))
+
+
+def _levels(days: Sequence[SDay], followed: Sequence[Sequence[LikelyStretch]]) -> tuple[Level, ...]:
+    """Return S on each day with its interval: quantiles of the mixture."""
+    levels, shown = [], -1
+    for k, (day, parts) in enumerate(zip(days, followed, strict=True)):
+        if day.above is None or any(above > 0 for _, above in day.divided(recognised=True)):
+            shown = k
+        found = (quantile(_log_s(parts), 0.5), quantile(_log_s(parts, shown), ENDS[0]))
+        levels.append(Level(day.time, *map(math.exp, (*found, quantile(_log_s(parts), ENDS[1])))))
+    return tuple(levels)
+
+
+def _stretches(followed: Sequence[Sequence[LikelyStretch]]) -> list[tuple[int, int]]:
+    """Return the first and last day of each stretch: the begin is the median of what it may be."""
+    found, last = [], len(followed) - 1
+    while last >= 0:
+        first, earlier = 0, 0.0
+        for part in sorted(followed[last], key=_first):
+            if earlier < 0.5:
+                first = part.first
+            earlier += part.share
+        found.append((first, last))
+        last = first - 1
+    return found[::-1]
+
+
+def _jumps(
+    days: Sequence[SDay], followed: Sequence[Sequence[LikelyStretch]], stretches: Sequence[tuple[int, int]]
+) -> tuple[Jump, ...]:
+    """Return the jumps between stretches: S as it was known before, and at the end of the stretch."""
+    found = []
+    for first, last in stretches[1:]:
+        ones = [each for each in followed[last] if each.first == first]
+        share = sum(each.share for each in ones)
+        after = sum(each.share * each.state.level for each in ones) / share
+        before = quantile(_log_s(followed[first - 1]), 0.5)
+        found.append(Jump(days[first].time, math.exp(before), math.exp(after)))
+    return tuple(found)
+
+
+def _last_repair(jumps: Sequence[Jump]) -> float | None:
+    return next((each.time for each in reversed(jumps) if each.repair), None)
+
+
+def _log_s(parts: Sequence[LikelyStretch], shown: float = math.inf) -> list[Normal]:
+    """Return what log S may be; in a stretch without a day that ``shown`` S also anything below."""
+    return [
+        Normal(each.share, -math.inf if each.first > shown else each.state.level, each.state.level_var)
+        for each in parts
+    ]
+
+
+def _first(part: LikelyStretch) -> int:
+    return part.first
 
 
 def reaches(trend: Trend, limit: float) -> Reached:
     """Return when S reaches ``limit`` (OP units) if it goes on as since the last jump."""
-    times = [_first_beyond(trend, limit, z) for z in (0.0, NORMAL_90, -NORMAL_90)]
+    times = [_first_beyond(trend, limit, each) for each in (0.5, *reversed(ENDS))]
     return Reached(limit, *times)
 
 
-def _first_beyond(trend: Trend, limit: float, z: float) -> float | None:
-    """Return the first time, to the day, at which S plus ``z`` standard deviations is at the limit, s UTC."""
+def _first_beyond(trend: Trend, limit: float, probability: float) -> float | None:
+    """Return the first time, to the day, at which S is below the limit with no more than this probability."""
+    now, end = trend.last[0].state.time, math.log(max(limit, 1e-9))
 
     def beyond(days: float) -> bool:
-        ahead = forecast(trend.last, WALK, trend.last.time + days)
-        return bool(ahead.mean[0] + z * math.sqrt(ahead.covariance[0, 0]) >= math.log(max(limit, 1e-9)))
+        ahead = [(each.share, forecast(each.state, WALK, now + days)) for each in trend.last]
+        parts = [Normal(share, state.level, state.level_var) for share, state in ahead]
+        return below(parts, end) <= probability
 
-    if beyond(0.0):
-        return trend.last.time * DAY
-    tried = np.concatenate((np.arange(1.0, 400.0), np.arange(400.0, FAR, 10.0)))
-    return next(((trend.last.time + days) * DAY for days in tried.tolist() if beyond(days)), None)
+    tried = np.concatenate((np.arange(0.0, 400.0), np.arange(400.0, FAR, 10.0)))
+    return next(((now + days) * DAY for days in tried.tolist() if beyond(days)), None)
 
 
 def _kinds(days: Sequence[SDay], least: float) -> list[Kind]:
@@ -159,18 +219,9 @@ def _kinds(days: Sequence[SDay], least: float) -> list[Kind]:
 
 
 def _seen(day: SDay, least: float, *, recognised: bool) -> SeenLevel:
-    """Return what a day shows of log S: a lognormal distribution with mean and deviation of its S.
-
-    What divides S is as soft as a short S.
-    """
+    """Return what a day shows of log S: a lognormal distribution with mean and deviation of its S."""
     if day.above is not None:
-        divides, above = day.divided(recognised=recognised)
-        return SeenLevel(math.log(max(divides, least)), LACKS, above)
+        divides = day.divided(recognised=recognised)
+        return SeenLevel(0.0, 0.0, tuple((math.log(max(each, least)), above) for each, above in divides))
     s, agrees = max(day.s, least), day.agrees or 0.0
-    return SeenLevel(math.log(s), math.sqrt(math.log1p((day.sd / s) ** 2)), None, agrees * recognised)
-
-
-def _interval(state: Filtered, place: int) -> tuple[float, float, float]:
-    """Return the level (0) or the slope (1) with its 90 % interval."""
-    mean, sd = float(state.mean[place]), math.sqrt(max(float(state.covariance[place, place]), 0.0))
-    return mean, mean - NORMAL_90 * sd, mean + NORMAL_90 * sd
+    return SeenLevel(math.log(s), math.sqrt(math.log1p((day.sd / s) ** 2)), agrees=agrees * recognised)

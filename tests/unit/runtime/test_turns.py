@@ -3,8 +3,10 @@
 import asyncio
 from dataclasses import replace
 
+from agent.analysis.memory.outcome import OUTCOMES
+from agent.analysis.memory.valve_memory import ValveMemory
 from agent.runtime.loop.turns import LONGEST_PATIENCE, PATIENCE, Turns
-from tests.unit.runtime.agents import agent_of, judged, stream, virtual, worked
+from tests.unit.runtime.agents import FIVE, agent_of, judged, stream, virtual, worked
 from tests.unit.runtime.fake_bus import FakeBus
 
 QUICK, FIT = 0.05, 7.5
@@ -79,6 +81,24 @@ def test_of_fits_that_wait_the_one_whose_answer_is_worth_most_goes_first():
         return order
 
     assert virtual(scenario()) == ["running", "doubt", "usual", "certain"]
+
+
+def test_a_loop_near_the_threshold_is_fitted_before_those_far_from_it():
+    """As the agent has it: what windows so far say of each valve decides whose fit is next."""
+    certain, order, workers = FIVE[:-1], [], Workers(1)
+
+    def diagnose(window, _seen=None):
+        order.append(window.loop)
+        return replace(judged("undecided")(window), seconds=FIT)
+
+    bus = FakeBus(stream(FIVE, 200))
+    agent = agent_of(bus, FIVE, diagnose, executor=workers, seconds=100.0, quantify="always")
+    for loop, pipeline in agent.pipelines.items():
+        known = {"against": 20.0} if loop in certain else {"fair": 1.0}
+        pipeline.memory = ValveMemory(former=tuple(known.get(outcome, 0.0) for outcome in OUTCOMES))
+    virtual(worked(agent, 200.0))
+    assert order.index(FIVE[-1]) == 1  # the first one found a free worker
+    assert set(order) == set(FIVE)
 
 
 def test_a_slow_fit_is_served_though_quick_windows_never_end():
