@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate, nothing_else
 from agent.workbench.checks.pairs import far_likelier_words, likeliest_pair
-from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, LinearDynamics, beats
+from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, beats, dynamics_on
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
@@ -157,7 +157,8 @@ def _against_unnamed(
     effect = str(decision.effect)
     if decision.family in LINEAR or not (found[effect].answers or found[effect].once):
         return decision
-    rival = evidence_of(smaller, together(smaller, LinearDynamics()), record, len(found)).criterion
+    dynamics = dynamics_on(smaller.fit.model.base)
+    rival = evidence_of(smaller, together(smaller, dynamics), record, len(found)).criterion
     alike = (effect, *decision.indistinguishable)
     if beats(max(found[each].criterion for each in alike), rival):
         return decision
