@@ -10,7 +10,7 @@ from agent.physics.loop_model import LoopModel
 from agent.workbench.record import bare_record
 from agent.workbench.session import Workbench
 from agent.workbench.session.auto_base import Predicted, far_likelier
-from simulators.draws.nonlinear_plants import NONLINEAR, nonlinear_record
+from simulators.balances.nonlinear_plants import NONLINEAR, nonlinear_record
 
 OP = 50 + 10 * np.repeat(np.random.default_rng(4).uniform(-1, 1, 20), 20)
 HEATER = np.array([1.0, 0.6, 0.004, 0.002, 20.0, -273.0, 700.0])
