@@ -43,6 +43,8 @@ class AllTried:
     decision: Decision
     models: Mapping[str, Tried]
     """By the effect that was added."""
+    lowered: frozenset[str] = frozenset()
+    """Effects that a check makes a suggestion at most, alone or beside another."""
 
     @property
     def at_bound(self) -> tuple[str, ...]:
@@ -129,7 +131,7 @@ def judged(
         decision = _against_unnamed(decision, smaller, found, together, record)
     if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
         decision = adequate(decision, models, also, together, record)
-    return AllTried(decision, models)
+    return AllTried(decision, models, frozenset(doubts.lowered))
 
 
 def _at_once(found: Mapping[str, Evidence], event_p: Mapping[str, float]) -> dict[str, str]:
