@@ -36,6 +36,10 @@ CHAIN = ("valve_speed", "extra_lag", "valve_hysteresis", "valve_limits", "valve_
 STAGES = ("valve", "process", "sensor", "disturbance")
 """In which effects act, from OP to PV."""
 
+SMALL = 1e-3
+"""Part of the span of the valve's moves by which it is moved for a derivative."""
+TINY = np.finfo(float).tiny
+
 
 @dataclass(frozen=True, slots=True)
 class LoopModel:
@@ -135,6 +139,21 @@ class Layout:
             else:
                 response = effect.apply(response, values[own], self.ts)
         return response - level
+
+    def answers(self, position: FloatArray, moves: FloatArray, values: FloatArray) -> FloatArray:
+        """Return what the response does more for small moves of the valve, (n, k), its unit a unit of move.
+
+        ``moves``: (n, k). Of a linear process the response to them, else its derivative along ``position``.
+        """
+        if self.base.linear:
+            return np.column_stack([self.response(each, values) for each in moves.T])
+        there, span = self.response(position, values), float(np.ptp(position))
+        found = np.zeros_like(moves)
+        for i, move in enumerate(moves.T):
+            part = SMALL * span / max(float(np.max(np.abs(move))), TINY)
+            if part > 0.0:
+                found[:, i] = (self.response(position + part * move, values) - there) / part
+        return found
 
     def columns(self, op: FloatArray, values: FloatArray) -> FloatArray:
         """Return the response of gain one, then the columns of the disturbances, (n, 1 + k)."""

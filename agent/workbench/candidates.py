@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate, nothing_else
 from agent.workbench.checks.pairs import far_likelier_words, likeliest_pair
-from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, LinearDynamics, beats
+from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, beats, dynamics_on
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
@@ -43,6 +43,8 @@ class AllTried:
     decision: Decision
     models: Mapping[str, Tried]
     """By the effect that was added."""
+    lowered: frozenset[str] = frozenset()
+    """Effects that a check makes a suggestion at most, alone or beside another."""
 
     @property
     def at_bound(self) -> tuple[str, ...]:
@@ -129,7 +131,7 @@ def judged(
         decision = _against_unnamed(decision, smaller, found, together, record)
     if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
         decision = adequate(decision, models, also, together, record)
-    return AllTried(decision, models)
+    return AllTried(decision, models, frozenset(doubts.lowered))
 
 
 def _at_once(found: Mapping[str, Evidence], event_p: Mapping[str, float]) -> dict[str, str]:
@@ -157,7 +159,8 @@ def _against_unnamed(
     effect = str(decision.effect)
     if decision.family in LINEAR or not (found[effect].answers or found[effect].once):
         return decision
-    rival = evidence_of(smaller, together(smaller, LinearDynamics()), record, len(found)).criterion
+    dynamics = dynamics_on(smaller.fit.model.base)
+    rival = evidence_of(smaller, together(smaller, dynamics), record, len(found)).criterion
     alike = (effect, *decision.indistinguishable)
     if beats(max(found[each].criterion for each in alike), rival):
         return decision

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.checks.lacking import DYNAMICS, dominates, lacks_words, larger_dynamics
 from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
-from agent.workbench.checks.own_cycle import keeps_time_of_loop
+from agent.workbench.checks.own_cycle import may_be_loops_own
 from agent.workbench.checks.pairs import as_likely_words, far_likelier_than, is_as_likely
 from agent.workbench.likeliest import less_likely
 from agent.workbench.other_event import is_another_gain, is_only_another_level
@@ -81,7 +80,7 @@ class Doubts:
         for each in new:
             if self._stands_for_another(each):
                 self.objections[each] = STANDS_FOR_ANOTHER
-            if self._keeps_time_of_loop(each):
+            if may_be_loops_own(self.smaller.predicts, self.models[each].fit):
                 self.lowered[each] = OWN_CYCLE
             if self._is_another_event(each):
                 self.objections[each] = OTHER_EVENT
@@ -133,15 +132,6 @@ class Doubts:
         family = self.found[name].family
         kin = {each for each, one in self.found.items() if one.family == family}
         return larger_dynamics(self.models, kin)
-
-    def _keeps_time_of_loop(self, name: str) -> bool:
-        """Whether an effect is a wave of a searched frequency that the loop may make itself."""
-        predicts, effect = self.smaller.predicts, self.models[name].fit.model.effects[-1]
-        if predicts is None or not isinstance(effect, Sinusoid):
-            return False
-        record = predicts[0].objective.record
-        frequency = float(self.models[name].fit.values[-1])
-        return keeps_time_of_loop(predicts[0].left(predicts[1]), record.op, frequency, record.facts.ts)
 
     def _is_another_event(self, name: str) -> bool:
         """Whether what seems to have happened once was of another kind.

@@ -91,7 +91,7 @@ def instant_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
     The largest of many has Gumbel's distribution: its mean and deviation are those of the surrogates.
 
     Args:
-        predicts: Of the model without the effect, on a linear base.
+        predicts: Of the model without the effect.
         best: The point of the unit cube where its predictions are best, (k,).
         effect: A disturbance with instants.
     """
@@ -116,7 +116,7 @@ def course_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
     Of all its values the best counts, on the innovations and on each of their surrogates.
 
     Args:
-        predicts: Of the model without the effect, on a linear base.
+        predicts: Of the model without the effect.
         best: The point of the unit cube where its predictions are best, (k,).
         effect: A disturbance of one column.
     """

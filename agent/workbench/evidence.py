@@ -76,7 +76,7 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
             criterion = max(criterion, likelihood_ratio(before, after) - price)
     chance = 1.0
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
-    if larger.fit.model.base.linear and (answers or once or very_strong(criterion, candidates)):
+    if answers or once or very_strong(criterion, candidates):
         chance = by_chance(before, after, added, candidates * _scanned(effect, record))
     lasting = 0 if once else added
     explains = lowers_innovations(before, after, searched if answers else lasting)

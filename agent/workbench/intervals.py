@@ -1,11 +1,11 @@
 """The parameters of a fitted model, and how sure they are.
 
-A model on a linear base has those with which it predicts best (``prediction_search.py``), with the interval
-that the derivatives of the innovations tell, the autoregression free as well; of what was added it is at
-least that of the ``likelihood_profile``. Any other model has those of its fit, with the delete-a-group
-jackknife over the folds: each leaves a fifth of the record out, and from the scatter of the K estimates
-follows the variance of the one from all, (K - 1) / K times their sum of squares about the mean, with K - 1
-degrees of freedom (reconstructed from Shao and Tu, The Jackknife and Bootstrap, 1995).
+A model has those with which it predicts best (``prediction_search.py``), with the interval that the
+derivatives of the innovations tell, the autoregression free as well; of what was added it is at least that of
+the ``likelihood_profile``. Without predictions it has those of its fit, with the delete-a-group jackknife
+over the folds: each leaves a fifth of the record out, and from the scatter of the K estimates follows the
+variance of the one from all, (K - 1) / K times their sum of squares about the mean, with K - 1 degrees of
+freedom (reconstructed from Shao and Tu, The Jackknife and Bootstrap, 1995).
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Estimate:
     happened: float
     """How likely innovations of a complete model show a load step as large; 1 where that cannot be asked."""
     solved: tuple[FittedParameter, ...] = ()
-    """What was solved for: gain, heights, amplitude, phase; empty on a base that is not linear."""
+    """What was solved for: gain, heights, amplitude, phase; no gain where PV is the response itself."""
 
 
 def estimated(found: Tried, record: Record) -> Estimate:

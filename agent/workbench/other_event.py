@@ -36,7 +36,7 @@ def is_only_another_level(predicts: Predictor, best: FloatArray) -> bool:
     all lags, and beside another answer from that level of OP on with which the record is likeliest.
 
     Args:
-        predicts: Of a model whose last effect is another gain from an instant on, on a linear base.
+        predicts: Of a model whose last effect is another gain from an instant on.
         best: The point of the unit cube where its predictions are best, (k,).
     """
     event = _event(predicts, best)
@@ -54,7 +54,7 @@ def is_another_gain(predicts: Predictor, best: FloatArray) -> bool:
     nothing: three steps have more instants.
 
     Args:
-        predicts: Of a model whose last effect is steps, on a linear base.
+        predicts: Of a model whose last effect is steps.
         best: The point of the unit cube where its predictions are best, (k,).
     """
     event = _event(predicts, best)
@@ -81,19 +81,23 @@ class _Event:
     """Columns of all else, (n, k), PV units but for a factor."""
     own: FloatArray
     """Columns of the effect, (n, k)."""
-    moves: FloatArray
-    """Of the valve about their mean, (n,)."""
+    position: FloatArray
+    """Of the valve, OP units, (n,)."""
 
     def steps(self, instant: float) -> FloatArray:
-        """Return steps of the level of all lags, (n, k)."""
-        period = self.predicts.objective.record.facts.period
-        return np.column_stack([stepped(self.time, instant, lag * period) for lag in LAGS])
+        """Return steps of the level of all lags, and what a step of the inflow does, (n, k)."""
+        objective = self.predicts.objective
+        period = objective.record.facts.period
+        inflow = np.asarray(self.time > instant, dtype=np.float64)[:, np.newaxis]
+        behind = objective.layout.answers(self.position, inflow, self.values)
+        return np.column_stack([*(stepped(self.time, instant, lag * period) for lag in LAGS), behind])
 
     def answer(self, there: NDArray[np.bool_]) -> FloatArray:
         """Return what PV answers more to OP in part of the samples, gain and level, (n, 2)."""
         layout = self.predicts.objective.layout
-        inputs = there.astype(np.float64), np.where(there, self.moves, 0.0)
-        return np.column_stack([layout.response(each, self.values) for each in inputs])
+        moves = np.where(there, self.position - self.position.mean(), 0.0)
+        inputs = np.column_stack((there.astype(np.float64), moves))
+        return layout.answers(self.position, inputs, self.values)
 
     def unlikely(self, columns: FloatArray) -> float:
         """Return minus twice the logarithm of the likelihood with columns at their best beside the rest.
@@ -101,7 +105,9 @@ class _Event:
         Less a constant.
         """
         pv, white = self.predicts.pv, self.predicts.whitened(np.hstack((self.rest, columns)))
-        left = pv - white @ np.linalg.lstsq(white, pv, rcond=None)[0]
+        free = self.predicts.solved_for(white)
+        rest = pv - white[:, : white.shape[1] - free.shape[1]].sum(axis=1)
+        left = rest - free @ np.linalg.lstsq(free, rest, rcond=None)[0]
         return float(len(left) * math.log(left @ left))
 
     def gains(self, beside: FloatArray, columns: FloatArray) -> bool:
@@ -123,5 +129,5 @@ def _event(predicts: Predictor, best: FloatArray) -> _Event:
         np.asarray(record.facts.ts * np.arange(len(record)), dtype=np.float64),
         columns[:, ~last],
         columns[:, last],
-        position - position.mean(),
+        position,
     )

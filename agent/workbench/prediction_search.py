@@ -60,7 +60,7 @@ def predictor(
     smaller: tuple[Predictor, FloatArray] | None = None,
     starts: FloatArray | None = None,
 ) -> tuple[Predictor, FloatArray] | None:
-    """Return the predictions of a model with a linear base, and the point where they are best.
+    """Return the predictions of a model, and the point where they are best.
 
     Args:
         fitted: In free run; the search begins there.
@@ -72,7 +72,9 @@ def predictor(
     Returns:
         None where the residual has too few samples in a row.
     """
-    objective = objective_of(fitted.model, record, target_of(record, record.weight, linear=True))
+    objective = objective_of(
+        fitted.model, record, target_of(record, record.weight, linear=fitted.model.base.linear)
+    )
     start = objective.space.at(fitted.values)
     first = predictor_behind(objective, fitted.pv)
     if first is None:

@@ -75,7 +75,8 @@ class Predictor:
         """Return the model with the values of a point and the coefficients that predict best there."""
         objective, coefficients = self.objective, self._solved(at)[0]
         record, explained = objective.record, objective.columns(at) @ coefficients
-        pv = np.asarray(explained + nuisance_part(record, explained, record.weight), dtype=np.float64)
+        drift = 0.0 if objective.target.fixed_gain else nuisance_part(record, explained, record.weight)
+        pv = np.asarray(explained + drift, dtype=np.float64)
         missed = (record.pv - pv) * record.weight
         values = objective.space.values(at)
         at_bound = objective.space.at_bound(values)
@@ -85,6 +86,10 @@ class Predictor:
         """Return columns (n, k) behind the filter, where PV counts, less level and drift, (m, k)."""
         white = self.noise.filtered(columns)[self.kept]
         return np.asarray(white - self.basis @ (self.basis.T @ white), dtype=np.float64)
+
+    def solved_for(self, columns: FloatArray) -> FloatArray:
+        """Return which of the model's columns, (n, k), have free amounts: all but a response that is PV."""
+        return columns[:, int(self.objective.target.fixed_gain) :]
 
     def derivative(self, at: FloatArray) -> FloatArray:
         """Return the derivatives of the innovations by the coordinates, PV units, (m, k)."""
@@ -116,7 +121,9 @@ class Predictor:
         if not np.isfinite(columns).all():
             return np.zeros(columns.shape[1]), np.full(len(self.pv), np.nan)
         white = self.whitened(columns)
-        solved = np.asarray(np.linalg.lstsq(white, self.pv, rcond=VANISHES)[0], dtype=np.float64)
+        solved, free = np.ones(columns.shape[1]), self.solved_for(white)
+        rest = self.pv - white[:, : white.shape[1] - free.shape[1]].sum(axis=1)
+        solved[len(solved) - free.shape[1] :] = np.linalg.lstsq(free, rest, rcond=VANISHES)[0]
         return solved, self.pv - white @ solved
 
 

@@ -57,9 +57,13 @@ class Solved:
 def target_of(record: Record, weight: FloatArray, *, linear: bool) -> ProjectedPv:
     """Return what models of ``record`` are fitted to; ``weight`` (n,) says which samples count."""
     if not linear:
-        pv = record.pv * weight
-        return ProjectedPv(weight, pv, np.empty((len(pv), 0)), record.facts.gain_sign, fixed_gain=True)
+        return target_itself(record.pv, weight, record.facts.gain_sign)
     return target_behind(record.pv, nuisance(len(record), record.period), weight, record.facts.gain_sign)
+
+
+def target_itself(pv: FloatArray, weight: FloatArray, gain_sign: int) -> ProjectedPv:
+    """Return PV (n,) of the samples that count, for a response that is PV itself, level and all."""
+    return ProjectedPv(weight, pv * weight, np.empty((len(pv), 0)), gain_sign, fixed_gain=True)
 
 
 def target_behind(pv: FloatArray, drift: FloatArray, weight: FloatArray, gain_sign: int) -> ProjectedPv:
@@ -77,6 +81,9 @@ def solve(columns: FloatArray, target: ProjectedPv) -> Solved:
         return Solved(np.inf, np.zeros(columns.shape[1]), target.pv)
     if not target.fixed_gain:
         return _with_gain(columns, target)
+    if columns.shape[1] == 1 and not target.basis.size:  # nothing to solve for, as in most calls
+        residual = target.pv - columns[:, 0] * target.weight
+        return Solved(float(residual @ residual), np.ones(1), residual)
     free = columns * target.weight[:, None]
     squares = np.einsum("ij,ij->j", free, free)
     free = free - target.basis @ (target.basis.T @ free)

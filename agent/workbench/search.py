@@ -14,7 +14,7 @@ from scipy.stats.qmc import LatinHypercube
 
 from agent.workbench.gauss_newton import lowest
 from agent.workbench.nuisance import nuisance
-from agent.workbench.projection import ProjectedPv, Solved, least_error, solve, target_behind
+from agent.workbench.projection import ProjectedPv, Solved, least_error, solve, target_behind, target_itself
 from agent.workbench.simplex import lowered_by_simplex
 from agent.workbench.space import Space, space_of
 
@@ -161,11 +161,16 @@ def whitened(objective: Objective, noise: Innovations) -> Whitened:
     """Return the same behind the filter of an autoregression; samples count that have all it needs."""
     record, order = objective.record, len(noise.coefficients)
     counted = np.convolve(objective.target.weight, np.ones(order + 1))[: len(record)] > order + 0.5
-    drift, pv = noise.filtered(nuisance(len(record), record.period)), noise.filtered(record.pv)
-    drift[:order], pv[:order] = 0.0, 0.0
-    # An autoregression nearly takes a level off, yet what is left of it counts as any other.
-    drift /= np.linalg.norm(drift, axis=0)
-    target = target_behind(pv, drift, counted.astype(np.float64), record.facts.gain_sign)
+    weight, sign, pv = counted.astype(np.float64), record.facts.gain_sign, noise.filtered(record.pv)
+    pv[:order] = 0.0
+    if objective.target.fixed_gain:
+        target = target_itself(pv, weight, sign)
+    else:
+        drift = noise.filtered(nuisance(len(record), record.period))
+        drift[:order] = 0.0
+        # An autoregression nearly takes a level off, yet what is left of it counts as any other.
+        drift /= np.linalg.norm(drift, axis=0)
+        target = target_behind(pv, drift, weight, sign)
     return Whitened(objective.model, record, objective.layout, target, objective.space, noise)
 
 

@@ -59,9 +59,9 @@ class Tried:
     fit: Fit
     """With the least error in free run."""
     held_out: HeldOut
-    """In free run too. Where the base is linear its refits are those that predict best or those of the least
-    free-run error, whichever have less: in closed loop the latter lean on the load, the former on what an
-    incomplete model does not say."""
+    """In free run too. Its refits are those that predict best or those of the least free-run error, whichever
+    have less: in closed loop the latter lean on the load, the former on what an incomplete model does not
+    say."""
     predicts: tuple[Predictor, FloatArray] | None
     """Where it predicts best; None where that cannot be asked."""
 
@@ -106,7 +106,7 @@ def predicted(
 
     ``smaller`` and ``starts``: as ``predictor`` takes them.
     """
-    found = predictor(fitted, record, smaller, starts) if fitted.model.base.linear else None
+    found = predictor(fitted, record, smaller, starts)
     if found is None:
         return Tried(fitted, held_out(fitted, record, folds), None)
     predicts, best = found[0], largest_first(*found)

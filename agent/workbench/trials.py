@@ -112,7 +112,7 @@ class Trials:
 
         event_p = {each.name: self.event_p(step, each) for each in effects}
         models = self._tried(step, effects)
-        return judged(step, models, self.record, event_p, self._both, self._is_worse, also, answering)
+        return judged(step, models, self.record, event_p, self._both, self.is_worse, also, answering)
 
     def _hinted(self, found: Tried, able: Sequence[Effect]) -> list[Effect]:
         """Return the effects that the innovations hint at most beside those of a model, none by chance."""
@@ -147,14 +147,19 @@ class Trials:
             return min(1.0, STEPS_AND_EVENTS * instant_p(*smaller.predicts, effect))
         return 0.0
 
-    def both(self, found: AllTried, name: str, rival: Effect) -> Tried | None:
+    def both(self, smaller: Step, found: AllTried, name: str, rival: Effect) -> Tried | None:
         """Return the model with an effect and a rival, if each is confirmed beside the other.
 
         Each must lower the held-out error beside the other as an effect must lower that of a model, and an
-        event more than by chance; else either explains what the other does, and None is returned.
+        event more than by chance; else either explains what the other does, and None is returned. As one
+        effect, two are not confirmed where a check lowers either, or where validation is worse with them.
         """
+        if {name, rival.name} & found.lowered:
+            return None
         alone = found.models[name], found.models[rival.name]
         larger = self._both(alone[0], rival)
+        if any(self.is_worse(each.fit, larger.fit) for each in (smaller, *alone)):
+            return None
         for each in alone:
             decision = judge(each.held_out.losses, {"both": larger.held_out.losses}, {"both": "both"})
             if decision.kind != "confirmed":
@@ -217,7 +222,8 @@ class Trials:
         """Return a fit with its held-out error."""
         return predicted(fitted, self.record, self.folds)
 
-    def _is_worse(self, smaller: Fit, larger: Fit) -> bool:
+    def is_worse(self, smaller: Fit, larger: Fit) -> bool:
+        """Return whether a larger model follows the other recording less well than a smaller one."""
         other = self.validation
         return other is not None and rmse_on(larger, other) > rmse_on(smaller, other)
 

@@ -29,9 +29,14 @@ TAUS = (0.1, 0.5, 2.0)
 """Time constants where fits begin, parts of OP's dominant period."""
 RADIATED = (0.1, 1.0)
 """Radiation over conduction where fits begin."""
-COLDEST = (0.5, 20.0)
+FARTHEST = 20.0
+"""The surroundings below the least PV, spans of PV: a furnace that is moved by a twentieth of its warmth."""
+BELOW = (0.2, 3.0)
+"""The same where fits begin."""
+COLDEST = (0.5, 60.0)
 """Absolute zero below the least PV, spans of PV: from a furnace to a room."""
 COLDEST_STARTS = (1.0, 5.0)
+"""Absolute zero below the surroundings, where fits begin."""
 
 
 class Heater(NamedTuple):
@@ -91,7 +96,7 @@ class HeaterBase:
             ),
             Parameter("loss", "1/s", 0.01 * slow, fast, log=True),
             Parameter("radiation", "1/s", 0.01 * slow, fast, log=True, natural=True),
-            Parameter("surroundings", "PV", facts.pv_low - 0.4 * span, facts.pv_high, natural=True),
+            Parameter("surroundings", "PV", facts.pv_low - FARTHEST * span, facts.pv_high, natural=True),
             Parameter(
                 "absolute_zero", "PV", facts.pv_low - far * span, facts.pv_low - near * span, natural=True
             ),
@@ -107,9 +112,9 @@ class HeaterBase:
         span, low = facts.pv_high - facts.pv_low, facts.pv_low
         warm, power = float(pv.mean()), max(float(op.mean()), 0.1 * facts.op_span)
         found = []
-        for tau, radiated, cold in product(TAUS, RADIATED, COLDEST_STARTS):
-            zero, loss = low - cold * span, 1.0 / (tau * facts.period)
-            ambient = low - 0.2 * span
+        for tau, radiated, cold, below in product(TAUS, RADIATED, COLDEST_STARTS, BELOW):
+            ambient, loss = low - below * span, 1.0 / (tau * facts.period)
+            zero = ambient - cold * span
             ratio = (warm - zero) / (ambient - zero)
             loss /= 1.0 + radiated * ratio**3
             lost = loss * (warm - ambient) + radiated * loss * 0.25 * (ambient - zero) * (ratio**4 - 1.0)

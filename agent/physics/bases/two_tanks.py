@@ -32,6 +32,8 @@ EXPONENTS = (0.2, 2.0)
 """Bounds of the outlets' exponents."""
 DEEPEST = 12.0
 """Bound of the level of the upper tank, spans of PV."""
+FARTHEST = 5.0
+"""Where the lower tank no longer flows out, below the least PV, spans of PV at most."""
 RESIDENCE = (0.02, 0.1, 0.5, 2.5)
 """Mean times that water stays in a tank, parts of OP's dominant period, where fits begin."""
 
@@ -119,7 +121,7 @@ class TwoTanksBase:
             Parameter("exponent_1", "1", low, high),
             Parameter("flow_2", "PV/s", *flow, log=True),
             Parameter("exponent_2", "1", low, high),
-            Parameter("zero", "PV", facts.pv_low - span, facts.pv_low),
+            Parameter("zero", "PV", facts.pv_low - FARTHEST * span, facts.pv_low),
             Parameter("start_1", "PV", 0.0, DEEPEST * span, of_record=True),
             Parameter("start_2", "PV", facts.pv_low, facts.pv_high, of_record=True),
         )

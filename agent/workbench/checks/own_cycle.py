@@ -12,10 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.residual.line_spectrum import line_spectrum
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
+    from agent.workbench.fit import Fit
+    from agent.workbench.predictor import Predictor
 
 WORDS = "it keeps the time of OP's own cycle, as a wave that the loop makes itself would"
 NEAR = 2.0
@@ -24,6 +27,20 @@ HARMONICS = (3, 5)
 PURE = 1 / 30
 """Amplitude of any harmonic over the wave's, below which it is pure. A band behind one lag leaves 1/9 at the
 third, behind two 1/27."""
+
+
+def may_be_loops_own(smaller: tuple[Predictor, FloatArray] | None, larger: Fit) -> bool:
+    """Return whether the last effect of a fit is a wave that the loop may make itself.
+
+    Args:
+        smaller: Predictions of the model without the effect, and where they are best; None: not known.
+        larger: The model with it.
+    """
+    if smaller is None or not isinstance(larger.model.effects[-1], Sinusoid):
+        return False
+    predicts, best = smaller
+    record = predicts.objective.record
+    return keeps_time_of_loop(predicts.left(best), record.op, float(larger.values[-1]), record.facts.ts)
 
 
 def keeps_time_of_loop(residual: FloatArray, op: FloatArray, frequency: float, ts: float) -> bool:

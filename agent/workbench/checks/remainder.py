@@ -48,7 +48,7 @@ def remainder(predicts: Predictor, best: FloatArray) -> float:
     Twice a logarithm, all that is added paid; 0 where nothing is worth its price.
 
     Args:
-        predicts: Of the model, on a linear base.
+        predicts: Of the model.
         best: The point of the unit cube where its predictions are best, (k,).
     """
     known = movable_inside(predicts, best)
@@ -78,8 +78,8 @@ def _unnamed(predicts: Predictor, best: FloatArray) -> Iterator[FloatArray]:
     record, layout, values = objective.record, objective.layout, objective.space.values(best)
     position = layout.position(record.op, values)
     response = layout.response(position, values)
-    for bent in _bent(position):
-        yield layout.response(bent, values)
+    bends = np.column_stack([*_bent(position)])
+    yield from layout.answers(position, bends - position[:, np.newaxis], values).T
     yield from _bent(response)
     for lag in LAGS:
         yield lagged(response, lag * record.period)

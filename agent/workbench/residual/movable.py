@@ -1,7 +1,7 @@
 """What a model can do by a small change of all its numbers, and what is beyond it.
 
-To first order, behind the filter of the noise: the derivatives by its values, its own columns with gains of
-any size, level and drift, and a transient at the start of the record.
+To first order, behind the filter of the noise: the derivatives by its values, its own columns whose
+amounts are solved for, level and drift where they are, and a transient at the start of the record.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def movable(predicts: Predictor, best: FloatArray) -> FloatArray:
     """Return orthonormal columns of what a model may move to, (m, q).
 
     Args:
-        predicts: Of the model, on a linear base.
+        predicts: Of the model.
         best: The point of the unit cube where its predictions are best, (k,).
     """
     return _movable(predicts, best, np.ones(len(best), dtype=np.bool_))
@@ -36,7 +36,9 @@ def movable_inside(predicts: Predictor, best: FloatArray) -> FloatArray:
 
 
 def _movable(predicts: Predictor, best: FloatArray, free: NDArray[np.bool_]) -> FloatArray:
-    own = np.column_stack((predicts.objective.columns(best), left_of_start(predicts.objective.record)))
+    own = np.column_stack(
+        (predicts.solved_for(predicts.objective.columns(best)), left_of_start(predicts.objective.record))
+    )
     white = predicts.noise.filtered(own)[predicts.kept]
     return directions(np.column_stack((predicts.derivative(best)[:, free], white, predicts.basis)))
 

@@ -67,7 +67,7 @@ def state_dependence(predicts: Predictor, best: FloatArray) -> dict[str, Depende
     """Return the dependence on each axis.
 
     Args:
-        predicts: Of a model with a linear base.
+        predicts: Of a model.
         best: The point of the unit cube where its predictions are best, (k,).
 
     Returns:
@@ -123,7 +123,7 @@ def _known(predicts: Predictor, best: FloatArray) -> FloatArray:
     """Return orthonormal columns of all that the model may still explain, (m, q)."""
     record, kept = predicts.objective.record, predicts.kept
     past = past_of(predicts, best, MEMORY)[kept]
-    own = np.column_stack((predicts.objective.columns(best), left_of_start(record)))
+    own = np.column_stack((predicts.solved_for(predicts.objective.columns(best)), left_of_start(record)))
     white = predicts.noise.filtered(own)[kept]
     return directions(np.column_stack((predicts.derivative(best), white, predicts.basis, past)))
 
@@ -148,7 +148,7 @@ def _alternatives(predicts: Predictor, best: FloatArray) -> dict[str, FloatArray
     moves = position - position.mean()
 
     def response(inputs: FloatArray) -> FloatArray:
-        return np.column_stack([layout.response(each, values) for each in inputs.T])
+        return layout.answers(position, inputs, values)
 
     def affine(parts: FloatArray) -> FloatArray:
         return np.hstack((response(parts), response(parts * moves[:, np.newaxis])))

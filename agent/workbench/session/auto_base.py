@@ -1,21 +1,26 @@
 """The base by name, or the one with which a record is likeliest.
 
-Each linear base is fitted alone. The innovations decide as they do between effects: a larger base must make
-the record very much likelier than the one before it, its numbers paid by Schwarz's criterion.
+Each base is fitted alone. The innovations decide as they do between effects: a later base must make the
+record very much likelier than the best before it, on the samples that both predict, all its numbers paid by
+Schwarz's criterion: those that are searched, those that are solved for, level and drift among them.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from agent.physics.bases import BASES
+from agent.workbench.innovations import innovations
 from agent.workbench.library import base_named
 from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.session.opening import opened
 
 if TYPE_CHECKING:
-    from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.bases import Base
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.trial import Tried
@@ -31,7 +36,7 @@ def based(
 
     Args:
         window: The recording.
-        name: Of the base; ``auto``: the likeliest of the linear ones.
+        name: Of the base; ``auto``: the likeliest.
         run: Tries effects, perhaps in parallel.
         progress: Called with what is tried next.
 
@@ -42,21 +47,45 @@ def based(
         base = base_named(name)
         return base, opened(window, base, run, progress)
     chosen: tuple[Base, tuple[Trials, Tried] | str] | None = None
-    least = math.inf
-    for base in (each for each in BASES if each.linear):
+    best = None
+    for base in BASES:
         found = opened(window, base, run, progress)
-        unlikely = math.inf if isinstance(found, str) else _unlikely(found[1])
-        if chosen is None or unlikely < least - VERY_STRONG:
-            chosen, least = (base, found), unlikely
+        predicted = None if isinstance(found, str) else predicted_by(found[1])
+        if chosen is None or (predicted is not None and (best is None or far_likelier(predicted, best))):
+            chosen, best = (base, found), predicted
     if chosen is None:
-        raise ValueError("there is no linear base")
+        raise ValueError("there is no base")
     return chosen
 
 
-def _unlikely(alone: Tried) -> float:
-    """Return minus twice the logarithm of the likelihood, less a constant, its numbers paid."""
+@dataclass(frozen=True, slots=True)
+class Predicted:
+    """How a base alone predicts a record."""
+
+    innovations: FloatArray
+    """PV units, (n,), NaN where there is no prediction."""
+    numbers: int
+    """That it has, searched and solved for."""
+
+
+def predicted_by(alone: Tried) -> Predicted | None:
+    """Return how a model predicts its record, where it does so best; None where that is not known."""
     if alone.predicts is None:
-        return math.inf
+        return None
     predicts, best = alone.predicts
-    count = len(predicts.pv)
-    return count * math.log(max(predicts.variance(best), math.ulp(0.0))) + len(best) * math.log(count)
+    new = innovations(predicts.left(best), longest=True)
+    if new is None:
+        return None
+    solved = predicts.solved_for(predicts.objective.columns(best)).shape[1]
+    return Predicted(new.values, len(best) + solved + predicts.basis.shape[1])
+
+
+def far_likelier(one: Predicted, other: Predicted) -> bool:
+    """Return whether a record is very much likelier with one base than with another."""
+    both = np.isfinite(one.innovations) & np.isfinite(other.innovations)
+    count = int(np.count_nonzero(both))
+    if not count:
+        return False
+    squares = [max(float(np.sum(each.innovations[both] ** 2)), math.ulp(0.0)) for each in (other, one)]
+    gained = count * math.log(squares[0] / squares[1])
+    return gained - (one.numbers - other.numbers) * math.log(count) > VERY_STRONG

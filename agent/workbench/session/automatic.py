@@ -36,7 +36,7 @@ def _add_both(bench: Bench, decision: Decision) -> bool:
     found = bench.trials.all_on(bench.step, bench.library)
     for name in decision.rivals:
         best, rival = str(decision.effect), bench.effect(name)
-        both = bench.trials.both(found, best, rival)
+        both = bench.trials.both(bench.step, found, best, rival)
         if both is not None:
             family = bench.effect(best).family
             bench.take(found.models[best], Verdict("confirmed", best, family), added=best)

@@ -200,6 +200,8 @@ class Bench:
             raise ValueError(self.trials.left_out[name])
         verdict = verdict_of(self.step, found, self.where_it_fails(), self.lines(), self.record.facts)
         larger = self.trials.with_fewest_steps(self.trials.with_valve_anew(found.models[name]))
+        if self.trials.is_worse(self.step.fit, larger.fit):  # the verdict is on the model that was tried
+            larger = found.models[name]
         return self.take(larger, naming(verdict, name), added=name)
 
     def addable(self, name: str) -> Effect:

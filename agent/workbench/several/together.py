@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.workbench.candidates import WORSE_ELSEWHERE
+from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
+from agent.workbench.checks.own_cycle import may_be_loops_own
 from agent.workbench.decision import LEAST_PERCENT
 from agent.workbench.doubts import STANDS_FOR_ANOTHER
 from agent.workbench.library import happens_once, missing
@@ -189,12 +191,15 @@ class _Several:
             for each in candidates
         )
         visible = any(fails(bench.step.estimate.dependence) for bench in self.benches)
-        return tried, candidates, self._validated(_verdict(candidates, visible=visible), smaller, tried)
+        return tried, candidates, self._lowered(_verdict(candidates, visible=visible), smaller, tried)
 
-    def _validated(self, verdict: Verdict, smaller: JointStep, tried: Mapping[str, _Tried]) -> Verdict:
-        """Return a verdict, lowered to a suggestion where validation is worse with its effect."""
+    def _lowered(self, verdict: Verdict, smaller: JointStep, tried: Mapping[str, _Tried]) -> Verdict:
+        """Return a verdict, lowered where validation is worse, or the loop may make a wave itself."""
         if verdict.effect is None:
             return verdict
+        rows = zip(self.benches, tried[verdict.effect].alone, strict=True)
+        if any(may_be_loops_own(bench.step.predicts, alone.fit) for bench, alone in rows):
+            return replace(verdict, kind="suggested", lacks=(OWN_CYCLE,))
         before, after = smaller.rmse_validation, tried[verdict.effect].step.rmse_validation
         if before is None or after is None or after <= before:
             return verdict

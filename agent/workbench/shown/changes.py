@@ -27,7 +27,7 @@ def changes(
     """Yield what an effect adds, each (n, k): its columns of a disturbance, else for a gain of one.
 
     Args:
-        predicts: Of the model without the effect, on a linear base.
+        predicts: Of the model without the effect.
         best: The point of the unit cube where its predictions are best, (k,).
         effect: That could be added.
         also: Values to look at besides, own units, each (j,).

@@ -56,7 +56,7 @@ def shown_by(predicts: Predictor, best: FloatArray, effects: Iterable[Effect]) -
     """Return what a record can show of each of some effects.
 
     Args:
-        predicts: Of the model without them, on a linear base.
+        predicts: Of the model without them.
         best: The point of the unit cube where its predictions are best, (k,).
         effects: That could be added.
     """
@@ -127,8 +127,11 @@ class _Asked:
         """Return the largest gain that the loop may have: with it the response (n,) is all of PV but noise.
 
         Where an effect is missing that of the model may be anything: a stop that OP winds up behind hides it.
+        A response that is PV itself has none but one.
         """
         target = self.predicts.objective.target
+        if target.fixed_gain:
+            return 1.0
         moves = response * target.weight
         moves = moves - target.basis @ (target.basis.T @ moves)
         noise = target.count * self.least_variance()

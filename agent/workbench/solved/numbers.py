@@ -35,24 +35,31 @@ def solved_numbers(predicts: Predictor, best: FloatArray) -> tuple[tuple[str, So
     """Return each number by its full name, with the ends of its interval: ``gain``, ``sinusoid.amplitude``.
 
     Args:
-        predicts: Of a model on a linear base.
+        predicts: Of a model; a response that is PV itself has no gain.
         best: The point of the unit cube where its predictions are best, (k,).
     """
     objective = predicts.objective
     record, model = objective.record, objective.model
     mean = predicts.fit(best).coefficients
     spread = np.linalg.cholesky(_covariance(predicts, best, mean))
-    normal = np.random.default_rng(0).standard_normal((DRAWS, len(mean)))
-    draws = mean + WIDER * normal @ spread.T
-    per = "PV/OP/s" if model.base.name == "integrator" else "PV/OP"
-    found = [("gain", *_number(lambda each: {"gain": (float(each[0]), per)}, mean, draws)["gain"])]
+    normal = np.random.default_rng(0).standard_normal((DRAWS, len(spread)))
+    draws = np.tile(mean, (DRAWS, 1))
+    draws[:, len(mean) - len(spread) :] += WIDER * normal @ spread.T
+    found = []
+    if not objective.target.fixed_gain:
+        per = "PV/OP/s" if model.base.name == "integrator" else "PV/OP"
+        found.append(("gain", *_number(lambda each: {"gain": (float(each[0]), per)}, mean, draws)["gain"]))
     owners = np.array(objective.layout.owners(record.op, objective.space.values(best)))
     for effect in model.effects:
         own = owners == effect.name
         if not isinstance(effect, SolvedEffect) or not own.any():
             continue
         of_effect = _number(partial(_of_effect, effect, own), mean, draws)
-        found += [(f"{effect.name}.{name}", *each) for name, each in of_effect.items()]
+        found += [
+            (f"{effect.name}.{name}", *each)
+            for name, each in of_effect.items()
+            if not (objective.target.fixed_gain and each[0][1] == "PV/OP")
+        ]
     return tuple(found)
 
 
@@ -76,10 +83,10 @@ def _number(
 
 
 def _covariance(predicts: Predictor, best: FloatArray, coefficients: FloatArray) -> FloatArray:
-    """Return the covariance of the coefficients, (c, c), the searched values uncertain as well."""
+    """Return the covariance of coefficients that are solved for, (c, c), searched values uncertain."""
     objective = predicts.objective
-    white = predicts.whitened(objective.columns(best))
-    moved = np.empty((len(white), len(best)))
+    white = predicts.whitened(predicts.solved_for(objective.columns(best)))
+    count, moved = white.shape[1], np.empty((len(white), len(best)))
     for i, place in enumerate(best.tolist()):
         ends = np.vstack((best, best))
         ends[:, i] = max(place - DIFFERENCE, 0.0), min(place + DIFFERENCE, 1.0)
@@ -89,9 +96,9 @@ def _covariance(predicts: Predictor, best: FloatArray, coefficients: FloatArray)
     variance = max(predicts.variance(best), TINY)
     information = both.T @ both / variance
     # One more observation of each searched value: it lies somewhere in the cube.
-    prior = np.concatenate((1e-12 * np.diag(information)[: len(coefficients)] + TINY, np.ones(len(best))))
+    prior = np.concatenate((1e-12 * np.diag(information)[:count] + TINY, np.ones(len(best))))
     scale = 1 / np.sqrt(np.diag(information) + prior)
     scaled = (information + np.diag(prior)) * np.outer(scale, scale)
     covariance = np.linalg.pinv(scaled, hermitian=True) * np.outer(scale, scale)
-    own = covariance[: len(coefficients), : len(coefficients)]
+    own = covariance[:count, :count]
     return np.asarray(own + np.diag(1e-12 * np.diag(own) + TINY), dtype=np.float64)

@@ -1,0 +1,1 @@
+"""Plants whose process is nonlinear, by the balances of textbooks."""
