@@ -54,7 +54,7 @@ def publish(port: int, loops: list[str], until: float) -> int:
     Each message bears the time at which it is sent. Returns how many messages were sent.
     """
     with socket.create_connection(("127.0.0.1", port)) as link:
-        link.sendall(_packet(0x10, b"\x00\x04MQTT\x04\x02" + struct.pack(">H", 0) + _text("publisher")))
+        link.sendall(packet(0x10, b"\x00\x04MQTT\x04\x02" + struct.pack(">H", 0) + _text("publisher")))
         link.recv(4)
         heads = [_text(topic(name)) for name in loops]
         sent, started = 0, time.time()
@@ -70,7 +70,7 @@ def publish(port: int, loops: list[str], until: float) -> int:
                 for n in range(burst, len(loops), BURSTS):
                     op, pv, sp = table[n]
                     text = f'{{"t": {now:.6f}, "op": {op:.3f}, "pv": {pv:.3f}, "sp": {sp:.1f}}}'
-                    packets.append(_packet(0x30, heads[n] + text.encode()))
+                    packets.append(packet(0x30, heads[n] + text.encode()))
                 link.sendall(b"".join(packets))
                 sent += len(packets)
     return sent
@@ -85,7 +85,8 @@ def _text(text: str) -> bytes:
     return struct.pack(">H", len(text)) + text.encode()
 
 
-def _packet(kind: int, body: bytes) -> bytes:
+def packet(kind: int, body: bytes) -> bytes:
+    """Return a packet of MQTT: its first byte, the length of what follows, and that."""
     length, rest = b"", len(body)
     while True:
         rest, digit = divmod(rest, 128)

@@ -13,6 +13,7 @@ from paho.mqtt.enums import MQTTErrorCode
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 
+from benchmarks.plant.broker import packet
 from connectors.base import LoopRole
 from connectors.mqtt import paho_private
 from connectors.mqtt.options import MqttTag
@@ -24,15 +25,6 @@ from connectors.readings import Readings
 PINGRESP = b"\xd0\x00"
 TOPICS = st.sampled_from([b"plant/FIC101", b"\xc3\xb6l", b"", b"plant/+", b"\xff\xfe", b"a" * 300])
 PAYLOADS = st.one_of(st.binary(max_size=40), st.just(b"x" * 200), st.just(b"y" * 20_000))
-
-
-def packet(kind, body):
-    length, rest = b"", len(body)
-    while True:
-        rest, digit = divmod(rest, 128)
-        length += bytes([digit | (0x80 if rest else 0)])
-        if not rest:
-            return bytes([kind]) + length + body
 
 
 @st.composite
