@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 Names = list[str]
 BASE_HELP = (
     "Process to begin with: fopdt, sopdt, integrator, lags_integrator, oscillatory, two_tanks, heater, "
-    "heat_exchanger, neutralisation, or auto: the likeliest linear one."
+    "heat_exchanger, neutralisation, or auto: the likeliest."
 )
 
 

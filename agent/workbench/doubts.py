@@ -116,6 +116,8 @@ class Doubts:
         if not left:
             return False
         self.lacks[name] = lacks_words(left)
+        if not evidence.once and not self.smaller.fit.model.base.linear:
+            return False  # the law of a balance is a guess: what remains is named, and may be its own
         if any(self._is_missing_too(other, name) for other in self.models):
             return False
         if left <= DYNAMICS and any(

@@ -56,7 +56,9 @@ def adequate(
     while not _is_noise(model):
         larger = _larger(model, models, also, together, record) if len(added) < MOST_BESIDE else None
         if larger is None:
-            return replace(decision, kind="suggested", lacks=(*decision.lacks, NOT_IN_LIBRARY))
+            # The law of a balance is a guess, so that what remains may be its own.
+            kind = "suggested" if model.fit.model.base.linear else decision.kind
+            return replace(decision, kind=kind, lacks=(*decision.lacks, NOT_IN_LIBRARY))
         model = larger
         added.append(model.fit.model.effects[-1].name.replace("_", " "))
     if not added:
