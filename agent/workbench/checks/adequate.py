@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from agent.workbench.checks.remainder import remainder
 from agent.workbench.evidence import far_likelier
+from agent.workbench.library import happens_once
 from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
@@ -52,12 +53,13 @@ def adequate(
         record: What they were fitted to.
     """
     model = models[str(decision.effect)]
+    once = happens_once(model.fit.model.effects[-1], record.facts)
     added: list[str] = []
     while not _is_noise(model):
         larger = _larger(model, models, also, together, record) if len(added) < MOST_BESIDE else None
         if larger is None:
-            # The law of a balance is a guess, so that what remains may be its own.
-            kind = "suggested" if model.fit.model.base.linear else decision.kind
+            # The law of a balance is a guess: what remains may be its own, or an event may stand for it.
+            kind = "suggested" if once or model.fit.model.base.linear else decision.kind
             return replace(decision, kind=kind, lacks=(*decision.lacks, NOT_IN_LIBRARY))
         model = larger
         added.append(model.fit.model.effects[-1].name.replace("_", " "))
