@@ -129,10 +129,11 @@ def line_spectrum(residual: FloatArray, op: FloatArray, ts: float) -> LineSpectr
 def cycles_of(op: FloatArray) -> FloatArray:
     """Return how many cycles OP (n,) has made, growing evenly from low to low.
 
-    NaN before the first and after the last, everywhere where it makes fewer than ``FEWEST_CYCLES``.
+    NaN before the first and after the last, everywhere where it makes fewer than ``FEWEST_CYCLES``. Where the
+    record begins is no low, though OP may rise from there.
     """
     turn, direction = last_turns(op, max(NOISES * op_noise(op), PART_OF_SPAN * float(np.ptp(op))))
-    lows = np.unique(turn[direction > 0])
+    lows = np.setdiff1d(turn[direction > 0], [0])
     if len(lows) <= FEWEST_CYCLES:
         return np.full(len(op), np.nan)
     return np.interp(np.arange(len(op)), lows, np.arange(len(lows)), left=np.nan, right=np.nan)

@@ -81,3 +81,15 @@ def test_a_slow_wave_is_certain_where_it_is_most_of_what_is_left():
         found = line_spectrum(height * np.sin(2 * np.pi * 9 * np.arange(N) / N) + noise, op, 1.0)
         assert [round(line.frequency * N) for line in found.lines] == [9]
         assert bool(found.certain) == certain
+
+
+def test_the_begin_of_a_record_is_no_low_though_op_rises_from_there():
+    """A third harmonic of seven cycles, the first of them cut: with a low at its begin it was no harmonic."""
+    at = np.arange(930.0)
+    op = np.sin(2 * np.pi * (at / 156 + 0.1))
+    counted = cycles_of(op)
+    lows = np.flatnonzero(np.isfinite(counted))
+    assert lows[0] == pytest.approx(156 * 0.65, abs=1)
+    assert (counted[lows[-1]] - counted[lows[0]]) / (lows[-1] - lows[0]) == pytest.approx(1 / 156, rel=0.01)
+    residual = np.sin(6 * np.pi * (at / 156 + 0.1)) + 0.05 * np.random.default_rng(0).normal(size=at.size)
+    assert [each.harmonic for each in line_spectrum(residual, op, 1.0).lines] == [3]
