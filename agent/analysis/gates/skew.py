@@ -7,14 +7,14 @@ OP and PV looks like a part of a stroke (reference ``methods.md`` section 5). Th
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from agent.analysis.gates.fault import SHAPE, GateFault
 from agent.analysis.gates.transmission import FEWEST_SCANS
-from agent.analysis.loop.pi_controller import pi_controller
+from agent.analysis.loop.pi_controller import pi_law
+from agent.analysis.record.recording import error_of
 
 if TYPE_CHECKING:
     from agent.analysis.loop.pi_controller import PiController
@@ -65,4 +65,4 @@ def _law(window: LoopWindow, shift: int) -> PiController | None:
         pv[: len(pv) - shift] = window.pv[shift:]
     else:
         pv[-shift:] = window.pv[:shift]
-    return pi_controller(replace(window, pv=pv))
+    return pi_law(window.op, error_of(pv, window.sp))

@@ -104,10 +104,7 @@ class LoopWindow:
     @property
     def error(self) -> FloatArray:
         """Control error SP - PV; without a set point the deviation of PV from its mean. PV units, (n,)."""
-        finite = self.pv[np.isfinite(self.pv)]
-        with np.errstate(invalid="ignore", over="ignore"):  # the sum of huge readings
-            mean = float(np.mean(finite)) if finite.size else np.nan
-            return np.asarray((mean if self.sp is None else self.sp) - self.pv, dtype=np.float64)
+        return error_of(self.pv, self.sp)
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -123,3 +120,13 @@ class LoopWindow:
     def with_hints(self, hints: LoopHints) -> LoopWindow:
         """Return the same data with other prior knowledge."""
         return replace(self, hints=hints)
+
+
+def error_of(pv: FloatArray, sp: FloatArray | None) -> FloatArray:
+    """Return the control error SP - PV, (n,); without a set point the deviation of PV from its mean."""
+    if sp is not None:
+        return np.asarray(sp - pv, dtype=np.float64)
+    finite = pv[np.isfinite(pv)]
+    with np.errstate(invalid="ignore", over="ignore"):  # the sum of huge readings
+        mean = float(np.mean(finite)) if finite.size else np.nan
+        return np.asarray(mean - pv, dtype=np.float64)
