@@ -4,6 +4,9 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 # One more than cores: many tests wait for a peer.
 JOBS   ?= $(shell expr $$(nproc 2>/dev/null || echo 2) + 1)
+# A test that its own time limit cannot end (it hangs in compiled code, or a callback swallowed the limit) ends
+# its worker, and says where it was; else the whole run waits for it until CI's time is over.
+HANGS  := --max-worker-restart 1 -o faulthandler_timeout=420 -o faulthandler_exit_on_timeout=true
 
 .PHONY: demo test check bench format clean
 .DELETE_ON_ERROR:
@@ -13,7 +16,7 @@ demo: $(VENV)/.installed
 
 test: $(VENV)/.dev
 	@bash tests/system_parts.sh
-	$(BIN)/python -m pytest -m "not bench" -n $(JOBS) --dist loadscope
+	$(BIN)/python -m pytest -m "not bench" -n $(JOBS) --dist loadscope $(HANGS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .
