@@ -25,8 +25,8 @@ logging.getLogger("mqtt").setLevel(logging.CRITICAL)  # what it logs, the sessio
 
 _VERSIONS = {"3.1.1": ProtocolVersion.V311, "5": ProtocolVersion.V5}
 AT_LEAST_ONCE = 1
-AT_ONCE = 100
-"""Messages that are taken from those that wait before others have their turn: some milliseconds."""
+AT_ONCE = 500
+"""Messages that are taken from those that wait before others have their turn: some ten milliseconds."""
 _NOT_LET_IN = (0x86, 0x87, 0x8A, 0x8C)
 """Bad user or password, not authorized, banned, bad method (MQTT 5, 3.2.2.2); those of 3.1.1 become these."""
 

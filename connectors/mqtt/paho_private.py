@@ -22,8 +22,11 @@ from connectors.mqtt.publications import Publications
 MEMBERS = ("_create_socket", "_in_packet", "_last_bytes_received", "_packet_queue", "_sock")
 """Of paho's client, used below."""
 AT_ONCE = 16_384
-"""Bytes that are read before others have their turn: some hundred messages, some milliseconds. A record of
-TLS has no more, so none is left behind in OpenSSL where nobody would look for it."""
+"""Bytes of one system call: some hundred messages. A record of TLS has no more, so none is left behind in
+OpenSSL where nobody would look for it."""
+IN_A_TURN = 4
+"""System calls before others have their turn: some ten milliseconds. In a large plant a turn of the event
+loop may take a tenth of a second, and what comes meanwhile is read in the next one."""
 
 
 def missing() -> list[str]:
@@ -82,8 +85,15 @@ class FastReading:
         self._client._create_socket = lambda: BufferedSocket(create_socket())  # noqa: SLF001
 
     def read(self, _most: int = 1) -> MQTTErrorCode:
-        """Read what has come once; returns what ``loop_read`` does."""
-        socket = self._client._sock  # noqa: SLF001
+        """Read what has come; returns what ``loop_read`` does."""
+        for _ in range(IN_A_TURN):
+            socket = self._client._sock  # noqa: SLF001
+            found = self._read_once(socket)
+            if found is not MQTTErrorCode.MQTT_ERR_SUCCESS or socket is None or len(socket.held) < AT_ONCE:
+                break
+        return found
+
+    def _read_once(self, socket: BufferedSocket | None) -> MQTTErrorCode:
         if socket is None:
             return self._read_packet()
         socket.fill()
