@@ -14,6 +14,7 @@ from agent.analysis.gates.rhythm import samples_per_period
 from agent.analysis.indices import performance
 from agent.analysis.innovations import log_likelihood_ratio
 from agent.analysis.memory.sticks import with_sticks
+from agent.analysis.not_testable import not_testable
 from agent.analysis.quantify import quantifier as quantifier_named
 from agent.analysis.quantify.free_run import LEAST_S
 from agent.analysis.results import CauseShare, MethodResult
@@ -48,8 +49,10 @@ def diagnose(
     """
     started = time.perf_counter()
     before = 0.0 if seen is None else seen.seconds
-    method = quantifier or quantifier_named(DEFAULT_QUANTIFIER)
-    diagnosis = _judge(window, look(window) if seen is None else seen, method)
+    seen = look(window) if seen is None else seen
+    if not seen.testable:
+        return with_sticks(not_testable(window, seen))
+    diagnosis = _judge(window, seen, quantifier or quantifier_named(DEFAULT_QUANTIFIER))
     found = diagnosis.quantification
     delay = None if found is None or found.process is None else found.process.delay
     indices = performance(window, delay)
@@ -60,21 +63,6 @@ def diagnose(
 
 
 def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
-    if not seen.testable:
-        return Diagnosis(
-            loop=window.loop,
-            verdict="not_testable",
-            confidence=0.0,
-            cause="undecided",
-            causes=(CauseShare("undecided", 1.0),),
-            stiction_class=None,
-            oscillation=None,
-            quantification=None,
-            faults=seen.faults,
-            record=RecordSummary.of(window, seen.oscillation),
-            no_response=seen.no_response,
-            as_before=seen.as_before,
-        )
     found = with_likelihood(quantifier.quantify(window), window)
     samples = samples_per_period(window, seen.oscillation)
     stem_measured = window.mv is not None

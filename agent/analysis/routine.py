@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from agent.analysis.memory.sticks import with_sticks
+from agent.analysis.not_testable import not_testable
 from agent.analysis.quiet import quiet
 from agent.analysis.seen import look, without_pictures, worth_a_fit
 
@@ -32,16 +33,18 @@ class Routine:
 
     diagnosis: Diagnosis
     fitted: bool
-    """Whether it is a full diagnosis, with a fit; else the window was quiet."""
+    """Whether it is a full diagnosis, with a fit; else the window was quiet or not testable."""
 
 
 def first_look(window: LoopWindow) -> Routine | Seen:
-    """Return the diagnosis of a window in which nothing is due, or what was seen where a fit is.
+    """Return the diagnosis of a window that is quiet or not testable, or what was seen where a fit is due.
 
     Args:
         window: The window.
     """
     seen = look(window)
+    if not seen.testable:
+        return Routine(with_sticks(not_testable(window, seen)), fitted=False)
     if worth_a_fit(seen):
         return replace(seen, methods=without_pictures(seen.methods))
     return Routine(with_sticks(quiet(window, seen)), fitted=False)

@@ -67,13 +67,12 @@ def look(window: LoopWindow) -> Seen:
 
 
 def worth_a_fit(seen: Seen) -> bool:
-    """Return whether a full diagnosis is due.
+    """Return whether a full diagnosis of a testable window is due.
 
-    It is where the loop oscillates, where OP reverses often enough, where a detector reports stiction, and
-    where the window is not testable: the diagnosis then states why.
+    It is where the loop oscillates, where OP reverses often enough, and where a detector reports stiction.
     """
     accused = any(each.verdict == "stiction" for each in seen.methods.values())
-    return not seen.testable or seen.oscillation.detected or seen.reversals >= ENOUGH_REVERSALS or accused
+    return seen.oscillation.detected or seen.reversals >= ENOUGH_REVERSALS or accused
 
 
 def without_pictures(methods: Mapping[str, MethodResult]) -> dict[str, MethodResult]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import functools
 import logging
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 from agent.alarms import Alarm
@@ -29,6 +30,9 @@ from connectors.base import Connector, Publication, Sample
 from connectors.readings import Readings
 
 LOG = logging.getLogger(__name__)
+TOGETHER = 200
+"""Loops whose first windows come due together, some tenths of a second of the event loop. In a larger plant
+others follow over a hop, or all that began together would come due together for ever."""
 
 
 class Wiring:
@@ -102,7 +106,11 @@ class Wiring:
             self._discard(name, self.outboxes.pop(name).emptied())
         for name in settings.connections:
             self.outboxes.setdefault(name, Outbox(name, self._journal))
-        changed = {loop.name: self._pipeline(loop, settings.agent) for loop in loops}
+        places = {loop.name: k // TOGETHER for k, loop in enumerate(settings.loops)}
+        groups = max(math.ceil(len(settings.loops) / TOGETHER), 1)
+        changed = {
+            loop.name: self._pipeline(loop, settings.agent, places[loop.name] / groups) for loop in loops
+        }
         former = dict(self.pipelines)
         for name, pipeline in changed.items():
             if name in former:
@@ -139,7 +147,7 @@ class Wiring:
             LOG.warning("connection %s is no longer configured: %s was discarded", connection, publication.id)
         self._journal.note(Change(removed=frozenset(waiting)))
 
-    def _pipeline(self, loop: LoopSettings, agent: AgentSettings) -> LoopPipeline:
+    def _pipeline(self, loop: LoopSettings, agent: AgentSettings, stagger: float) -> LoopPipeline:
         return LoopPipeline(
             loop,
             self._executor,
@@ -150,6 +158,7 @@ class Wiring:
             None if agent.clock_error is None else SourceClock(loop.name, agent.clock_error, self._clock),
             agent.base_rate,
             self._recorder,
+            stagger,
         )
 
     def _connection(self, connector: Connector, data_age: float) -> Connection:

@@ -92,7 +92,7 @@ MODBUS = Bus(
     key="modbus",
     name="Modbus, neighbours in one read",
     serve=_modbus,
-    connection=lambda port: {"kind": "modbus", "port": port, "poll": 1.0},
+    connection=lambda port: {"kind": "modbus", "port": port, "poll": 1.0, "requests": 4},
     cell=lambda number, _, role: f"holding {(number * len(ROLES) + ROLES.index(role)) * REGISTERS} float32",
     bare=bare.modbus,
 )

@@ -15,12 +15,14 @@ import os
 import sys
 from contextlib import asynccontextmanager
 from pathlib import Path
-from types import SimpleNamespace
 
+import numpy as np
+
+from agent.analysis.record.recording import LoopWindow
 from agent.analysis.routine import Routine
 from agent.runtime.link.connection import Connection
 from agent.runtime.link.outbox import Outbox
-from agent.runtime.loop.due import Due
+from agent.runtime.loop.due import Judging
 from agent.runtime.loop.pipeline import LoopPipeline
 from agent.runtime.loop.workers import InlineExecutor
 from agent.runtime.store.journal import Journal
@@ -31,7 +33,7 @@ from connectors.mqtt.connector import MqttConnector
 from connectors.mqtt.options import MqttOptions, MqttTarget
 from connectors.options import LoopTags
 from tests.unit.alarms.test_alarm import diagnosis
-from tests.unit.runtime.loops import loop_settings
+from tests.unit.runtime.loops import cut_of, loop_settings
 
 
 class FilePeer:
@@ -88,9 +90,9 @@ async def main(store, peer, task):
     sys.stdout.flush()
     while task == "work":
         end = float(newest_window(pipeline.alarm) + 1)
-        window = SimpleNamespace(time=[end], start=end - 1.0, ts=1.0)
-        found = diagnosis("stiction" if window.time[-1] % 2 else "no_stiction")
-        pipeline._judging = Due.of(window, 0.0)
+        cut = cut_of(LoopWindow("FIC101", end - 1.0, 1.0, np.zeros(2), np.zeros(2)))
+        found = diagnosis("stiction" if end % 2 else "no_stiction")
+        pipeline._judging = Judging(cut, 0.0)
         await pipeline._decide(Routine(found, fitted=True))
     while len(outbox) and not telling.done():
         await asyncio.wait({telling}, timeout=0.01)

@@ -11,7 +11,7 @@ from agent.runtime.intake.window import RollingWindow
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from agent.analysis.record.recording import LoopWindow
+    from agent.runtime.intake.cut import DueStretch
     from agent.runtime.intake.rows import ValueRows
     from agent.runtime.intake.source_clock import SourceClock
     from agent.runtime.samples.recorder import SampleRecorder
@@ -39,19 +39,21 @@ class Intake:
     def __init__(
         self,
         settings: LoopSettings,
-        came_due: Callable[[LoopWindow, float], None],
+        came_due: Callable[[DueStretch, float], None],
         clock: SourceClock | None = None,
         recorder: SampleRecorder | None = None,
+        stagger: float = 0.0,
     ) -> None:
         """Make it.
 
         Args:
             settings: Of the loop.
-            came_due: Takes a window and when it came due, monotonic, s.
+            came_due: Takes what is due, and since when, monotonic, s.
             clock: Which times are believed; None: all.
             recorder: Keeps raw samples; None: nobody does.
+            stagger: Hops by which the first window comes due later than it could, 0 to 1.
         """
-        self.window = RollingWindow(settings)
+        self.window = RollingWindow(settings, stagger)
         self.usable = UsableValues(settings.name)
         self.clock = clock
         self.heard: float | None = None
@@ -84,8 +86,10 @@ class Intake:
             return False
         if self._recorder is not None:
             self._recorder.take(self.usable.loop, rows)
-        self.window.take(rows, places)
+        due = self.window.take(rows, places)
         self.heard = float(rows.times.arrivals[-1])
+        if due is not None:
+            self.came_due(due, self.heard)
         return True
 
     def push_one(self, sample: Sample, arrival: float) -> None:
@@ -97,6 +101,6 @@ class Intake:
             return
         if self._recorder is not None:
             self._recorder.put(counts, arrival)
-        window = self.window.push(counts, arrival)
-        if window is not None:
-            self.came_due(window, arrival)
+        due = self.window.push(counts, arrival)
+        if due is not None:
+            self.came_due(due, arrival)

@@ -54,6 +54,7 @@ class GridPlaces:
         self._slots = rounded.astype(np.int64)
         self._reports = np.rint((places - rounded) * FINE).astype(np.int8)
         self.first, self.last = int(self._slots[0]), int(self._slots[-1])
+        self.before_last = int(self._slots[-2]) if len(times) > 1 else self.first
         self._filled: dict[tuple[int, int], Filled] = {}
 
     def filled(self, newest: int, capacity: int) -> Filled:

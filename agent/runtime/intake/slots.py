@@ -18,7 +18,6 @@ from agent.runtime.intake.rows import FINE, HELD
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.analysis.record.recording import FloatArray
     from agent.runtime.intake.rows import GridPlaces
 
 NEVER = int(np.iinfo(np.int64).min)
@@ -123,9 +122,9 @@ class SlotRing:
         if self._unknown_from is None and self.newest != NEVER:
             self._unknown_from = max(slot, self.newest + 1)
 
-    def column(self, first: int, n: int) -> FloatArray:
+    def column(self, first: int, n: int) -> NDArray[np.float32]:
         """Values at the slots ``first`` to ``first + n - 1``, NaN where unknown, shape (n,)."""
-        column = np.full(n, np.nan)
+        column = np.full(n, np.nan, dtype=np.float32)
         if self.newest == NEVER:
             return column
         values = np.frombuffer(self._values, dtype=np.float32)

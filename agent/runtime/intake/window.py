@@ -14,13 +14,12 @@ What is a gap and what is not (``docs/architecture.md`` has the reasons):
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.record.recording import LoopWindow
+from agent.runtime.intake.cut import CutWindow, DueStretch
 from agent.runtime.intake.rows import FINE
 from agent.runtime.intake.slots import FOREVER, NEVER, SlotRing, Taken
 from agent.runtime.intake.tag_clocks import TagClocks
@@ -67,8 +66,10 @@ class Counters:
 class RollingWindow:
     """The newest stretch of one loop, in memory that never grows."""
 
-    def __init__(self, settings: LoopSettings) -> None:
+    def __init__(self, settings: LoopSettings, stagger: float = 0.0) -> None:
+        """Make it; its first window comes due ``stagger`` hops later than it could, 0 to 1."""
         self._settings = settings
+        self._stagger = stagger
         self._capacity = math.ceil(settings.window.longest / settings.ts) + LATEST + 2
         self.counters = Counters()
         self.period: float | None = None
@@ -96,8 +97,8 @@ class RollingWindow:
         newest = max(ring.time for ring in self._rings.values())
         return newest if math.isfinite(newest) else None
 
-    def push(self, sample: Sample, arrival: float) -> LoopWindow | None:
-        """Take a sample that arrived at ``arrival`` (monotonic, s); return the window if one is due now."""
+    def push(self, sample: Sample, arrival: float) -> DueStretch | None:
+        """Take a sample that arrived at ``arrival`` (monotonic, s); return what is due if anything is now."""
         role = sample.tag.role
         ring = self._rings.get(role)
         if ring is None or not abs(sample.time) <= LAST_TIME:  # nor NaN
@@ -138,16 +139,19 @@ class RollingWindow:
         return self._origin + (self._due_at - NEARLY) * self._settings.ts
 
     def places_for(self, rows: ValueRows) -> GridPlaces | None:
-        """Return where ``take`` puts rows; None where one needs ``push``, as when a window comes due."""
+        """Return where ``take`` puts rows; None where an earlier one makes a window due."""
         if self._origin is None or self._due_at is None or not abs(rows.times.source[-1]) <= LAST_TIME:
             return None
         places = rows.times.places(self._origin, self._settings.ts)
         rings = (self._rings.get(role) for role in rows.roles)
-        takes = places.last < self._due_at and all(ring is None or ring.can_take(places) for ring in rings)
-        return places if takes else None
+        takes = all(ring is None or ring.can_take(places) for ring in rings)
+        return places if takes and (places.last < self._due_at or self._due_with(rows, places)) else None
 
-    def take(self, rows: ValueRows, places: GridPlaces) -> None:
-        """Do what ``push`` would do with each value of rows; ``places`` are from ``places_for``."""
+    def take(self, rows: ValueRows, places: GridPlaces) -> DueStretch | None:
+        """Do what ``push`` would do with each value of rows; return what is due if anything is now.
+
+        ``places`` are from ``places_for``.
+        """
         for role, values, short in zip(rows.roles, rows.values, rows.short, strict=True):
             ring = self._rings.get(role)
             if ring is None:
@@ -159,6 +163,28 @@ class RollingWindow:
             self.counters.samples += len(values)
         self._backward_run = 0
         self.arrival = float(rows.times.arrivals[-1])
+        return None if self._due_at is not None and places.last < self._due_at else self._due()
+
+    def cut(self, due: DueStretch) -> CutWindow | None:
+        """Return the window of a stretch that is due, or as long a newer one where the rings have no more.
+
+        None where the source's clock was set back meanwhile: nothing of it is held.
+        """
+        if self._origin != due.origin:
+            return None
+        newest = max(ring.newest for ring in self._rings.values())
+        first = max(due.first, newest - self._capacity + 1)
+        columns = {role: ring.column(first, due.n) for role, ring in self._rings.items()}
+        silent = self._silent(first, due.n)
+        for column in columns.values():
+            column[silent] = np.nan
+        self.counters.missing = int(np.sum(np.isnan(columns["pv"]) | np.isnan(columns["op"])))
+        duplicates = self.counters.duplicates - self._duplicates_told
+        self._duplicates_told = self.counters.duplicates
+        settings = self._settings
+        start = due.origin + first * settings.ts
+        modes, apart = tuple(sorted(self._unknown_modes)), self.clocks.apart
+        return CutWindow(settings.name, start, settings.ts, columns, settings.hints, duplicates, apart, modes)
 
     def interrupt(self) -> None:
         """The connection is gone: from here on nothing is known until it is reported again."""
@@ -181,7 +207,8 @@ class RollingWindow:
         if math.isfinite(since):
             first = max(first, math.floor((since - origin) / ts + 1e-6) + 1)
         n = max(last - first + 1, 0)
-        return origin + first * ts, {role: ring.column(first, n) for role, ring in self._rings.items()}
+        columns = {role: ring.column(first, n).astype(np.float64) for role, ring in self._rings.items()}
+        return origin + first * ts, columns
 
     def _start_anew(self) -> None:
         self._rings = {role: SlotRing(self._capacity) for role in self._settings.roles}
@@ -190,7 +217,7 @@ class RollingWindow:
         self._due_at = None
         self._backward_run = 0
 
-    def _dropped(self, sample: Sample, taken: Taken, arrival: float) -> LoopWindow | None:
+    def _dropped(self, sample: Sample, taken: Taken, arrival: float) -> DueStretch | None:
         if taken is Taken.DUPLICATE:
             self.counters.duplicates += 1
             return None
@@ -225,52 +252,31 @@ class RollingWindow:
             self._unknown_modes.add(str(value))
         return float(means or False)
 
-    def _due(self) -> LoopWindow | None:
+    def _due(self) -> DueStretch | None:
         rings = self._rings.values()
         told = [ring.newest for ring in rings if ring.newest != NEVER]
         settled = min(slot for slot in told if slot >= max(told) - LATEST)
         first = max(self._rings["pv"].first, self._rings["op"].first)
         if self._due_at is None and first != FOREVER:
-            self._due_at = first + self._length(0) - 1
+            shortest = self._length(0)
+            self._due_at = first + shortest - 1 + int(self._stagger * shortest * self._settings.window.hop)
         if self._due_at is None or settled < self._due_at:
             return None
         end = self._due_at if settled - self._due_at <= LATEST else settled
         n = min(self._length(end - first + 1), end - first + 1)
         self._due_at = end + math.ceil(n * self._settings.window.hop)
-        return self._window(end - n + 1, n)
+        return DueStretch(self._origin or 0.0, end - n + 1, n)
+
+    def _due_with(self, rows: ValueRows, places: GridPlaces) -> bool:
+        """Return whether the last row alone can make a window due, and only with its last value."""
+        newest = (self._rings[role].newest for role in rows.roles if role in self._rings)
+        return places.before_last < (self._due_at or 0) and places.last - min(newest) <= LATEST
 
     def _length(self, there: int) -> int:
         """Samples that a window should have where ``there`` have come in."""
         window, ts = self._settings.window, self._settings.ts
         wanted = there * ts if self.period is None else window.periods * self.period
         return math.floor(min(max(wanted, window.shortest), window.longest) / ts + 1e-9)
-
-    def _window(self, first: int, n: int) -> LoopWindow:
-        settings = self._settings
-        columns = {role: ring.column(first, n) for role, ring in self._rings.items()}
-        silent = self._silent(first, n)
-        for column in columns.values():
-            column[silent] = np.nan
-        self.counters.missing = int(np.sum(np.isnan(columns["pv"]) | np.isnan(columns["op"])))
-        duplicates = self.counters.duplicates - self._duplicates_told
-        self._duplicates_told = self.counters.duplicates
-        mode = _known(columns, "mode")
-        return LoopWindow(
-            loop=settings.name,
-            start=(self._origin or 0.0) + first * settings.ts,
-            ts=settings.ts,
-            op=columns["op"],
-            pv=columns["pv"],
-            sp=_known(columns, "sp"),
-            mv=_known(columns, "mv"),
-            automatic=None if mode is None else mode == 1,
-            unknown_modes=tuple(sorted(self._unknown_modes))
-            if mode is not None and (mode == 0).any()
-            else (),
-            hints=settings.hints,
-            duplicates=duplicates,
-            clocks_apart=self.clocks.apart,
-        )
 
     def _silent(self, first: int, n: int) -> NDArray[np.bool_]:
         """True at the grid points that lie in a silence of the whole loop, shape (n,)."""
@@ -285,8 +291,3 @@ class RollingWindow:
         for k in np.flatnonzero(np.diff(told) > longest * FINE):
             silent[max(slots[k] + 1, 0) : max(slots[k + 1], 0)] = True
         return silent
-
-
-def _known(columns: Mapping[str, FloatArray], role: str) -> FloatArray | None:
-    column = columns.get(role)
-    return None if column is None or np.isnan(column).all() else column

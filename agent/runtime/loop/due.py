@@ -1,32 +1,54 @@
-"""A window that is due or being judged, in half of its memory: a loop has two where workers are behind."""
+"""What is due of a loop, and what of it is being judged: a loop that waits for a worker holds no samples.
+
+So ten thousand loops whose windows come due in one second cost no more than ten thousand marks, and a window
+is cut when a worker is free for it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
-
-from agent.runtime.loop.packed import Packed
+from typing import TYPE_CHECKING, Concatenate, ParamSpec, TypeVar
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
+    from agent.runtime.intake.cut import CutWindow, DueStretch
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
 class Due:
-    """A window and since when it is due."""
+    """A stretch that waits for a worker."""
 
-    packed: Packed[LoopWindow]
+    stretch: DueStretch
     since: float
-    """Monotonic, s."""
-    start: float
-    """Time of the first sample, s UTC."""
-    last: float
-    """Time of the last sample, s UTC."""
+    """Monotonic time at which it came due, s."""
     end: float
-    """One sampling time after the last sample, s UTC."""
+    """One sampling time after its last sample, s UTC."""
 
-    @classmethod
-    def of(cls, window: LoopWindow, since: float) -> Self:
-        """Take a window that is due since then (monotonic, s)."""
-        last = float(window.time[-1])
-        return cls(Packed.of(window), since, window.start, last, last + window.ts)
+
+@dataclass(frozen=True, slots=True)
+class Judging:
+    """A window that a worker has, or that waits for its fit."""
+
+    cut: CutWindow
+    since: float
+    """Monotonic time at which it came due, s."""
+
+    @property
+    def end(self) -> float:
+        """One sampling time after its last sample, s UTC."""
+        return self.cut.end
+
+
+class GoneError(Exception):
+    """What was due is not held any more: the clock of its source was set back meanwhile."""
+
+
+def with_window(
+    function: Callable[Concatenate[LoopWindow, P], T], cut: CutWindow, *args: P.args, **kwargs: P.kwargs
+) -> T:
+    """Return what a function makes of a window, for a worker: the event loop only cuts it."""
+    return function(cut.open(), *args, **kwargs)

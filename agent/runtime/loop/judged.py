@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from agent.alarms import Announcement
     from agent.analysis.diagnosis import Diagnosis
-    from agent.analysis.record.recording import LoopWindow
+    from agent.runtime.intake.cut import CutWindow
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,9 +21,9 @@ class Judged:
     took: float
     """Time from the window's end to its verdict, waiting for a worker included, s."""
     fitted: bool
-    """Whether it got a full diagnosis, with a fit; else it was quiet."""
-    window: LoopWindow
-    """What was judged."""
+    """Whether it got a full diagnosis, with a fit; else it was quiet or not testable."""
+    cut: CutWindow
+    """What was judged, opened by who needs it."""
     alarmed: bool = False
     """Whether the alarm was active before or after it."""
 

@@ -6,6 +6,7 @@ import asyncio
 import logging
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NoReturn
 
@@ -16,7 +17,6 @@ from agent.analysis.memory.sticks import with_memory
 from agent.analysis.memory.value_of_fit import worth_of_fit
 from agent.analysis.memory.valve_memory import ValveMemory, hints_from, remember
 from agent.analysis.memory.weighing_windows import BASE_RATE
-from agent.analysis.record.recording import LoopWindow
 from agent.analysis.routine import (
     Diagnose,
     Routine,
@@ -26,11 +26,10 @@ from agent.analysis.routine import (
     routine_diagnosis,
 )
 from agent.analysis.seen import Seen
-from agent.analysis.stiction.online import OnlineShapes
 from agent.runtime.intake.intake import Intake
 from agent.runtime.intake.usable import LOGGED_AGAIN
 from agent.runtime.link.outbox import Outbox
-from agent.runtime.loop.due import Due
+from agent.runtime.loop.due import Due, GoneError, Judging, with_window
 from agent.runtime.loop.judged import Judged, Observer
 from agent.runtime.loop.kept_fit import KeptFit, without_curves
 from agent.runtime.loop.pace import Pace
@@ -42,6 +41,7 @@ from agent.settings import AlarmSettings, LoopSettings
 from connectors.base import Publication, Sample
 
 if TYPE_CHECKING:
+    from agent.runtime.intake.cut import CutWindow, DueStretch
     from agent.runtime.intake.source_clock import SourceClock
     from agent.runtime.intake.usable import UsableValues
     from agent.runtime.intake.window import RollingWindow
@@ -69,9 +69,10 @@ class LoopPipeline:
         clock: SourceClock | None = None,
         base_rate: float = BASE_RATE,
         recorder: SampleRecorder | None = None,
+        stagger: float = 0.0,
     ) -> None:
         self.settings = settings
-        self.intake = Intake(settings, self._came_due, clock, recorder)
+        self.intake = Intake(settings, self._came_due, clock, recorder, stagger)
         """Takes what the bus sends."""
         delay = Delay(settings.alarm.on_delay, settings.alarm.off_delay)
         advises = settings.alarm.advisory == "active"
@@ -84,7 +85,6 @@ class LoopPipeline:
         """The window of ``diagnosis`` and the curves on its samples, where it got a fit."""
         self.superseded = 0
         """Windows that were never diagnosed, because a newer one came due before their turn."""
-        self._shapes = OnlineShapes(integrating=settings.hints.integrating)
         self._executor = executor
         self._outboxes = outboxes
         self._observers = observers
@@ -96,7 +96,7 @@ class LoopPipeline:
         self.judged_at: float | None = None
         """Monotonic time of the newest verdict, s."""
         self._waiting: Due | None = None
-        self._judging: Due | None = None
+        self._judging: Judging | None = None
         """The window that a worker has, or that waits for its fit."""
         self._cost = 0.0
         """Time that the newest diagnosis took where it had a fit, s: what the next should take."""
@@ -128,11 +128,10 @@ class LoopPipeline:
         """Take a sample that arrived at ``arrival`` (monotonic, s)."""
         self.intake.push(sample, arrival)
 
-    def _came_due(self, window: LoopWindow, arrival: float) -> None:
-        self._say_clocks_differ(window.clocks_apart, arrival)
-        self._shapes.follow(window)
+    def _came_due(self, stretch: DueStretch, arrival: float) -> None:
+        self._say_clocks_differ(self.intake.window.clocks.apart, arrival)
         self.superseded += self._waiting is not None
-        self._waiting = Due.of(window, arrival)
+        self._waiting = Due(stretch, arrival, stretch.end(self.settings.ts))
         self._due.set()
 
     def _say_clocks_differ(self, apart: float, arrival: float) -> None:
@@ -155,7 +154,7 @@ class LoopPipeline:
         """
         if _of_the_window(self.settings) == _of_the_window(former.settings):
             former.intake.settle()
-            self.intake, self._shapes = former.intake, former._shapes
+            self.intake = former.intake
             self.intake.came_due = self._came_due
             self.diagnosis, self.fitted, self.superseded = former.diagnosis, former.fitted, former.superseded
             self.judged_at = former.judged_at
@@ -177,11 +176,6 @@ class LoopPipeline:
         """End shelving when its time is over at ``now``, s UTC."""
         if self.alarm.until is not None and now >= self.alarm.until:
             self._follow(*self.alarm.on_clock(now))
-
-    @property
-    def indices(self) -> dict[str, float]:
-        """The newest index of each stiction detector that has an online form, by its name."""
-        return self._shapes.indices
 
     @property
     def busy(self) -> bool:
@@ -207,7 +201,7 @@ class LoopPipeline:
         seen = None
         try:
             if self.settings.quantify != "always":
-                found = await self._executor.run_in_turn(0.0, lambda: partial(first_look, self._newest()))
+                found = await self._executor.run_in_turn(0.0, self._look)
                 if isinstance(found, Routine):
                     return await self._decide(found)
                 seen = found
@@ -216,26 +210,28 @@ class LoopPipeline:
         except TimeoutError:
             self._cost = LONGEST_PATIENCE
             raise
+        except GoneError:
+            self.superseded += 1
 
     def _worth(self) -> float:
         """Return what the answer on the window that waits is worth: little where nothing would change."""
         newest = self._waiting or self._judging
         now = 0.0 if newest is None else newest.end
-        since = 0.0 if self._fitted_until is None else max(0.0, now - self._fitted_until)
+        since = max(0.0, now - (now if self._fitted_until is None else self._fitted_until))
         return worth_of_fit(self.memory, self.settings.alarm.priority, since, now, self._base_rate)
 
     async def _decide(self, found: Routine) -> None:
         """Follow the diagnosis of the window that a worker had."""
         if self._judging is None:
             return
-        due, window = self._judging, self._judging.packed.open()
-        alone, end = found.diagnosis, due.last
+        cut, since = self._judging.cut, self._judging.since
+        alone, end = found.diagnosis, cut.last
         if found.fitted:
             self._cost, self._fitted_until = alone.seconds, end
-        self.memory = remember(self.memory, alone, due.start, due.end)
+        self.memory = remember(self.memory, alone, cut.start, cut.end)
         whole = with_memory(alone, self.memory, self._base_rate)
         self._journal.note(Change(memories={self.settings.name: self.memory}))
-        self.fitted = KeptFit.of(window, whole) if found.fitted else None
+        self.fitted = KeptFit.of(cut.open(), whole) if found.fitted else None
         self.diagnosis = diagnosis = without_curves(whole)
         self.judged_at = asyncio.get_running_loop().time()
         if diagnosis.oscillation is not None:
@@ -244,30 +240,37 @@ class LoopPipeline:
         self._follow(*self.alarm.on_diagnosis(diagnosis, end))
         alarmed = alarmed or self.alarm.state.active
         await self._journal.flush()
-        took = self.judged_at - due.since
+        took = self.judged_at - since
         for observer in self._observers:
-            observer.judged(Judged(diagnosis, end, took, found.fitted, window, alarmed))
+            observer.judged(Judged(diagnosis, end, took, found.fitted, cut, alarmed))
+
+    def _look(self) -> Callable[[], Routine | Seen]:
+        return partial(with_window, first_look, self._newest())
 
     def _fit(self, seen: Seen | None) -> Callable[[], Routine]:
         """Return the fit of the window that was seen, or of a newer one that came due before its turn."""
         if seen is None:
-            return partial(full_diagnosis, self._newest(), self._diagnose)
+            return partial(with_window, full_diagnosis, self._newest(), self._diagnose)
         if self._waiting is None and self._judging is not None:
-            return partial(fitted, self._judging.packed.open(), seen, self._diagnose)
+            return partial(with_window, fitted, self._judging.cut, seen, self._diagnose)
         self.superseded += 1
-        return partial(routine_diagnosis, self._newest(), self._diagnose)
+        return partial(with_window, routine_diagnosis, self._newest(), self._diagnose)
 
-    def _newest(self) -> LoopWindow:
-        """Take the window that waits; what came due while a worker was waited for has replaced older ones."""
+    def _newest(self) -> CutWindow:
+        """Cut what waits; what came due while a worker was waited for has replaced what was due before.
+
+        Raises GoneError.
+        """
         due, self._waiting = self._waiting, None
         if due is None:
             raise RuntimeError("no window waits")
         self._due.clear()
-        window = due.packed.open()
-        window = window.with_hints(hints_from(self.memory, window.hints))
-        self._judging = Due.of(window, due.since)
+        if (cut := self.window.cut(due.stretch)) is None:
+            raise GoneError
+        cut = replace(cut, hints=hints_from(self.memory, cut.hints))
+        self._judging = Judging(cut, due.since)
         self._pace.begin(asyncio.get_running_loop().time())
-        return window
+        return cut
 
     def _follow(self, alarm: Alarm, announcements: Sequence[Announcement]) -> None:
         """Take the alarm that follows, noted together with its announcements: no crash comes between."""

@@ -10,6 +10,7 @@ from concurrent.futures.process import BrokenProcessPool
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self, TypeVar
 
+from agent.runtime.capabilities import step_back
 from agent.runtime.loop.process_pool import end_workers, process_pool
 from agent.runtime.loop.turns import Turns
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 WITHIN = 600.0
 """s; a diagnosis takes seconds."""
+BEHIND = 10
+"""By how much workers are nicer than the agent: where cores are few, samples come in first."""
 
 
 class Executor(Protocol):
@@ -145,5 +148,6 @@ def _import_analysis() -> None:
 
 
 def _prepare() -> None:
-    """Ctrl-C goes to the whole group of processes; only the agent may act on it."""
+    """Ctrl-C goes to the whole group of processes; only the agent may act on it, and it comes first."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    step_back(BEHIND)

@@ -66,7 +66,7 @@ class History:
             del content["methods"]
         window = None
         if self._settings.windows and is_of_interest(judged.diagnosis, alarmed=judged.alarmed):
-            window = KeptWindow.of(judged.window)
+            window = KeptWindow.of(judged.cut.open())
             if sum(bool(each.window) for each in self._waiting) >= LIMIT_WINDOWS:
                 window = window.without_values()
         self._put(Entry(judged.end, judged.diagnosis.loop, "diagnosis", content, window))

@@ -13,7 +13,7 @@ from agent.analysis.diagnose import diagnose
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.record.reversals import significant_reversals
 from agent.analysis.results import MethodResult, Quantification
-from agent.analysis.routine import routine_diagnosis
+from agent.analysis.routine import first_look, routine_diagnosis
 from agent.analysis.seen import look, worth_a_fit
 from agent.report.advice import advice
 from agent.report.reasons import reasons
@@ -66,11 +66,14 @@ def test_a_detector_that_reports_stiction_is_worth_a_fit():
 
 
 def test_what_is_not_testable_is_diagnosed_so_that_the_diagnosis_states_why():
-    seen = look(window(np.full(T.size, 50.0)))
-    assert worth_a_fit(seen)
+    still = window(np.full(T.size, 50.0))
+    seen = look(still)
     assert not seen.testable
     assert seen.methods == {}
-    assert diagnose(window(np.full(T.size, 50.0)), seen).verdict == "not_testable"
+    whole, at_once = diagnose(still, seen), first_look(still)
+    assert whole.verdict == "not_testable"
+    assert not at_once.fitted, "it waits for no fit"
+    assert replace(at_once.diagnosis, seconds=0.0) == replace(whole, seconds=0.0)
 
 
 @dataclass

@@ -9,10 +9,14 @@ import tracemalloc
 import pytest
 
 from agent.alarms import State
+from agent.runtime.intake.window import CLOCK_SET_BACK
+from agent.runtime.loop.pipeline import LoopPipeline
+from agent.runtime.loop.workers import InlineExecutor
+from agent.runtime.wiring import TOGETHER
 from agent.settings import AlarmSettings
 from tests.unit.runtime.agents import FIVE, agent_of, judged, stream, swinging, virtual, worked
 from tests.unit.runtime.fake_bus import FakeBus
-from tests.unit.runtime.loops import START, sample
+from tests.unit.runtime.loops import START, loop_settings, sample
 
 
 def test_twelve_minutes_of_five_loops():
@@ -141,6 +145,51 @@ def test_a_loop_has_one_diagnosis_at_a_time_and_the_newest_window_is_next():
     virtual(worked(agent, 1200.0))
     assert ends == [399.0, 599.0, 799.0]
     assert agent._pipelines["FIC101"].superseded > 0
+
+
+class LateExecutor(InlineExecutor):
+    """A worker is free after 100 s."""
+
+    async def run_in_turn(self, _expected, work, _worth=1.0):
+        await asyncio.sleep(100.0)
+        return work()()
+
+
+def test_a_window_whose_clock_was_set_back_while_it_waited_is_not_judged():
+    async def scenario():
+        ends = []
+        pipeline = LoopPipeline(
+            loop_settings(seconds=40.0, quantify="always"),
+            LateExecutor(),
+            diagnose=lambda window, _seen=None: ends.append(window.time[-1] - START) or judged()(window),
+        )
+        work = asyncio.create_task(pipeline.run())
+        for times in (range(40), range(-5000, -5000 + CLOCK_SET_BACK)):
+            for t in times:
+                for each in swinging("FIC101", float(t)):
+                    pipeline.push(each, 0.0)
+            await asyncio.sleep(1.0)
+        await asyncio.sleep(200.0)
+        assert (ends, pipeline.superseded, pipeline.busy) == ([], 1, False)
+        for t in range(-5000 + CLOCK_SET_BACK, -5000 + CLOCK_SET_BACK + 40):
+            for each in swinging("FIC101", float(t)):
+                pipeline.push(each, 0.0)
+        await asyncio.sleep(200.0)
+        work.cancel()
+        return ends
+
+    assert len(virtual(scenario())) == 1
+
+
+def test_loops_of_a_large_plant_that_begin_together_come_due_over_a_hop():
+    names = tuple(f"FIC{k:04d}" for k in range(3 * TOGETHER))
+    agent = agent_of(FakeBus([]), loops=names)
+    staggers = [agent.pipelines[name].window._stagger for name in names]
+    assert staggers == sorted(staggers)
+    assert [staggers.count(each) for each in dict.fromkeys(staggers)] == [TOGETHER] * 3
+    assert staggers[0] == 0.0
+    assert staggers[-1] < 1.0
+    assert {agent_of(FakeBus([])).pipelines["FIC101"].window._stagger} == {0.0}
 
 
 def test_it_ends_in_time_though_a_peer_does_not_let_go():

@@ -27,7 +27,7 @@ from connectors.options import Options
 from tests.unit.alarms.test_alarm import diagnosis
 from tests.unit.runtime.agents import judged, stream
 from tests.unit.runtime.fake_bus import FakeBus
-from tests.unit.runtime.loops import START, loop_settings
+from tests.unit.runtime.loops import START, cut_of, loop_settings
 
 
 @pytest.fixture
@@ -135,7 +135,7 @@ async def test_what_the_disk_does_not_take_waits_bounded_and_is_reported_once(tm
     history = History(folder / "h.sqlite", HistorySettings(), clock=lambda: 10 * DAY)
     writer = asyncio.create_task(history.run())
     for k in range(8):
-        history.judged(Judged(diagnosis("stiction"), float(k), 1.0, fitted=True, window=window_of(4)))
+        history.judged(Judged(diagnosis("stiction"), float(k), 1.0, fitted=True, cut=cut_of(window_of(4))))
         await asyncio.sleep(0.02)
     assert history.dropped == 3
     folder.mkdir()
@@ -231,7 +231,7 @@ def test_what_is_read_together_is_bounded_by_its_windows(path, monkeypatch):
 async def test_which_windows_are_kept(path, verdict, alarmed, wanted, kept):
     history = History(path, HistorySettings(windows=wanted), clock=lambda: 0.0)
     window = window_of(8)
-    history.judged(Judged(diagnosis(verdict), 9.5, 1.0, fitted=True, window=window, alarmed=alarmed))
+    history.judged(Judged(diagnosis(verdict), 9.5, 1.0, fitted=True, cut=cut_of(window), alarmed=alarmed))
     await history.close()
     assert len(opened(path, lambda file: file.windows())) == kept
     if kept:
@@ -245,7 +245,7 @@ async def test_windows_that_wait_for_the_disk_are_bounded_and_their_verdicts_sta
     monkeypatch.setattr(module, "LIMIT_WINDOWS", 2)
     history = History(path, HistorySettings(), clock=lambda: 0.0)
     for k in range(5):
-        history.judged(Judged(diagnosis("stiction"), float(k), 1.0, fitted=True, window=window_of(8)))
+        history.judged(Judged(diagnosis("stiction"), float(k), 1.0, fitted=True, cut=cut_of(window_of(8))))
     await history.close()
     assert [len(each.entry.window) for each in opened(path, lambda file: file.after(0, 9))] == [8, 8, 0, 0, 0]
 

@@ -44,10 +44,13 @@ class Loop:
         )
         clocks = SourceClock("FIC101", DAY, lambda: START + self.now) if clock else None
         self.recorder = SampleRecorder(Path("none.sqlite"), 1.0) if kept else None
-        self.intake = Intake(options, lambda window, at: self.due.append((window, at)), clocks, self.recorder)
+        self.intake = Intake(options, self._came_due, clocks, self.recorder)
         self.gathering = self._gathering(TAGS)
         self._of_some = {tags: self._gathering(tags) for tags in (TAGS[:2], TAGS[:1], TAGS[1:3])}
         """Those of only some roles, which other readings may have."""
+
+    def _came_due(self, stretch, at):
+        self.due.append((self.intake.window.cut(stretch).open(), at))
 
     def _gathering(self, tags):
         roles = tuple(tag.role for tag in tags)
@@ -83,8 +86,16 @@ class Loop:
         }
 
     def _kept(self, recorder):
+        """By minute: when something came last, and all values. Late ones may make a minute of their own."""
         minutes = [*recorder._over, *(each for some in recorder._open.values() for each in some)]
-        return [(each.number, each.touched, each.table().packed()) for each in minutes]
+        touched, values = {}, {}
+        for each in minutes:
+            table = each.table()
+            touched[each.number] = max(each.touched, touched.get(each.number, 0.0))
+            for role, column in [*table.columns.items(), ("mode", table.mode), ("quality", table.quality)]:
+                there = zip(table.at.tolist(), () if column is None else column, strict=column is not None)
+                values |= {(each.number, role, at): str(value) for at, value in there}
+        return sorted(touched.items()), sorted(values.items())
 
 
 def _columns(window):

@@ -11,7 +11,6 @@ from agent.analysis.diagnose import diagnose
 from agent.analysis.record.recording import LoopWindow
 from agent.analysis.routine import first_look, full_diagnosis, routine_diagnosis
 from agent.analysis.seen import look
-from agent.runtime.loop.due import Due
 from agent.runtime.loop.kept_fit import KeptFit, without_curves
 from agent.runtime.loop.packed import Packed
 from agent.web.pictures.loop_pictures import method_picture
@@ -19,6 +18,7 @@ from simulators.draws.random_plants import random_plant
 from simulators.plant import simulate
 from tests.unit.runtime.agents import agent_of, stream, virtual
 from tests.unit.runtime.fake_bus import FakeBus
+from tests.unit.runtime.loops import cut_of
 
 HOUR = 3600
 MOST = 60_000
@@ -101,12 +101,13 @@ def test_what_detectors_saw_stays_in_the_worker(fit):
         assert all(each.seen is None for each in methods.values())
 
 
-def test_a_window_that_waits_takes_four_bytes_a_sample(fit):
+def test_a_window_on_its_way_to_a_worker_takes_four_bytes_a_sample(fit):
     window, _ = fit
-    due = Due.of(window, 5.0)
-    assert len(due.packed.data) <= 4 * 3 * HOUR + 1000
-    assert (due.since, due.start, due.end) == (5.0, window.start, window.start + HOUR * window.ts)
-    assert np.array_equal(due.packed.open().pv, window.pv, equal_nan=True)
+    cut = pickle.loads(pickle.dumps(cut_of(window)))  # noqa: S301 - made here
+    assert len(pickle.dumps(cut)) <= 4 * 3 * HOUR + 2000
+    assert (cut.start, cut.last, cut.end) == (window.start, window.time[-1], window.start + HOUR * window.ts)
+    assert np.array_equal(cut.open().pv, window.pv, equal_nan=True)
+    assert cut.open().hints == window.hints
 
 
 def test_other_values_go_through_as_they_are():

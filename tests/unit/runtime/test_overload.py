@@ -30,9 +30,10 @@ class Worker:
     async def run_in_turn(self, expected, work, worth=1.0):
         async with self.turns.turn(expected, worth):
             calculation = work()
-            window, now = calculation.args[0], asyncio.get_running_loop().time()
+            function, cut, *_ = calculation.args
+            window, now = cut.open(), asyncio.get_running_loop().time()
             sick = window.loop == SICK or (window.loop == FALLS_SICK and now > 250)
-            looks = calculation.func is first_look
+            looks = function is first_look
             await asyncio.sleep(LOOK if looks else FIT)
             if looks and (sick or (UPSET.start <= now < UPSET.stop and LOOPS.index(window.loop) < 15)):
                 return "seen"

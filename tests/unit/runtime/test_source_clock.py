@@ -9,7 +9,7 @@ import pytest
 from agent.runtime.intake.source_clock import SourceClock
 from agent.runtime.intake.window import RollingWindow
 from connectors.base import Quality
-from tests.unit.runtime.loops import START, loop_settings, sample
+from tests.unit.runtime.loops import START, loop_settings, pushed, sample
 
 DAY = 86400.0
 YEARS = 26 * 365.25 * DAY
@@ -112,10 +112,10 @@ def test_a_missing_value_from_a_clock_behind_marks_a_gap_and_does_not_start_the_
     window = RollingWindow(loop_settings())
     released = []
     for k in range(60):
-        released.append(window.push(sample("pv", k, float(k)), float(k)))
+        released.append(pushed(window, sample("pv", k, float(k)), float(k)))
         quality = Quality.BAD if 20 <= k < 40 else Quality.GOOD
         at = k - 25 if quality is Quality.BAD else k
-        released.append(window.push(sample("op", at, 1.0 * k, quality), float(k)))
+        released.append(pushed(window, sample("op", at, 1.0 * k, quality), float(k)))
     (first, second) = [each for each in released if each is not None]
     assert window.counters.clock_steps == 0
     assert all(math.isnan(value) for value in first.op[21:40])

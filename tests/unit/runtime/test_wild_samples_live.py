@@ -8,7 +8,7 @@ import pytest
 from agent.analysis.gates import gates
 from agent.analysis.oscillation import detect_oscillation
 from agent.runtime.intake.window import RollingWindow
-from tests.unit.runtime.loops import loop_settings, sample
+from tests.unit.runtime.loops import loop_settings, pushed, sample
 
 N = 600
 NOISE = np.random.default_rng(5).normal(0, 0.1, (N, 2))
@@ -21,7 +21,7 @@ def windows_of(wild):
     for t in range(N):
         for k, role in enumerate(("pv", "op")):
             value = 50 + 5 * math.sin(t / 8 + k) + NOISE[t, k]
-            found = window.push(sample(role, t, wild.get((role, t), value)), t + 0.1 * k)
+            found = pushed(window, sample(role, t, wild.get((role, t), value)), t + 0.1 * k)
             released += [] if found is None else [found]
     return released
 

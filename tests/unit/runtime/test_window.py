@@ -10,14 +10,7 @@ from hypothesis import strategies as st
 from agent.runtime.intake.window import CLOCK_SET_BACK, LATEST, RollingWindow
 from agent.settings import WindowSettings
 from connectors.base import Quality
-from tests.unit.runtime.loops import START, loop_settings, push_all, sample
-
-
-def both(times, value=None):
-    """PV and OP told together, PV counting the seconds and OP a tenth of it."""
-    for t in times:
-        yield sample("pv", t, float(t) if value is None else value)
-        yield sample("op", t, t / 10)
+from tests.unit.runtime.loops import START, both, loop_settings, push_all, pushed, sample
 
 
 def test_a_window_is_due_when_it_is_full_and_then_each_hop():
@@ -225,7 +218,7 @@ def test_no_stream_of_samples_breaks_it(samples):
         if each is None:
             rolling.interrupt()
         else:
-            window = rolling.push(each, float(arrival))
+            window = pushed(rolling, each, float(arrival))
             assert window is None or len(window) == 20
 
 
