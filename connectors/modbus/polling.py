@@ -147,31 +147,26 @@ class Rounds:
         ]
 
     async def read(self) -> AsyncGenerator[Sample | Readings]:
-        """Yield the values of every loop once; raises ConnectionLostError."""
+        """Yield the values of every loop once, each request's as it comes; raises ConnectionLostError."""
         for lane in self._lanes:
             lane.begin_round()
-        waiting = deque(self._groups)
-        tasks = {asyncio.create_task(_poll(waiting, lane), name="poll") for lane in self._lanes[1:]}
+        waiting, free = deque(self._groups), list(self._lanes)
+        running: dict[asyncio.Task[Sequence[Sample | Readings]], NeighbourReader] = {}
         try:
-            while waiting:
-                for each in await waiting.popleft().poll(self._lanes[0]):
-                    yield each
-            for task in tasks:
-                for each in await task:
-                    yield each
+            while waiting or running:
+                while waiting and free:
+                    lane = free.pop()
+                    running[asyncio.create_task(waiting.popleft().poll(lane), name="poll")] = lane
+                done, _ = await asyncio.wait(running, return_when=asyncio.FIRST_COMPLETED)
+                free += [running[task] for task in done]
+                for task in done:
+                    for each in task.result():
+                        yield each
+                    del running[task]
         finally:
-            for task in tasks:
+            for task in running:
                 task.cancel()
-            if tasks:
-                await asyncio.wait(tasks)
-
-
-async def _poll(waiting: deque[PolledTogether], lane: NeighbourReader) -> list[Sample | Readings]:
-    """Read what waits until nothing does."""
-    found: list[Sample | Readings] = []
-    while waiting:
-        found += await waiting.popleft().poll(lane)
-    return found
+            await asyncio.gather(*running, return_exceptions=True)
 
 
 def _groups(pollers: Sequence[LoopPoller], together: Mapping[int, Span]) -> list[PolledTogether]:

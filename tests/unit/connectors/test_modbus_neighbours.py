@@ -2,6 +2,7 @@
 
 import asyncio
 
+import numpy as np
 import pytest
 
 from connectors.base import ConnectionLostError, Quality
@@ -127,6 +128,22 @@ def test_four_connections_take_a_quarter_of_the_time():
 
     assert virtual(seconds(1)) == pytest.approx(40 * ROUND_TRIP, rel=0.01)
     assert virtual(seconds(4)) == pytest.approx(10 * ROUND_TRIP, rel=0.01)
+
+
+def test_what_one_connection_reads_does_not_wait_for_another_that_is_slow():
+    class Slow(Device):
+        async def read(self, *request):
+            await asyncio.sleep(99 * ROUND_TRIP)
+            return await super().read(*request)
+
+    async def waits():
+        clock, found = asyncio.get_running_loop(), []
+        began = clock.time()
+        async for _ in Rounds([Device(), Slow()], loops(9, apart=100), 0, Parking("unit1")).read():
+            found.append(clock.time() - began)
+        return np.array(found) / ROUND_TRIP
+
+    np.testing.assert_allclose(virtual(waits()), np.repeat([*range(1, 9), 100], 2), rtol=0.01)
 
 
 def test_a_connection_that_breaks_ends_the_round():
