@@ -47,6 +47,8 @@ class Journal:
         self._sequence = 0
         self._store: Store | None = None
         self._writing = asyncio.Lock()
+        self._next: asyncio.Task[None] | None = None
+        """Will write all that is noted until it has its turn: one for all that wait for it."""
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="store")
 
     async def open(self) -> Kept:
@@ -90,13 +92,18 @@ class Journal:
         """Return when all that was noted before is on disk, or the disk would not take it."""
         if self._path is None:
             self._pending = NOTHING
-        elif self._pending != NOTHING or self._writing.locked():
+        elif self._next is not None or self._pending != NOTHING or self._writing.locked():
+            if self._next is None:
+                self._next = asyncio.create_task(self._write(), name="store")
             # A task of its own: a caller cancelled during the wait would not know what was written.
-            await asyncio.shield(asyncio.create_task(self._write(), name="store"))
+            await asyncio.shield(self._next)
 
     async def _write(self) -> None:
         async with self._writing:
-            await self._look_at_the_file()
+            try:
+                await self._look_at_the_file()
+            finally:
+                self._next = None
             change, self._pending = self._pending, NOTHING
             if change == NOTHING:
                 return
