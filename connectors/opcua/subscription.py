@@ -63,7 +63,7 @@ class _Notifications(Subscription):  # type: ignore[misc]
 
 
 class NodeSubscription:
-    """NodeChanges of many nodes; made by ``subscription``."""
+    """Changes of many nodes; made by ``subscription``."""
 
     def __init__(
         self, session: UaSession, wanted: ua.CreateSubscriptionParameters, options: OpcUaOptions
