@@ -59,7 +59,7 @@ def agent(config: Path, quiet: Diagnosis, says: Connection) -> None:
             for k, (name, pipeline) in enumerate(made.pipelines.items()):
                 pipeline.diagnosis, pipeline.judged_at = replace(quiet, loop=name), 0.0
                 if k % WATCHED == 0:
-                    _watch(pipeline.window, marks.delays.setdefault(bus_of[name], []))
+                    _watch(pipeline, marks.delays.setdefault(bus_of[name], []))
             _watch_gatherings(lambda loop: marks.delays.setdefault(bus_of[loop], []))
 
             async def count() -> dict[str, int]:
@@ -90,12 +90,12 @@ def _watch_gatherings(delays_of: Callable[[str], list[float]]) -> None:
     Gatherings.put = timed  # type: ignore[method-assign]
 
 
-def _watch(window: Any, delays: list[float]) -> None:  # noqa: ANN401 - its method is replaced
-    push = window.push
+def _watch(pipeline: Any, delays: list[float]) -> None:  # noqa: ANN401 - its method is replaced
+    """Watch the samples that come alone; those that come in one piece pass ``Gatherings.put``."""
+    push = pipeline.push
 
-    def timed(sample: Any, arrival: float) -> Any:  # noqa: ANN401
-        found = push(sample, arrival)
+    def timed(sample: Any, arrival: float) -> None:  # noqa: ANN401
+        push(sample, arrival)
         delays.append(time.time() - sample.time)
-        return found
 
-    window.push = timed
+    pipeline.push = timed
