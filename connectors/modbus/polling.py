@@ -150,23 +150,35 @@ class Rounds:
         """Yield the values of every loop once, each request's as it comes; raises ConnectionLostError."""
         for lane in self._lanes:
             lane.begin_round()
-        waiting, free = deque(self._groups), list(self._lanes)
-        running: dict[asyncio.Task[Sequence[Sample | Readings]], NeighbourReader] = {}
+        waiting, found, came = deque(self._groups), deque[Sample | Readings](), asyncio.Event()
+        reads = [asyncio.create_task(_poll(waiting, lane, found, came), name="poll") for lane in self._lanes]
         try:
-            while waiting or running:
-                while waiting and free:
-                    lane = free.pop()
-                    running[asyncio.create_task(waiting.popleft().poll(lane), name="poll")] = lane
-                done, _ = await asyncio.wait(running, return_when=asyncio.FIRST_COMPLETED)
-                free += [running[task] for task in done]
-                for task in done:
-                    for each in task.result():
-                        yield each
-                    del running[task]
+            over = False
+            while not over:
+                await came.wait()
+                came.clear()
+                over = sum(each.result() is None for each in reads if each.done()) == len(reads)
+                while found:
+                    yield found.popleft()
         finally:
-            for task in running:
-                task.cancel()
-            await asyncio.gather(*running, return_exceptions=True)
+            for each in reads:
+                each.cancel()
+            await asyncio.gather(*reads, return_exceptions=True)
+
+
+async def _poll(
+    waiting: deque[PolledTogether],
+    lane: NeighbourReader,
+    found: deque[Sample | Readings],
+    came: asyncio.Event,
+) -> None:
+    """Read what waits until nothing does; each answer goes to ``found`` at once."""
+    try:
+        while waiting:
+            found.extend(await waiting.popleft().poll(lane))
+            came.set()
+    finally:
+        came.set()
 
 
 def _groups(pollers: Sequence[LoopPoller], together: Mapping[int, Span]) -> list[PolledTogether]:
