@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from agent.runtime.store.store import Store
 
 TAKEN_WITHIN = 3.0
-"""s; a running agent takes a command within half a second."""
+"""s; a running agent takes a command within a second."""
 LOOK = 0.05
 """s"""
 

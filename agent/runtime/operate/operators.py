@@ -15,8 +15,9 @@ from agent.runtime.supervisor import MARGIN, Health
 from connectors.cancellation import obey_cancellation
 
 LOG = logging.getLogger(__name__)
-LOOK = 0.5
-"""Time between two looks for commands and at the end of shelving, s."""
+LOOK = 1.0
+"""Time between two looks for commands and at the end of shelving, s. A look costs 0.8 ms of CPU: two a
+second were half of the CPU of an agent of 100 loops over Modbus."""
 
 
 class Operators:

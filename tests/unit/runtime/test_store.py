@@ -262,7 +262,7 @@ async def test_a_file_that_somebody_removes_or_overwrites_is_noticed_and_written
     outbox.put(Publication("FIC101", "state", "1", {}))
     await journal.flush()
     harm(path)
-    await journal.commands()  # the agent looks for them twice a second
+    await journal.commands()  # the agent looks for them every second
     assert "removed, replaced or overwritten" in caplog.text
     outbox.put(Publication("FIC102", "state", "2", {}))
     await journal.flush()
