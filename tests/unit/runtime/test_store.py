@@ -1,7 +1,6 @@
 """What outlives the process: alarms, unpublished messages and commands."""
 
 import asyncio
-import itertools
 import os
 import sqlite3
 from contextlib import closing
@@ -286,21 +285,3 @@ async def test_commands_of_another_process_are_no_harm(tmp_path, caplog):
     other.close()
     await journal.close()
     assert "overwritten" not in caplog.text
-
-
-async def test_those_that_wait_share_a_write_and_closing_waits_for_it(path, monkeypatch):
-    journal = Journal(path)
-    await journal.open()
-    outbox, looks, flushes = Outbox("broker", journal), itertools.count(), []
-    monkeypatch.setattr(Store, "is_foreign", lambda _: next(looks) < 0)  # each write looks first
-    for k in range(60):
-        outbox.put(event(k))
-        flushes.append(asyncio.create_task(journal.flush()))
-        await asyncio.sleep(0)
-        if k % 2:
-            flushes[-1].cancel()
-    await journal.close()
-    assert [each for each in asyncio.all_tasks() if each.get_name() == "store"] == []
-    assert len(opened(path, Store.read).waiting) == 60
-    assert next(looks) < 10
-    await asyncio.gather(*flushes, return_exceptions=True)
