@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate, nothing_else
+from agent.workbench.checks.own_cycle import NO_LINE, is_no_line
 from agent.workbench.checks.pairs import far_likelier_words, likeliest_pair
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, beats, dynamics_on
 from agent.workbench.decision import Decision, judge
@@ -108,6 +109,10 @@ def judged(
 
     doubts = Doubts(smaller, models, found, both_needed, beside_dynamics, pair)
     by_chance = {name: each.by_chance for name, each in found.items()}
+    no_line = [
+        name for name, each in models.items() if is_no_line(smaller.predicts, each.fit, found[name].by_chance)
+    ]
+    doubts.objections.update(dict.fromkeys(no_line, NO_LINE))
     doubts.objections.update(_at_once(found, event_p))
     if smaller.predicts is not None:
         doubts.objections.update(dict.fromkeys(likelier_otherwise(found), UNLIKELY))

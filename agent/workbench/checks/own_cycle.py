@@ -1,8 +1,12 @@
-"""Does a wave keep the time of OP's own cycle? Then the loop may make it itself.
+"""Is a wave a line of the residual, and does it keep the time of OP's own cycle?
 
-A valve or a mass that sticks makes a wave at OP's cycle and at its harmonics, and so does a load that drives
-the loop: OP then takes the load's time. Two things distinguish a load from the loop: it keeps its own time
-where OP's cycle does not (the phase), or it is a pure wave, while friction makes odd harmonics (the shape).
+Of many frequencies one goes along with slow noise over a whole record, held-out blocks as well: what a search
+found is a wave only where the spectrum has a line that noise does not explain.
+
+In the time of OP's cycle the loop may make a wave itself. A valve or a mass that sticks makes a wave at OP's
+cycle and at its harmonics, and so does a load that drives the loop: OP then takes the load's time. Two things
+distinguish a load from the loop: it keeps its own time where OP's cycle does not (the phase), or it is a pure
+wave, while friction makes odd harmonics (the shape).
 Source: reference ``missing_effect.md`` section 3, external sinusoid.
 """
 
@@ -13,7 +17,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effects.sinusoid import Sinusoid
-from agent.workbench.residual.line_spectrum import line_spectrum
+from agent.physics.effects.wave import HARMONICS as MULTIPLES
+from agent.physics.effects.wave import RepeatingWave
+from agent.workbench.residual.holm import LEVEL
+from agent.workbench.residual.line_spectrum import CERTAIN_CYCLES, line_spectrum
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -21,12 +28,43 @@ if TYPE_CHECKING:
     from agent.workbench.predictor import Predictor
 
 WORDS = "it keeps the time of OP's own cycle, as a wave that the loop makes itself would"
+NO_LINE = "the residual has no line there: slow noise goes along with some wave"
 NEAR = 2.0
 """Lines of the record's spectrum within which a wave and a line are one."""
 HARMONICS = (3, 5)
 PURE = 1 / 30
 """Amplitude of any harmonic over the wave's, below which it is pure. A band behind one lag leaves 1/9 at the
 third, behind two 1/27."""
+
+
+def is_no_line(smaller: tuple[Predictor, FloatArray] | None, larger: Fit, by_chance: float = 1.0) -> bool:
+    """Return whether the last effect of a fit is a wave where the residual without it has no certain line.
+
+    One of the harmonics of a wave is enough. Between two lines of the spectrum a wave is lower than on one:
+    where it is not slow, the innovations may show it as well.
+
+    Args:
+        smaller: As of ``may_be_loops_own``, like ``larger``.
+        larger: The model with it.
+        by_chance: How likely the innovations fall as far without a wave, all frequencies paid for.
+    """
+    wave = larger.model.effects[-1]
+    if smaller is None or not isinstance(wave, Sinusoid):
+        return False
+    predicts, best = smaller
+    record = predicts.objective.record
+    cycles = float(larger.values[-1]) * len(record) * record.facts.ts
+    if cycles >= CERTAIN_CYCLES and by_chance < LEVEL:
+        return False
+    found = line_spectrum(predicts.left(best), record.op, record.facts.ts)
+    if found is None:
+        return False  # not known: there are gaps
+    multiples = range(1, 1 + (MULTIPLES if isinstance(wave, RepeatingWave) else 1))
+    return not any(
+        abs(line.frequency * len(record) * record.facts.ts - multiple * cycles) < NEAR
+        for line in found.certain
+        for multiple in multiples
+    )
 
 
 def may_be_loops_own(smaller: tuple[Predictor, FloatArray] | None, larger: Fit) -> bool:

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.workbench.candidates import WORSE_ELSEWHERE
+from agent.workbench.checks.own_cycle import NO_LINE, is_no_line, may_be_loops_own
 from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
-from agent.workbench.checks.own_cycle import may_be_loops_own
 from agent.workbench.decision import LEAST_PERCENT
 from agent.workbench.doubts import STANDS_FOR_ANOTHER
 from agent.workbench.library import happens_once, missing
@@ -197,7 +197,9 @@ class _Several:
         """Return a verdict, lowered where validation is worse, or the loop may make a wave itself."""
         if verdict.effect is None:
             return verdict
-        rows = zip(self.benches, tried[verdict.effect].alone, strict=True)
+        rows = list(zip(self.benches, tried[verdict.effect].alone, strict=True))
+        if all(is_no_line(bench.step.predicts, alone.fit) for bench, alone in rows):
+            return replace(verdict, kind="suggested", lacks=(NO_LINE,))
         if any(may_be_loops_own(bench.step.predicts, alone.fit) for bench, alone in rows):
             return replace(verdict, kind="suggested", lacks=(OWN_CYCLE,))
         before, after = smaller.rmse_validation, tried[verdict.effect].step.rmse_validation

@@ -10,7 +10,7 @@ from agent.physics.effect import Parameter
 from agent.physics.effects import EFFECTS
 from agent.workbench import trials
 from agent.workbench.checks.lacking import dominates, lacks_words, larger_dynamics
-from agent.workbench.checks.own_cycle import keeps_time_of_loop
+from agent.workbench.checks.own_cycle import NO_LINE, keeps_time_of_loop
 from agent.workbench.checks.unnamed import AS_LIKELY
 from agent.workbench.session import Workbench
 from agent.workbench.space import Space
@@ -33,6 +33,14 @@ def test_a_pure_wave_or_one_of_another_time_is_a_load():
     wanders = np.cumsum(np.random.default_rng(1).standard_normal(1500)) * 0.05
     uneven = 50 + 5 * np.sin(2 * np.pi * T / 50 + wanders)
     assert not keeps_time_of_loop(np.sin(2 * np.pi * T / 50) + NOISE, uneven, 1 / 50, 1.0)
+
+
+def test_slow_noise_that_goes_along_with_a_wave_is_none():
+    record = open_record(91000, "steps", "coloured_noise")
+    window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
+    decision = Workbench(window, without={each.name for each in EFFECTS} - {"sinusoid"}).candidates()
+    assert (decision.kind, decision.candidates[0].objection) == ("none", NO_LINE)
+    assert decision.candidates[0].p < 0.05
 
 
 def evidence(family, criterion, **other):
