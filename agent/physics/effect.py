@@ -37,6 +37,8 @@ class Facts:
     """Mean speed of OP without its noise, OP units per second."""
     gain_sign: int
     """Of the process; 0 where it is not known."""
+    stepped: bool = False
+    """Whether OP stands at most samples: a test by hand, a relay. What feedback forbids is possible then."""
 
     @property
     def op_span(self) -> float:

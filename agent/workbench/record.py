@@ -98,6 +98,7 @@ def bare_record(window: LoopWindow, *, from_start: bool = False) -> Record:
         period=period * window.ts,
         op_speed=smooth_speed(op, period) / window.ts,
         gain_sign=process_gain_sign(window),
+        stepped=_is_stepped(op),
     )
     return Record(window.loop, op, pv, counts.astype(np.float64), facts)
 
@@ -109,9 +110,11 @@ def _unknown_start(op: FloatArray, period: float) -> int:
     """
     longest = int(min(BURN * period, len(op) / 12))
     moves = np.flatnonzero(np.diff(op))
-    if len(moves) > (1 - HELD) * len(op) or not len(moves):
-        return longest
-    return min(longest, int(moves[0]) // 2)
+    return min(longest, int(moves[0]) // 2) if len(moves) and _is_stepped(op) else longest
+
+
+def _is_stepped(op: FloatArray) -> bool:
+    return int(np.count_nonzero(np.diff(op))) <= (1 - HELD) * len(op)
 
 
 def period_of(op: FloatArray) -> float:

@@ -32,8 +32,9 @@ class InverseResponse:
     bases: tuple[str, ...] = ()
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return the time constant of the zero, up to ``MOST_LEAD``."""
-        return (Parameter("lead", "s", 0.0, MOST_LEAD * facts.period, null=0.0),)
+        """Return the time constant of the zero: up to ``MOST_LEAD``, as a lag where no feedback limits it."""
+        longest = facts.period * (1.0 if facts.stepped else MOST_LEAD)
+        return (Parameter("lead", "s", 0.0, longest, null=0.0),)
 
     def change(self, process: LinearProcess, values: FloatArray) -> LinearProcess:
         """Return the process with the zero."""

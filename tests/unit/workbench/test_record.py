@@ -1,8 +1,13 @@
+from dataclasses import replace
+
 import numpy as np
 from loops import made
 
 from agent.analysis.record.recording import LoopWindow
+from agent.physics.effects.inverse_response import InverseResponse
 from agent.workbench.record import Record, bare_record, record_of
+from simulators.draws.hidden_effects import hidden_effect_plant
+from simulators.draws.open_records import open_record
 
 
 def test_a_gap_has_no_weight_and_op_a_line():
@@ -29,6 +34,18 @@ def test_it_says_why_nothing_can_be_said():
     assert "OP does not move" in record_of(still)
     nothing = LoopWindow("gaps", 0.0, 1.0, np.full(500, np.nan), np.full(500, np.nan))
     assert "only 0 samples" in record_of(nothing)
+
+
+def test_a_test_by_hand_is_known_and_may_have_a_zero_that_no_feedback_allows():
+    record = open_record(91064, "prbs", "inverse_response")
+    by_hand = bare_record(LoopWindow("prbs", 0.0, record.scenario.ts, record.op, record.pv)).facts
+    loop = bare_record(made()).facts
+    assert (by_hand.stepped, loop.stepped) == (True, False)
+    (true,) = hidden_effect_plant(91064, "inverse_response").parameters["inverse_response.lead"]
+    ((allowed,), (in_loop,)) = (
+        InverseResponse().parameters(each) for each in (by_hand, replace(by_hand, stepped=False))
+    )
+    assert in_loop.high < true < allowed.high
 
 
 def test_the_form_of_op_refuses_no_record():
