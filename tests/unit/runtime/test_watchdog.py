@@ -74,7 +74,7 @@ def test_an_attempt_that_never_comes_back_ends_the_signs_of_life_and_is_reported
     def free():
         bus.free = True
 
-    heard, hung = virtual(watched(agent_of(bus), 600.0, free))
+    heard, hung = virtual(watched(agent_of(bus), 595.0, free))
     assert 50.0 <= heard[-1] <= 70.0  # 30 s to open, and 30 s that a busy machine may take more
     assert hung == ("connection bus: open",)
     assert caplog.text.count("connection bus: open hangs") == 1
