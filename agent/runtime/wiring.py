@@ -106,11 +106,9 @@ class Wiring:
             self._discard(name, self.outboxes.pop(name).emptied())
         for name in settings.connections:
             self.outboxes.setdefault(name, Outbox(name, self._journal))
-        places = {loop.name: k // TOGETHER for k, loop in enumerate(settings.loops)}
-        groups = max(math.ceil(len(settings.loops) / TOGETHER), 1)
-        changed = {
-            loop.name: self._pipeline(loop, settings.agent, places[loop.name] / groups) for loop in loops
-        }
+        groups = math.ceil(len(settings.loops) / TOGETHER)
+        staggers = {loop.name: k // TOGETHER / groups for k, loop in enumerate(settings.loops)}
+        changed = {loop.name: self._pipeline(loop, settings.agent, staggers[loop.name]) for loop in loops}
         former = dict(self.pipelines)
         for name, pipeline in changed.items():
             if name in former:

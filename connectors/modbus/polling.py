@@ -153,11 +153,13 @@ class Rounds:
         waiting, found, came = deque(self._groups), deque[Sample | Readings](), asyncio.Event()
         reads = [asyncio.create_task(_poll(waiting, lane, found, came), name="poll") for lane in self._lanes]
         try:
-            over = False
-            while not over:
+            ended: list[asyncio.Task[None]] = []
+            while len(ended) < len(reads):
                 await came.wait()
                 came.clear()
-                over = sum(each.result() is None for each in reads if each.done()) == len(reads)
+                ended = [each for each in reads if each.done()]
+                for each in ended:
+                    each.result()
                 while found:
                     yield found.popleft()
         finally:

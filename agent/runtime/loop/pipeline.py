@@ -217,7 +217,7 @@ class LoopPipeline:
         """Return what the answer on the window that waits is worth: little where nothing would change."""
         newest = self._waiting or self._judging
         now = 0.0 if newest is None else newest.end
-        since = max(0.0, now - (now if self._fitted_until is None else self._fitted_until))
+        since = 0.0 if self._fitted_until is None else max(0.0, now - self._fitted_until)
         return worth_of_fit(self.memory, self.settings.alarm.priority, since, now, self._base_rate)
 
     async def _decide(self, found: Routine) -> None:

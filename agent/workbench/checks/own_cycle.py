@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.fit import Fit
     from agent.workbench.predictor import Predictor
+    from agent.workbench.residual.line_spectrum import Line
 
 WORDS = "it keeps the time of OP's own cycle, as a wave that the loop makes itself would"
 NO_LINE = "the residual has no line there: slow noise goes along with some wave"
@@ -53,18 +54,14 @@ def is_no_line(smaller: tuple[Predictor, FloatArray] | None, larger: Fit, by_cha
         return False
     predicts, best = smaller
     record = predicts.objective.record
-    cycles = float(larger.values[-1]) * len(record) * record.facts.ts
-    if cycles >= CERTAIN_CYCLES and by_chance < LEVEL:
+    frequency, duration = float(larger.values[-1]), record.facts.duration
+    if frequency * duration >= CERTAIN_CYCLES and by_chance < LEVEL:
         return False
     found = line_spectrum(predicts.left(best), record.op, record.facts.ts)
     if found is None:
         return False  # not known: there are gaps
     multiples = range(1, 1 + (MULTIPLES if isinstance(wave, RepeatingWave) else 1))
-    return not any(
-        abs(line.frequency * len(record) * record.facts.ts - multiple * cycles) < NEAR
-        for line in found.certain
-        for multiple in multiples
-    )
+    return not any(_near(found.certain, multiple * frequency, duration) for multiple in multiples)
 
 
 def may_be_loops_own(smaller: tuple[Predictor, FloatArray] | None, larger: Fit) -> bool:
@@ -91,11 +88,15 @@ def keeps_time_of_loop(residual: FloatArray, op: FloatArray, frequency: float, t
         ts: s.
     """
     found = line_spectrum(residual, op, ts)
-    lines = () if found is None else found.lines
-    at = [each for each in lines if abs(each.frequency - frequency) * len(op) * ts < NEAR]
+    at = [] if found is None else _near(found.lines, frequency, len(op) * ts)
     if not at or at[0].harmonic is None or at[0].kind == "coherent":
         return False
     return at[0].harmonic > 1 or not _is_pure(residual, at[0].frequency * ts)
+
+
+def _near(lines: tuple[Line, ...], frequency: float, duration: float) -> list[Line]:
+    """Return the lines that are one with a wave of ``frequency``, 1/s, in a record of ``duration``, s."""
+    return [each for each in lines if abs(each.frequency - frequency) * duration < NEAR]
 
 
 def _is_pure(residual: FloatArray, frequency: float) -> bool:
