@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import track
 from scipy.optimize import minimize
 
-from agent.analysis.diagnose import with_likelihood
+from agent.analysis.diagnose import with_innovations
 from agent.analysis.evidence.weighing import SAYS, features
 from agent.analysis.gates import gates
 from agent.analysis.oscillation import detect_oscillation
@@ -66,7 +66,7 @@ def run(_options: Options) -> None:
 
 def case(kind: AnyKind, seed: int) -> Case:
     loop = random_loop(kind, seed)
-    found = with_likelihood(quantifier("free_run").quantify(loop.window), loop.window)
+    found = with_innovations(quantifier("free_run").quantify(loop.window), loop.window)
     return case_of(loop, features(found))
 
 

@@ -1,8 +1,8 @@
 """P(sticks) where every record of a valve is fitted, quiet ones too, as ``diagnose`` does with recordings.
 
 Four windows of each valve of the weeks, half of the valves stick. Compared are each record as one outcome,
-and what ``judged_together`` makes of them. The seeds are used for nothing else. By default there are ten
-valves of each kind, which takes some minutes of CPU; ``--loops N`` makes it N, ``--full`` 63.
+and each as far as it would have shown a valve that sticks. The seeds are used for nothing else. By default
+there are ten valves of each kind, which takes some minutes of CPU; ``--loops N`` makes it N, ``--full`` 63.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.progress import track
 
 from agent.analysis.diagnose import diagnose
+from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.evidence.weighing import SURE
 from agent.analysis.memory.sticks import LIKELY, sticks_of
 from agent.analysis.memory.weighing_windows import BASE_RATE
@@ -49,7 +50,7 @@ class RatedValve:
     together: float | None
     """By all as one record; None where there is but one."""
     each: float
-    """P(sticks), each record as one outcome."""
+    """P(sticks), each record as one outcome, whole."""
     now: float
     """P(sticks) as it is."""
 
@@ -65,8 +66,10 @@ def run(options: Options) -> None:
     rows = []
     for title, ones in some:
         sticks = [each.sticks for each in ones]
-        rows.append((title, len(ones), "each counts", *scores(sticks, [one.each for one in ones])))
-        rows.append((title, len(ones), "quiet ones as one", *scores(sticks, [one.now for one in ones])))
+        rows.append((title, len(ones), "each counts whole", *scores(sticks, [one.each for one in ones])))
+        rows.append(
+            (title, len(ones), "as far as they would show", *scores(sticks, [one.now for one in ones]))
+        )
     columns = (
         "valves",
         "number",
@@ -79,7 +82,7 @@ def run(options: Options) -> None:
     )
     print(table("### P(sticks) where every record is fitted", columns, rows))
     sure = [each for each in valves if each.together is not None and each.together >= SURE]
-    for name, found in (("each counts", [one.each for one in sure]), ("now", [one.now for one in sure])):
+    for name, found in (("whole", [one.each for one in sure]), ("now", [one.now for one in sure])):
         below = sum(p < LIKELY for p in found)
         print(f"All as one say stiction and P < {LIKELY}, {name}: {below} of {len(sure)}\n")
 
@@ -96,7 +99,7 @@ def rated_valve(job: tuple[int, bool]) -> RatedValve:
         windows.append(LoopWindow(valve.name, scenario.start, ts, record.op, record.pv, sp))
     alone = [diagnose(each) for each in windows]
     judged = judged_together(windows, alone)
-    now, counted = judged[0].sticks, sticks_of([replace(each, quiet=False) for each in alone])
+    now, counted = judged[0].sticks, sticks_of([_whole(each) for each in alone])
     return RatedValve(
         sticks,
         sum(each.quiet and each.weighed is not None for each in alone),
@@ -104,6 +107,12 @@ def rated_valve(job: tuple[int, bool]) -> RatedValve:
         counted.probability,
         counted.probability if now is None else now.probability,
     )
+
+
+def _whole(diagnosis: Diagnosis) -> Diagnosis:
+    """Return a diagnosis that counts whole, whatever its window would have shown."""
+    found = diagnosis.quantification
+    return diagnosis if found is None else replace(diagnosis, quantification=replace(found, would_show=None))
 
 
 def scores(sticks: Sequence[bool], p: Sequence[float]) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from agent.analysis.diagnosis import Diagnosis, RecordSummary
 from agent.analysis.evidence.weighing import SURE, weigh
 from agent.analysis.gates.rhythm import samples_per_period
 from agent.analysis.indices import performance
-from agent.analysis.innovations import log_likelihood_ratio
+from agent.analysis.innovations import innovations_say
 from agent.analysis.memory.sticks import with_sticks
 from agent.analysis.not_testable import not_testable
 from agent.analysis.quantify import quantifier as quantifier_named
@@ -63,7 +63,7 @@ def diagnose(
 
 
 def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
-    found = with_likelihood(quantifier.quantify(window), window)
+    found = with_innovations(quantifier.quantify(window), window)
     samples = samples_per_period(window, seen.oscillation)
     stem_measured = window.mv is not None
     weighed = weigh(found, seen.methods, stem_measured=stem_measured, samples_per_period=samples)
@@ -134,12 +134,13 @@ def as_decided(found: Quantification, op_span: float) -> Quantification:
     return found
 
 
-def with_likelihood(found: Quantification, window: LoopWindow) -> Quantification:
-    """Return the answer of ``free_run`` with its log likelihood ratio unless it has one; another as it is."""
+def with_innovations(found: Quantification, window: LoopWindow) -> Quantification:
+    """Return the answer of ``free_run`` with what the innovations say; another or a complete one as it is."""
     known = found.log_likelihood_ratio is not None
     if known or found.failure is not None or found.quick_evidence is None:
         return found
-    return replace(found, log_likelihood_ratio=log_likelihood_ratio(window, found))
+    say = innovations_say(window, found)
+    return replace(found, log_likelihood_ratio=say.log_likelihood_ratio, would_show=say.would_show)
 
 
 def verdict_of(found: Quantification, weighed: Weighed) -> tuple[Verdict, float]:

@@ -45,7 +45,7 @@ def judged_together(
     stem = all(windows[k].mv is not None for k in events)
     together = weigh_together([diagnoses[k] for k in events], stem_measured=stem) if len(events) > 1 else None
     testable = [k for k, each in enumerate(diagnoses) if k not in usable or k in events]
-    sticks = sticks_of([diagnoses[k] for k in testable], base_rate, stem_measured=stem)
+    sticks = sticks_of([diagnoses[k] for k in testable], base_rate)
     if together is not None:
         sticks = in_view_of(sticks, together)
     revised = [replace(each, sticks=sticks) for each in diagnoses]

@@ -21,7 +21,7 @@ CONFIDENCE = 0.5
 
 
 def quiet(window: LoopWindow, seen: Seen) -> Diagnosis:
-    """Return the diagnosis of a testable window that neither oscillates nor reverses its valve often."""
+    """Return the diagnosis of a testable window that neither oscillates nor moves OP beyond its noise."""
     return Diagnosis(
         loop=window.loop,
         verdict="no_stiction" if seen.no_response is None else "undecided",

@@ -186,6 +186,8 @@ class Quantification:
     """Changes of direction of the valve that was found; None where a quantifier does not count them."""
     log_likelihood_ratio: float | None = None
     """Log of how much more likely the record is with a sticking valve, nats; None: not computed."""
+    would_show: float | None = None
+    """How likely the record would show a valve that sticks, 0 to 1; None: not known."""
     search_spent: bool = False
     """Whether the search ended with its budget spent, so that a better valve might be found."""
     sticking: SimulatedModel | None = None

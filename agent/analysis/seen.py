@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from agent.analysis.gates import ALL_KINDS, closed_kinds, gates
 from agent.analysis.oscillation import detect_oscillation
-from agent.analysis.record.reversals import noise_range, significant_reversals
+from agent.analysis.record.reversals import moves_beyond_noise
 from agent.analysis.response.no_response import NoResponse, no_response
 from agent.analysis.stiction import detect_stiction
 from agent.analysis.wear.as_before import as_before
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from agent.analysis.results import MethodResult, Oscillation
     from agent.analysis.wear.as_before import AsBefore
 
-ENOUGH_REVERSALS = 8
-"""Reversals of OP after which a valve that sticks shows it, also without a steady oscillation."""
-
 
 @dataclass(frozen=True, slots=True)
 class Seen:
@@ -32,8 +29,8 @@ class Seen:
     oscillation: Oscillation
     faults: tuple[GateFault, ...]
     """Of the gates."""
-    reversals: int
-    """Reversals of OP by more than all of its noise spans: a loop that only answers noise has none."""
+    op_moves: bool
+    """Whether OP moves farther than its noise explains: a loop that only responds to noise does not."""
     methods: dict[str, MethodResult]
     """Result of each stiction detector, by its name; empty where the window is not testable."""
     no_response: NoResponse | None = None
@@ -50,7 +47,7 @@ class Seen:
 
 
 def look(window: LoopWindow) -> Seen:
-    """Detect oscillation, apply the gates, count reversals, run the stiction detectors, test the response.
+    """Detect oscillation, apply the gates, run the stiction detectors, test the response.
 
     Takes some 50 ms for 1500 samples, and more where the valve is known (``as_before``), so it is for a
     worker process, not for an event loop.
@@ -60,19 +57,19 @@ def look(window: LoopWindow) -> Seen:
     faults = gates(window, oscillation)
     testable = closed_kinds(faults) != ALL_KINDS
     methods = detect_stiction(window, oscillation, faults) if testable else {}
-    reversals = significant_reversals(window.op, noise_range(len(window)))
     silent = no_response(window)
     before = as_before(window)
-    return Seen(oscillation, faults, reversals, methods, silent, before, time.perf_counter() - started)
+    moves = moves_beyond_noise(window.op)
+    return Seen(oscillation, faults, moves, methods, silent, before, time.perf_counter() - started)
 
 
 def worth_a_fit(seen: Seen) -> bool:
     """Return whether a full diagnosis of a testable window is due.
 
-    It is where the loop oscillates, where OP reverses often enough, and where a detector reports stiction.
+    It is where OP moves: a valve that sticks shows it at each move that it does not follow, with a rhythm or
+    without. Where noise is wider than the oscillation, a rhythm shows what moves.
     """
-    accused = any(each.verdict == "stiction" for each in seen.methods.values())
-    return seen.oscillation.detected or seen.reversals >= ENOUGH_REVERSALS or accused
+    return seen.op_moves or seen.oscillation.detected
 
 
 def without_pictures(methods: Mapping[str, MethodResult]) -> dict[str, MethodResult]:

@@ -34,7 +34,7 @@ LITTLE_LIKELIHOOD, ENOUGH_LIKELIHOOD = 10.0, 100.0
 """Log likelihood ratios (nats) up to which one grows as its worth, since a search among many valves finds
 some by chance; and beyond which more does not count."""
 SURE = 0.8
-"""Probability from which stiction is reported, or excluded: one of 187 simulated sound loops exceeds it, each
+"""Probability from which stiction is reported, or excluded: two of 187 simulated sound loops exceed it, each
 weighed with weights fitted to the others."""
 MOST = math.log(99)
 """Log odds beyond which the calibration has too few simulated loops to speak: 99 %."""

@@ -18,7 +18,9 @@ from agent.analysis.innovations.noise_models import noise_models
 from agent.analysis.innovations.process_search import best_process
 from agent.analysis.innovations.valve_search import best_valve
 from agent.analysis.innovations.whitened import Fit, log_likelihood
+from agent.analysis.innovations.would_show import chance_to_show
 from agent.analysis.quantify.free_run.problem import pose
+from agent.analysis.record.least_step import usual_range
 from agent.analysis.record.resolution import dithered
 from agent.analysis.record.spans import in_spans_of
 from agent.identify.objective import S, valve_position
@@ -44,14 +46,26 @@ class Told(NamedTuple):
     s: float
     j: float
     stem: FloatArray | None
-    """How it moved, (n,); None where the model without stiction was reported."""
+    """How it moved, (n,); None where that is not known."""
 
 
-def log_likelihood_ratio(window: LoopWindow, found: Quantification) -> float:
-    """Return the log of how much more likely the record is with a sticking valve than without, nats, >= 0.
+class InnovationsSay(NamedTuple):
+    """What the innovations of a record say of its valve."""
+
+    log_likelihood_ratio: float
+    """Of how much more likely the record is with a sticking valve than without, nats, >= 0."""
+    would_show: float | None
+    """How likely the record would show a valve that sticks, 0 to 1; None: not known."""
+
+
+NOTHING_SAID = InnovationsSay(0.0, None)
+
+
+def innovations_say(window: LoopWindow, found: Quantification) -> InnovationsSay:
+    """Return how much more likely the record is with a sticking valve, and whether it would be.
 
     Both models see the same processes and choose their own noise, and the load of the sound one may step
-    once. Valves: the one that ``found`` tells, and those of a search of its own.
+    once. Valves: the one that ``found`` has, whatever its decision, and those of a search of its own.
 
     Args:
         window: The record.
@@ -59,15 +73,15 @@ def log_likelihood_ratio(window: LoopWindow, found: Quantification) -> float:
     """
     in_spans = in_spans_of(window)
     if in_spans is None:
-        return 0.0
+        return NOTHING_SAID
     in_spans = replace(in_spans, pv=dithered(in_spans.pv))
     problem = pose(in_spans)
     if isinstance(problem, str):
-        return 0.0
+        return NOTHING_SAID
     whitened = noise_models(in_spans, problem)
     linear = best_process(whitened, window.hints)
     if linear is None:
-        return 0.0
+        return NOTHING_SAID
     sound = log_likelihood(linear, whitened[linear.noise])
     sticking = [
         log_likelihood(fit, behind[fit.noise])
@@ -76,16 +90,18 @@ def log_likelihood_ratio(window: LoopWindow, found: Quantification) -> float:
     best = max(sticking, default=sound)
     if best - sound > NOTHING:
         sound = max(sound, with_load_step(linear, whitened))
-    return max(0.0, best - sound)
+    low, high = window.hints.op_range or usual_range(window.op[np.isfinite(window.op)])
+    op_range = (high - low) / window.op_span
+    shows = chance_to_show(linear, whitened[linear.noise], op_range) if op_range > 0 else None
+    return InnovationsSay(max(0.0, best - sound), shows)
 
 
 def told(window: LoopWindow, found: Quantification) -> Told | None:
     """Return the valve of an answer; None where it has none."""
     if found.stiction is None or not found.stiction.s.value > 0:
         return None
-    stem = None
-    if found.model_mv is not None and found.decision != "no_stiction":
-        stem = np.ascontiguousarray((found.model_mv - np.nanmin(window.op)) / window.op_span)
+    moved = found.model_mv if found.sticking is None else found.sticking.mv
+    stem = None if moved is None else np.ascontiguousarray((moved - np.nanmin(window.op)) / window.op_span)
     return Told(found.stiction.s.value / window.op_span, found.stiction.j.value / window.op_span, stem)
 
 

@@ -30,6 +30,9 @@ EDGES: tuple[tuple[float, Outcome], ...] = (
 """Log odds of a window (``weighing``) below which it has an outcome; beyond the last it is very strong. What
 is enough for the verdict stiction is strong, so that no such valve is more probably sound."""
 
+AGAINST: frozenset[Outcome] = frozenset(("against", "hardly", "weak"))
+"""Outcomes whose log odds are below zero."""
+
 
 def outcome_of(diagnosis: Diagnosis) -> Outcome | None:
     """Return the outcome of a window; None where it says nothing of the valve.
@@ -50,3 +53,15 @@ def outcome_of_odds(weighed: Weighed) -> Outcome:
     """Return the outcome of a record, or of several that are weighed as one, by its log odds."""
     log_odds = logit(weighed.probability)
     return next((outcome for edge, outcome in EDGES if log_odds < edge), "very_strong")
+
+
+def part_of(diagnosis: Diagnosis, outcome: Outcome) -> float:
+    """Return for which part of a window an outcome counts, 0 to 1.
+
+    One that speaks against stiction counts as far as the window would have shown it. Where OP hardly moves,
+    or noise hides what a slip does, a record of any valve shows nothing, and many of them no sound valve.
+    """
+    found = diagnosis.quantification
+    if outcome not in AGAINST or found is None or found.would_show is None:
+        return 1.0
+    return found.would_show

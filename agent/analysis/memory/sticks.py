@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from agent.analysis.evidence.together import weigh_together
 from agent.analysis.evidence.weighing import SURE
-from agent.analysis.memory.outcome import OUTCOMES, outcome_of, outcome_of_odds
+from agent.analysis.memory.outcome import OUTCOMES, outcome_of, outcome_of_odds, part_of
 from agent.analysis.memory.weighing_windows import BASE_RATE, probability_of
 from agent.analysis.results import Sticks
 
@@ -16,7 +15,6 @@ if TYPE_CHECKING:
 
     from agent.analysis.diagnosis import Diagnosis
     from agent.analysis.evidence.weighing import Weighed
-    from agent.analysis.memory.outcome import Outcome
     from agent.analysis.memory.valve_memory import ValveMemory
 
 LIKELY = 0.5
@@ -39,28 +37,19 @@ def with_memory(diagnosis: Diagnosis, memory: ValveMemory, base_rate: float = BA
     return replace(diagnosis, sticks=Sticks(memory.probability(base_rate), base_rate, memory.windows))
 
 
-def sticks_of(
-    diagnoses: Sequence[Diagnosis], base_rate: float = BASE_RATE, *, stem_measured: bool = False
-) -> Sticks:
+def sticks_of(diagnoses: Sequence[Diagnosis], base_rate: float = BASE_RATE) -> Sticks:
     """Return the probability from windows of one valve, no event twice.
-
-    Each window counts in which something happened; all that are quiet count as one together, weighed as one
-    record. Where nothing happens, a record of any valve speaks against stiction, so that the outcomes of
-    several would add up to a sound valve.
 
     Args:
         diagnoses: Of each window alone.
         base_rate: Part of the valves of the plant that stick.
-        stem_measured: Whether all of them have MV.
     """
-    seen = [(each, outcome) for each in diagnoses if (outcome := outcome_of(each)) is not None]
-    quiet = [each for each, outcome in seen if each.quiet and outcome != "stuck"]
-    if len(quiet) < 2:
-        outcomes = [outcome for _, outcome in seen]
-    else:
-        outcomes = [outcome for each, outcome in seen if not each.quiet or outcome == "stuck"]
-        outcomes.append(outcome_of_odds(weigh_together(quiet, stem_measured=stem_measured)))
-    return Sticks(_probability(outcomes, base_rate), base_rate, float(len(outcomes)))
+    counts = dict.fromkeys(OUTCOMES, 0.0)
+    for each in diagnoses:
+        if (outcome := outcome_of(each)) is not None:
+            counts[outcome] += part_of(each, outcome)
+    found = tuple(counts.values())
+    return Sticks(probability_of(found, base_rate), base_rate, sum(found))
 
 
 def in_view_of(sticks: Sticks, together: Weighed) -> Sticks:
@@ -68,13 +57,10 @@ def in_view_of(sticks: Sticks, together: Weighed) -> Sticks:
 
     Where all as one record are firm, it is not farther from that than the probability from one such record.
     """
-    one = _probability([outcome_of_odds(together)], sticks.base_rate)
+    alone = tuple(float(each == outcome_of_odds(together)) for each in OUTCOMES)
+    one = probability_of(alone, sticks.base_rate)
     if together.probability >= SURE:
         return replace(sticks, probability=max(sticks.probability, one))
     if together.probability <= 1 - SURE:
         return replace(sticks, probability=min(sticks.probability, one))
     return sticks
-
-
-def _probability(outcomes: Sequence[Outcome], base_rate: float) -> float:
-    return probability_of(tuple(float(outcomes.count(each)) for each in OUTCOMES), base_rate)

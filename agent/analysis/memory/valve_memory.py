@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from agent.analysis.memory.known import ProcessSeen, known_from, process_seen
-from agent.analysis.memory.outcome import OUTCOMES, outcome_of
+from agent.analysis.memory.outcome import OUTCOMES, outcome_of, part_of
 from agent.analysis.memory.s_day import SDay, falls, known_s_of, s_seen, with_s
 from agent.analysis.memory.weighing_windows import BASE_RATE, Counts, probability_of
 from agent.analysis.record.known_process import KnownValve
@@ -89,7 +89,9 @@ def remember(memory: ValveMemory, diagnosis: Diagnosis, start: float, end: float
         return memory
     memory = _on_day_of(memory, end)
     outcome = outcome_of(diagnosis)
-    today = memory.today if outcome is None else _added(memory.today, outcome, new)
+    today = (
+        memory.today if outcome is None else _added(memory.today, outcome, new * part_of(diagnosis, outcome))
+    )
     seen, s = process_seen(diagnosis, end), s_seen(diagnosis, end)
     found = replace(
         memory,

@@ -3,9 +3,10 @@
 What windows of a valve have in common must not add up to certainty: a process that the models lack is there
 every day. So there is a random effect a valve, in two parts. Each valve has rates of outcomes of its own,
 drawn from a Dirichlet distribution, one for valves that stick and one for sound ones; its windows then follow
-the Dirichlet-multinomial (Polya) distribution. And a part of the sound valves, ``MIMICS``, has its rates from
-the distribution of those that stick. So however many windows a valve has, the odds rise by no more than
-1 / ``MIMICS``: that is the cap, and it is measured on simulated valves.
+the Dirichlet-multinomial (Polya) distribution. A part of the sound valves, ``MIMICS``, has its rates from the
+distribution of those that stick, and a part of those that stick, ``HIDDEN``, from that of the sound ones. So
+however many windows a valve has, the odds rise by no more than 1 / ``MIMICS`` and fall by no more than
+1 / ``HIDDEN``: these caps are measured on simulated valves.
 
 Source: J. E. Mosimann, "On the compound multinomial distribution", Biometrika 49, 1962.
 """
@@ -16,7 +17,7 @@ import math
 from typing import TYPE_CHECKING
 
 from agent.analysis.memory.outcome import OUTCOMES, logit
-from agent.analysis.memory.rates import MIMICS, SOUND, STICKS
+from agent.analysis.memory.rates import HIDDEN, MIMICS, SOUND, STICKS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,8 +35,10 @@ def log_bayes_factor(counts: Counts) -> float:
     """Return the log of how much likelier the windows are if the valve sticks, nats."""
     sticks, sound = _log_likelihood(counts, STICKS), _log_likelihood(counts, SOUND)
     likeliest = max(sticks, sound)
-    both = MIMICS * math.exp(sticks - likeliest) + (1 - MIMICS) * math.exp(sound - likeliest)
-    return sticks - likeliest - math.log(both)
+    as_sticking, as_sound = math.exp(sticks - likeliest), math.exp(sound - likeliest)
+    if_sticks = (1 - HIDDEN) * as_sticking + HIDDEN * as_sound
+    if_sound = MIMICS * as_sticking + (1 - MIMICS) * as_sound
+    return math.log(if_sticks / if_sound)
 
 
 def probability_of(counts: Counts, base_rate: float = BASE_RATE) -> float:

@@ -43,6 +43,14 @@ def noise_hides_reversals(op: FloatArray, noises: float = NOISES) -> bool:
     return finite.size >= 3 and 0 < float(np.ptp(finite)) <= noises * op_noise(finite)
 
 
+def moves_beyond_noise(op: FloatArray) -> bool:
+    """Return whether ``op`` (n,), NaN left out, moves by at least as much as its noise spans, beside that."""
+    finite = op[np.isfinite(op)]
+    if finite.size < 3 or np.ptp(finite) == 0:
+        return False
+    return not noise_hides_reversals(finite, 2 * noise_range(finite.size))
+
+
 def significant_reversals(op: FloatArray, noises: float = NOISES) -> int:
     """Count the turning points of ``op`` (n,) that its noise cannot explain; NaN is left out.
 

@@ -8,7 +8,7 @@ import pytest
 from scipy import stats
 from scipy.signal import lfilter
 
-from agent.analysis.innovations import log_likelihood_ratio
+from agent.analysis.innovations import innovations_say
 from agent.analysis.innovations.noise_models import noise_models
 from agent.analysis.innovations.whitened import student_likelihood
 from agent.analysis.quantify.free_run.problem import pose
@@ -35,6 +35,10 @@ def record(*, sticks, walk=0.01, load_step=0.0, seed=0, span=1.0):
 
 def test_a_sticking_valve_is_seen_without_any_help():
     assert log_likelihood_ratio(record(sticks=True), NOTHING_FOUND) > 3 * CLEAR
+
+
+def log_likelihood_ratio(window, found):
+    return innovations_say(window, found).log_likelihood_ratio
 
 
 @pytest.mark.parametrize("walk", [0.0, 0.01, 0.3])
@@ -86,6 +90,21 @@ def test_a_record_that_poses_no_problem_says_nothing():
     window = record(sticks=True)
     assert log_likelihood_ratio(replace(window, op=np.full(N, 50.0)), NOTHING_FOUND) == 0.0
     assert log_likelihood_ratio(replace(window, pv=np.full(N, math.nan)), NOTHING_FOUND) == 0.0
+
+
+def test_a_record_shows_a_sticking_valve_where_op_moves_and_noise_does_not_hide_it():
+    window = record(sticks=False)
+    shows = innovations_say(window, NOTHING_FOUND).would_show
+    assert shows > 0.8
+    noise = np.random.default_rng(5).normal(size=N)
+    assert innovations_say(replace(window, pv=window.pv + 40 * noise), NOTHING_FOUND).would_show < 0.2
+    still = replace(window, op=50 + 0.1 * (window.op - 50), pv=0.1 * window.pv + 0.5 * noise)
+    assert innovations_say(still, NOTHING_FOUND).would_show < shows
+
+
+def test_without_a_range_of_op_nobody_knows_what_would_show():
+    window = record(sticks=False)
+    assert innovations_say(replace(window, op=window.op + 500), NOTHING_FOUND).would_show is None
 
 
 def test_the_filter_that_fits_makes_a_walk_with_noise_white():

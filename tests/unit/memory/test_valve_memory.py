@@ -9,7 +9,7 @@ import pytest
 from agent.analysis.evidence.weighing import SURE, Weighed
 from agent.analysis.memory.known import known_from
 from agent.analysis.memory.outcome import OUTCOMES, outcome_of
-from agent.analysis.memory.rates import MIMICS
+from agent.analysis.memory.rates import HIDDEN, MIMICS
 from agent.analysis.memory.state import from_state, to_state
 from agent.analysis.memory.sticks import LIKELY, is_suspected, sticks_of, with_memory
 from agent.analysis.memory.valve_memory import (
@@ -58,26 +58,36 @@ def test_quiet_windows_leave_the_probability_as_it_is():
     assert memory.probability() == pytest.approx(0.2)
 
 
-def test_quiet_records_count_as_one_together():
-    """In a quiet record of any valve nothing is seen; several do not add up as others do."""
-    nothing = {"log_likelihood_ratio": 0.0, "evidence": 1.0, "quick_evidence": 1.0, "turns": 0}
-    against = judged(WINDOW, replace(STICKING, decision="undecided", **nothing))
-    against = replace(against, methods={}, no_response=None)
-    quiet, moving = replace(against, quiet=True), replace(against, quiet=False)
-    alone = sticks_of([quiet])
-    assert alone == sticks_of([moving])
-    assert sticks_of([quiet] * 5) == alone
-    assert sticks_of([moving] * 5).probability < alone.probability < 0.2
-    assert sticks_of([quiet] * 5 + [moving]) == sticks_of([moving] * 2)
+NOTHING_FOUND = {"log_likelihood_ratio": 0.0, "evidence": 1.0, "quick_evidence": 1.0, "turns": 0}
 
 
-def test_a_slip_in_one_of_many_quiet_records_is_not_outweighed():
-    slip = replace(said(0.9), quiet=True)
-    nothing = {"log_likelihood_ratio": 0.0, "evidence": 1.0, "quick_evidence": 1.0, "turns": 0}
-    quiet = [replace(judged(WINDOW, replace(STICKING, decision="undecided", **nothing)), quiet=True)] * 3
-    counted = [replace(each, quiet=False, no_response=None) for each in (*quiet, slip)]
-    quiet = [replace(each, no_response=None) for each in quiet]
-    assert sticks_of([*quiet, slip]).probability > sticks_of(counted).probability
+def against(would_show):
+    """A window in which no valve that sticks was found, though it would have shown one so likely."""
+    found = replace(STICKING, decision="undecided", would_show=would_show, **NOTHING_FOUND)
+    return replace(judged(WINDOW, found), methods={}, no_response=None)
+
+
+def test_nothing_found_counts_as_far_as_the_window_would_have_shown_it():
+    assert outcome_of(against(1.0)) == "against"
+    found = [sticks_of([against(would_show)] * 5).probability for would_show in (0.0, 0.1, 0.5, 1.0)]
+    assert found[0] == pytest.approx(0.2)
+    assert found == sorted(found, reverse=True)
+    assert sticks_of([against(None)] * 5).probability == found[-1]
+
+
+def test_a_slip_is_not_outweighed_by_windows_that_would_not_have_shown_it():
+    slip = said(0.985)
+    assert sticks_of([*[against(0.02)] * 6, slip]).probability > LIKELY
+    assert sticks_of([*[against(1.0)] * 6, slip]).probability < LIKELY
+
+
+def test_the_memory_counts_windows_as_records_are_counted():
+    memory = ValveMemory()
+    for k in range(3):
+        start = START + k * DAY
+        memory = remember(memory, against(0.3), start, start + HOUR)
+    assert memory.windows == pytest.approx(0.9, rel=0.05)
+    assert sticks_of([against(0.3)] * 3).windows == pytest.approx(0.9)
 
 
 def test_what_is_enough_for_the_verdict_is_more_likely_than_not():
@@ -91,10 +101,17 @@ def test_without_evidence_the_probability_is_the_base_rate():
 
 @pytest.mark.parametrize("outcome", OUTCOMES)
 def test_many_windows_do_not_add_up_to_certainty(outcome):
-    """The odds rise by no more than the part of the sound valves that look like sticking ones allows."""
+    """The odds rise by no more than the part of the sound valves that look like sticking ones allows.
+
+    And they fall by no more than the part of the sticking ones that look sound allows.
+    """
     many = [log_bayes_factor(counts(**{outcome: n})) for n in (1, 10, 100, 1000, 10000)]
-    assert max(many) <= math.log(1 / MIMICS)
-    assert probability_of(counts(very_strong=1000)) == pytest.approx(1 / (1 + 4 * MIMICS), abs=0.001)
+    assert max(many) <= math.log((1 - HIDDEN) / MIMICS)
+    assert min(many) >= math.log(HIDDEN / (1 - MIMICS))
+    assert log_bayes_factor(counts(very_strong=1000)) == pytest.approx(
+        math.log((1 - HIDDEN) / MIMICS), abs=0.001
+    )
+    assert log_bayes_factor(counts(against=1000)) == pytest.approx(math.log(HIDDEN / (1 - MIMICS)), abs=0.001)
 
 
 def test_contrary_windows_bring_the_odds_back():
