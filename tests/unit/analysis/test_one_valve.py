@@ -157,7 +157,7 @@ def test_the_probability_never_contradicts_the_verdict_of_all(told):
 
 
 def test_a_valve_that_pv_does_not_show_is_not_cleared_by_other_recordings():
-    windows, said = alone([replace(SOUND, log_likelihood_ratio=6.0), SOUND, SOUND, SOUND])
+    windows, said = alone([replace(SOUND, log_likelihood_ratio=8.0), SOUND, SOUND, SOUND])
     assert judged_together(windows, said)[0].verdict == "no_stiction"
     said[0] = replace(said[0], no_response=NoResponse("unknown", 0, N, 50.0, 9.0, 0.09, 3.0, 90.0, 0.95))
     assert judged_together(windows, said)[0].verdict == "undecided"
@@ -180,7 +180,7 @@ def test_firm_verdicts_stay_and_are_reported_of_the_contrary():
 
 
 def test_undecided_is_cleared_only_where_free_run_clears_it():
-    unsure = replace(SOUND, log_likelihood_ratio=6.0)
+    unsure = replace(SOUND, log_likelihood_ratio=8.0)
     denied = replace(unsure, decision="undecided", stiction=LITTLE.stiction)
     windows, said = alone([unsure, denied, SOUND, SOUND, SOUND])
     assert verdicts(said)[:2] == ["undecided"] * 2

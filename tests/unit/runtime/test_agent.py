@@ -59,7 +59,7 @@ def test_a_loop_at_rest_is_not_handed_to_the_workers():
     def source(_):
         for t in range(1000):
             yield sample("pv", t, 50 + noise.random() / 10)
-            yield sample("op", t, 50 + t / 1000)
+            yield sample("op", t, 50 + noise.random() / 10)
             yield 1.0
 
     seen = []
