@@ -24,7 +24,7 @@ from benchmarks.plant.values import ROLES
 
 LONGEST_START = 90.0
 """s until it is measured all the same: a machine with other work may never read all loops in time."""
-SEED = 8300
+SEED = 8301
 """Of the quiet window."""
 CONTEXT = multiprocessing.get_context("spawn")
 
