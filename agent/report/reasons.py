@@ -12,13 +12,13 @@ from agent.report.numbers import percent_words
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis, OtherRecordings, RecordSummary
     from agent.analysis.evidence.weighing import Weighed, Witness
-    from agent.analysis.results import MethodKind, Oscillation, Quantification, StictionClass
+    from agent.analysis.results import MethodKind, Oscillation, Quantification, StictionClass, Verdict
 
 COARSE = 15.0
 """Samples a period below which the shape of a stroke can hardly be seen; the paper requires 50."""
 MODES = 5
 """Unknown modes that are named."""
-QUIET = "the loop shows no regular oscillation, and OP does not reverse often"
+QUIET = "the loop shows no regular oscillation, and OP does not move farther than its noise"
 STAYS = "the verdict of this recording stays, because a valve may be repaired or wear between two recordings"
 SKIPPED: dict[frozenset[MethodKind], str] = {
     LIMIT_CYCLE: "methods that need a steady oscillation were skipped",
@@ -63,10 +63,13 @@ def _own(diagnosis: Diagnosis) -> tuple[str, ...]:
         *_oscillation_words(record, oscillation),
         *_fit_words(record, found, diagnosis),
         *_evidence_words(found, diagnosis.weighed),
+        *_would_show_words(found, diagnosis.verdict),
         *(f"{fault.reason}: {SKIPPED[fault.closes]}" for fault in diagnosis.faults),
     )
 
 
+WOULD_HIDE = 0.5
+"""Chance that a record would show a valve that sticks, below which it says little that none was found."""
 SPENT = "the search ended before one valve was clearly the best: S and J may be wrong beyond their intervals"
 
 
@@ -141,6 +144,14 @@ def _evidence_words(found: Quantification, weighed: Weighed | None) -> list[str]
     )
     words = ((side, _graded(witnesses)) for side, witnesses in sides)
     return [f"{side}: {said}" for side, said in words if said]
+
+
+def _would_show_words(found: Quantification, verdict: Verdict) -> list[str]:
+    """State where a record would hide stiction, so that finding none says little."""
+    if verdict == "stiction" or found.would_show is None or found.would_show >= WOULD_HIDE:
+        return []
+    cases = f"this record would show a sticking valve in {100 * found.would_show:.0f} of 100 cases"
+    return [f"{cases}: OP moves too little, or noise hides what a slip does to PV"]
 
 
 def _graded(witnesses: list[Witness]) -> str:

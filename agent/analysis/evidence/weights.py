@@ -2,7 +2,7 @@
 
 Fitted by ``python -m benchmarks evidence_weights`` on 346 simulated loops of fourteen kinds, seeds 3000 to
 3013 and for six hard kinds 3040 to 3064 as well (``simulators.draws.random_plants``, ``random_moves``,
-``random_flows``, ``random_cascades``), never on recordings, with the code of decision 102. 0.00: worthless
+``random_flows``, ``random_cascades``), never on recordings, with the code of decision 100. 0.00: worthless
 there beside the others.
 """
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.evidence.weighing import LITTLE_LIKELIHOOD
 from agent.analysis.innovations.whitened import fitted, log_likelihood
 from agent.identify.objective import fit_gain, process_response
 from agent.physics.valves.he2007 import he2007
@@ -23,10 +24,8 @@ S_OF_RANGE = (0.01, 0.02, 0.05, 0.1)
 """S, share of the OP range, each as likely as another: from the least that matters to one that is overdue."""
 J_SHARE = 0.3
 """J over S: a slip of a third of the band. What a stem shows depends on S far more than on J."""
-ENOUGH = 10.0
-"""Nats by which a valve is found in one of e cases where the search must pay for its tries: those up to which
-``weighing`` lets a ratio grow as its worth."""
 EVALUATIONS = 40
+"""Of the simplex that fits the process without a valve."""
 
 
 def chance_to_show(linear: Fit, problem: Problem, op_range: float) -> float:
@@ -34,7 +33,8 @@ def chance_to_show(linear: Fit, problem: Problem, op_range: float) -> float:
 
     The stem of each S moves the process that was found; the best process without a valve is fitted to that.
     What it leaves, against the innovations of the record, are the nats that such a valve would have had. A
-    stem that never moves would leave PV without a response to OP.
+    stem that never moves would leave PV without a response to OP. Of valves with ``LITTLE_LIKELIHOOD`` nats,
+    which ``weighing`` takes for the price of the search, one in e is not seen.
 
     Args:
         linear: The best process without a valve, behind one of the filters.
@@ -59,4 +59,4 @@ def chance_to_show(linear: Fit, problem: Problem, op_range: float) -> float:
         rest = fitted(linear.candidate, linear.structure, problem._replace(pv=pv), linear.noise, EVALUATIONS)
         left = count * math.exp(-2 * rest.score / count)
         shown.append(0.5 * count * math.log1p(left / max(error, 1e-300)))
-    return float(np.mean([1 - math.exp(-max(nats, 0.0) / ENOUGH) for nats in shown]))
+    return float(np.mean([1 - math.exp(-max(nats, 0.0) / LITTLE_LIKELIHOOD) for nats in shown]))

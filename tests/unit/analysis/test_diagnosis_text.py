@@ -157,3 +157,20 @@ def test_what_changes_no_odds_is_no_evidence():
     )
     assert "evidence for stiction: clear by horch_ccf" in reasons(found)
     assert not any("evidence against" in each for each in reasons(found))
+
+
+def test_a_record_that_would_hide_stiction_says_so_where_none_is_found():
+    hides = replace(FOUND, would_show=0.12, decision="undecided")
+    words = [
+        each
+        for each in reasons(replace(DIAGNOSIS, verdict="undecided", quantification=hides))
+        if "100" in each
+    ]
+    assert words == [
+        "this record would show a sticking valve in 12 of 100 cases: "
+        "OP moves too little, or noise hides what a slip does to PV"
+    ]
+    shows = replace(hides, would_show=0.9)
+    for verdict, found in (("undecided", shows), ("stiction", hides)):
+        said = reasons(replace(DIAGNOSIS, verdict=verdict, quantification=found))
+        assert not [each for each in said if "of 100 cases" in each]
