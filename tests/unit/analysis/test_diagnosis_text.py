@@ -167,8 +167,8 @@ def test_a_record_that_would_hide_stiction_says_so_where_none_is_found():
         if "100" in each
     ]
     assert words == [
-        "this record would show a sticking valve in 12 of 100 cases: "
-        "OP moves too little, or noise hides what a slip does to PV"
+        "this record would show a sticking valve in 12 of 100 cases: OP moves too little, or noise hides"
+        + " what a slip does to PV"
     ]
     shows = replace(hides, would_show=0.9)
     for verdict, found in (("undecided", shows), ("stiction", hides)):
