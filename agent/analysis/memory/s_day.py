@@ -24,7 +24,7 @@ DAY = 86400.0
 LEAST_SD = 0.02
 """Smallest standard deviation, part of S: what the models lack is in all windows."""
 WRONG = 0.05
-"""Probability that a window in which a search finds no stiction says so of a valve whose S is larger."""
+"""Probability that a search finds no stiction in a window that shows it."""
 REPAIRED = 0.5
 """Part of its former S below which a valve does not stick as before: what is called a repair."""
 TRUST = 0.5
@@ -93,7 +93,8 @@ def s_seen(diagnosis: Diagnosis, time: float) -> SDay | None:
     stiction = None if found is None else found.stiction
     s = (None, None, None) if stiction is None else (stiction.s.value, stiction.s.low, stiction.s.high)
     alone = None if diagnosis.weighed is None else diagnosis.weighed.probability
-    return s_of_window(time, s, alone, None if before is None else (before.s, before.log_ratio))
+    shows = None if found is None else found.would_show
+    return s_of_window(time, s, alone, None if before is None else (before.s, before.log_ratio), shows)
 
 
 def s_of_window(
@@ -101,6 +102,7 @@ def s_of_window(
     s: tuple[float | None, float | None, float | None],
     probability: float | None,
     before: tuple[float, float] | None = None,
+    would_show: float | None = None,
 ) -> SDay | None:
     """Return S of a window from its numbers, as a history has them; None where they are not known.
 
@@ -110,6 +112,7 @@ def s_of_window(
         probability: That the valve sticks, from this window alone.
         before: The former S, and by how much likelier the window is with it than without friction
             (``AsBefore``), OP units and nats; None where that is not known.
+        would_show: How likely the window shows a valve that sticks, and so whether finding none bounds S.
     """
     value, low, high = s
     found = None
@@ -118,7 +121,8 @@ def s_of_window(
         if probability > SHOWS:
             found = SDay(time, value, max((high - low) / (2 * NORMAL_90), least), 1.0)
         else:
-            found = SDay(time, value, max((high - value) / 2, least), 1.0, above=math.log(WRONG))
+            missed = 1.0 - (1.0 if would_show is None else would_show) * (1.0 - WRONG)
+            found = SDay(time, value, max((high - value) / 2, least), 1.0, above=math.log(missed))
     if before is None:
         return found
     half, agrees = REPAIRED * before[0], max(-MOST, min(MOST_FOR, TRUST * before[1]))

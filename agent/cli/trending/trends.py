@@ -65,7 +65,8 @@ def s_days_of(entries: Sequence[Entry]) -> dict[str, tuple[SDay, ...]]:
         numbers = (s["value"], s["low"], s["high"])
         former = entry.content.get("as_before", NOT_KNOWN)
         before = None if former["s"] is None else (former["s"], former["log_ratio"])
-        seen = s_of_window(entry.time, numbers, entry.content.get("probability"), before)
+        shows = entry.content.get("fit", {}).get("would_show")
+        seen = s_of_window(entry.time, numbers, entry.content.get("probability"), before, shows)
         if seen is not None:
             found[entry.loop] = with_s(found[entry.loop], seen, 1.0)
     return dict(found)

@@ -166,11 +166,9 @@ def test_a_record_that_would_hide_stiction_says_so_where_none_is_found():
         for each in reasons(replace(DIAGNOSIS, verdict="undecided", quantification=hides))
         if "100" in each
     ]
-    assert words == [
-        "this record would show a sticking valve in 12 of 100 cases: OP moves too little, or noise hides"
-        + " what a slip does to PV"
-    ]
+    (said,) = words
+    assert said.startswith("this record would show a sticking valve in 12 of 100 cases: OP moves too little")
     shows = replace(hides, would_show=0.9)
     for verdict, found in (("undecided", shows), ("stiction", hides)):
-        said = reasons(replace(DIAGNOSIS, verdict=verdict, quantification=found))
-        assert not [each for each in said if "of 100 cases" in each]
+        others = reasons(replace(DIAGNOSIS, verdict=verdict, quantification=found))
+        assert not [each for each in others if "of 100 cases" in each]

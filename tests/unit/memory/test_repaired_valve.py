@@ -152,3 +152,14 @@ def test_a_search_for_a_repair_hardly_holds_up_the_event_loop():
         took.append(time.thread_time() - begin)
     assert len(found.s_days) == WATCHED
     assert min(took) < MOST_TIME
+
+
+def test_a_search_that_finds_nothing_bounds_s_as_far_as_the_window_would_have_shown_it():
+    def above(would_show):
+        window = said(0.2, s=0.4)
+        found = replace(window.quantification, would_show=would_show)
+        return s_seen(replace(window, quantification=found), START).above
+
+    assert above(None) == above(1.0) == pytest.approx(math.log(WRONG))
+    assert above(0.0) == 0.0
+    assert above(1.0) < above(0.6) < above(0.1) < 0
