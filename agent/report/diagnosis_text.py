@@ -56,7 +56,8 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
 
 def sticks_words(sticks: Sticks) -> str:
     """Return the probability that the valve sticks, and where it comes from."""
-    windows = "1 window" if sticks.windows == 1 else f"{sticks.windows:.3g} windows"
+    count = round(sticks.windows, 1)
+    windows = "1 window" if count == 1 else f"{count:g} windows"
     return f"P(sticks) = {sticks.probability:.2f}, from {windows} at a base rate of {sticks.base_rate:.2g}"
 
 
