@@ -17,6 +17,7 @@ from agent.analysis.memory.sticks import with_sticks
 from agent.analysis.not_testable import not_testable
 from agent.analysis.quantify import quantifier as quantifier_named
 from agent.analysis.quantify.free_run import LEAST_S
+from agent.analysis.record.least_step import resolution
 from agent.analysis.results import CauseShare, MethodResult
 from agent.analysis.seen import look, worth_a_fit
 from agent.analysis.stiction_class import stiction_class
@@ -93,7 +94,9 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
 def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, confidence: float) -> Diagnosis:
     """Return a diagnosis with another verdict, and with the causes and the class of that.
 
-    Where PV does not respond, ``no_stiction`` becomes ``undecided``: the valve may be stuck.
+    Where PV does not respond, ``no_stiction`` becomes ``undecided``: the valve may be stuck. And ``stiction``
+    becomes ``undecided`` where S is less than the best positioners resolve: that is no fault of a valve, and
+    a load that the models lack makes as much.
 
     Args:
         diagnosis: Of a record that was testable; another is returned as it is.
@@ -105,6 +108,8 @@ def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, con
     if found is None or oscillation is None:
         return diagnosis
     if verdict == "no_stiction" and diagnosis.no_response is not None:
+        verdict, confidence = "undecided", 0.0
+    if verdict == "stiction" and found.stiction is not None and found.stiction.s.value < resolution(window):
         verdict, confidence = "undecided", 0.0
     if verdict == "stiction":
         found = as_decided(found, window.op_span)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from agent.analysis.gates.rhythm import samples_per_period
-from agent.analysis.record.least_step import least_step
+from agent.analysis.record.least_step import least_step, resolution
 
 if TYPE_CHECKING:
     from agent.analysis.benefit.benefit import Benefit
@@ -45,6 +45,8 @@ class RecordSummary:
     """Values that were taken for gaps because they lie far outside those around them."""
     samples_per_period: float | None = None
     """Of the oscillation; None where nothing oscillates."""
+    resolution: float = 0.0
+    """What the best positioners resolve, OP units; 0: the range of OP is not known."""
     least_step: float = 0.0
     """Smallest step of OP that a bump test can make, OP units; 0: not known."""
     manual: int | None = None
@@ -66,6 +68,7 @@ class RecordSummary:
             window.op_span,
             window.wild,
             samples,
+            resolution=resolution(window),
             least_step=least_step(window),
             manual=None if automatic is None else int((~automatic).sum()),
             unknown_modes=window.unknown_modes,

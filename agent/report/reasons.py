@@ -70,6 +70,7 @@ def _own(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 WOULD_HIDE = 0.5
 """Chance that a record would show a valve that sticks, below which it says little that none was found."""
+NO_FAULT = "such an S is less than the best positioners resolve (0.1 % of the range of OP), so it is no fault"
 SPENT = "the search ended before one valve was clearly the best: S and J may be wrong beyond their intervals"
 
 
@@ -129,6 +130,8 @@ def _fit_words(record: RecordSummary, found: Quantification, diagnosis: Diagnosi
         words.append(f"the valve shows {CLASS_WORDS[diagnosis.stiction_class]}")
     elif diagnosis.verdict == "no_stiction":
         words.append("the improvement is too small to report stiction")
+    elif s < record.resolution:
+        words.append(NO_FAULT)
     else:
         words.append("the improvement is too small to report stiction, and too large to exclude it")
     return words

@@ -17,7 +17,7 @@ import numpy as np
 
 from agent.analysis.benefit.closed_loop import HOUR, FittedLoop, LoopRun, Tuning, run
 from agent.analysis.loop.pi_controller import pi_controller
-from agent.analysis.record.least_step import usual_range
+from agent.analysis.record.least_step import op_range_of
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def _loop(window: LoopWindow, process: ProcessEstimate, disturbance: FloatArray)
     op = window.op[np.isfinite(window.op)]
     sp = np.zeros(len(window)) if window.sp is None else _bridged(window.sp)
     set_point = np.zeros(len(window)) if sp is None else sp - sp.mean()
-    low, high = window.hints.op_range or usual_range(op)
+    low, high = op_range_of(window)
     limits = (low, high) if high > low else (-np.inf, np.inf)
     return FittedLoop(process, disturbance, set_point, float(np.median(op)), limits, window.ts)
 

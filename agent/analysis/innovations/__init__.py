@@ -20,7 +20,7 @@ from agent.analysis.innovations.valve_search import best_valve
 from agent.analysis.innovations.whitened import Fit, log_likelihood
 from agent.analysis.innovations.would_show import chance_to_show
 from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.record.least_step import usual_range
+from agent.analysis.record.least_step import op_range_of
 from agent.analysis.record.resolution import dithered
 from agent.analysis.record.spans import in_spans_of
 from agent.identify.objective import S, valve_position
@@ -90,7 +90,7 @@ def innovations_say(window: LoopWindow, found: Quantification) -> InnovationsSay
     best = max(sticking, default=sound)
     if best - sound > NOTHING:
         sound = max(sound, with_load_step(linear, whitened))
-    low, high = window.hints.op_range or usual_range(window.op[np.isfinite(window.op)])
+    low, high = op_range_of(window)
     op_range = (high - low) / window.op_span
     shows = chance_to_show(linear, whitened[linear.noise], op_range) if op_range > 0 else None
     return InnovationsSay(max(0.0, best - sound), shows)

@@ -38,10 +38,11 @@ def outcome_of(diagnosis: Diagnosis) -> Outcome | None:
     """Return the outcome of a window; None where it says nothing of the valve.
 
     A quiet window, which got no fit, says nothing: how often a loop is quiet depends on its plant, and no
-    simulation knows that. A valve that stood while OP travelled far, and then slipped, is ``stuck``: the gain
-    that other windows showed makes it more than an accident.
+    simulation knows that. A valve that stood while OP travelled far, and then slipped, is ``stuck``: the
+    gain that other windows showed makes it more than an accident. Where the cause is not known, and the fit is firm
+    that the valve sticks, the valve is the cause, and the fit counts.
     """
-    if diagnosis.no_response is not None:
+    if diagnosis.no_response is not None and diagnosis.verdict != "stiction":
         return "stuck" if diagnosis.no_response.cause == "stuck_valve" else None
     found = diagnosis.quantification
     if diagnosis.weighed is None or found is None or found.failure or found.quick_evidence is None:

@@ -1,4 +1,4 @@
-"""The smallest step of OP that a bump test can make and that a person can see."""
+"""The range of OP, what a valve resolves of it, and the least step that a person can see."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
 
 RESOLUTION = 0.001
-"""Part of OP's range below which no step is made: the best positioners resolve so much."""
+"""Part of OP's range that the best positioners resolve: below it no step is made, and no S is a fault."""
 PER_CENT, FRACTION = (0.0, 100.0), (0.0, 1.0)
 """Ranges that OP has where nobody states one: per cent, or parts of one where it never exceeds that."""
 
@@ -21,8 +21,19 @@ def least_step(window: LoopWindow) -> float:
     op = window.op[np.isfinite(window.op)]
     if not op.size:
         return 0.0
-    low, high = window.hints.op_range or usual_range(op)
-    return max(RESOLUTION * (high - low), _noise(op))
+    return max(resolution(window), _noise(op))
+
+
+def resolution(window: LoopWindow) -> float:
+    """Return what the best positioners resolve, OP units; 0 where the range of OP is not known."""
+    low, high = op_range_of(window)
+    return RESOLUTION * (high - low)
+
+
+def op_range_of(window: LoopWindow) -> tuple[float, float]:
+    """Return the range of OP as it was stated, or as its values suggest it; (0, 0) where it is not known."""
+    op = window.op[np.isfinite(window.op)]
+    return window.hints.op_range or (usual_range(op) if op.size else (0.0, 0.0))
 
 
 def usual_range(op: FloatArray) -> tuple[float, float]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from agent.analysis.gates.pv import longest_rest
 from agent.analysis.gates.record import MIN_SAMPLES
-from agent.analysis.record.least_step import usual_range
+from agent.analysis.record.least_step import op_range_of
 from agent.analysis.response.candidates import candidates, known_law
 from agent.analysis.response.evidence_of_response import evidence_of_response
 from agent.analysis.response.stretches import (
@@ -106,7 +106,8 @@ def no_response(window: LoopWindow) -> NoResponse | None:
     valid = window.valid
     if np.count_nonzero(valid) < MIN_SAMPLES:
         return None
-    span = _op_range(window)
+    low, high = op_range_of(window)
+    span = high - low
     if span <= 0 or travelled(window.op[valid]) < FAR * span:
         return None
     ways = (_constant, _at_zero, _by_likelihood)
@@ -231,11 +232,6 @@ def _response(process: LikelyProcess, travel: float, samples: int) -> float:
 def _least_samples(window: LoopWindow, law: PiController | None) -> float:
     share = LONG * len(window)
     return share if law is None else max(share, INTEGRAL_TIMES * law.kc / law.ki)
-
-
-def _op_range(window: LoopWindow) -> float:
-    low, high = window.hints.op_range or usual_range(window.op[np.isfinite(window.op)])
-    return high - low
 
 
 def _wanted(op: FloatArray, tried: tuple[LikelyProcess, ...]) -> float:

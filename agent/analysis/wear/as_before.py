@@ -4,9 +4,11 @@ A loop whose valve was repaired is quiet: no limit cycle, few reversals, nothing
 But OP still moves by less than S, and PV responds. Two models are compared behind the process that other
 windows showed, its gain as sure as they agree: the stem follows OP, or it is that of a valve with the known S
 (He 2007), which stands for most of the time. Each is compared with a PV that nothing moves
-(``evidence_of_response``), so the noise, which is fitted with each, is the same. OP is taken as measured:
-that the controller made it from PV changes both likelihoods alike, as each sample of PV is predicted from
-what came before it. No search is needed.
+(``evidence_of_response``), so the noise, which is fitted with each, is the same. No search is needed.
+
+Behind a sound valve PV may also look as if nothing moved it: the controller cancels a load that wanders, and
+what it knew of the load between two samples is not in the record. So a sound valve has the likelier of both,
+and a stem that stands because OP moves by less than S says nothing.
 
 S is known within some tenths, J and where the stem rests before the record are not: the likelihood is the
 mean over some. An S that is a tenth too large alone turns a clear record of few slips: it has none of them.
@@ -43,6 +45,8 @@ J_RATIOS = (0.0, 0.6)
 RESTS = (-0.8, -0.4, 0.0, 0.4, 0.8)
 """OP less the stem before the record that are tried, over f_S."""
 
+CANCELLED = 0.0
+"""Log likelihood of a PV that nothing moves over itself, nats."""
 FREE = 0.5
 """What a free weight takes from noise alone, nats: half the mean of a chi-square distribution."""
 
@@ -54,7 +58,7 @@ class AsBefore:
     s: float
     """The known S, OP units."""
     log_ratio: float
-    """Log likelihood with that S less that of a valve without friction, nats."""
+    """Log likelihood with that S less that of a sound valve, whose loads the controller may cancel, nats."""
 
 
 def as_before(window: LoopWindow) -> AsBefore | None:
@@ -73,9 +77,9 @@ def as_before(window: LoopWindow) -> AsBefore | None:
     if not np.ptp(op) or not np.ptp(pv):
         return None
     tried = candidates(window, valve.process, None)
-    follows = _gain(op, pv, tried)
+    sound = max(_gain(op, pv, tried), CANCELLED)
     sticks = [_gain(stem, pv, tried) for stem in _stems(op, valve.s)]
-    ratios = np.array(sticks) - follows
+    ratios = np.array(sticks) - sound
     if not np.isfinite(ratios).all():
         return None  # numbers of which nothing can be computed
     top = float(ratios.max())

@@ -8,8 +8,8 @@ import pytest
 
 from agent.analysis.cause import coherent_share, line_power, swing_explained
 from agent.analysis.diagnose import diagnose
-from agent.analysis.record.recording import LoopWindow
-from agent.analysis.results import CauseShare
+from agent.analysis.record.recording import LoopHints, LoopWindow
+from agent.analysis.results import CauseShare, StictionEstimate
 from agent.analysis.stiction_class import stiction_class
 from agent.report.advice import advice
 from agent.report.reasons import reasons
@@ -79,6 +79,18 @@ def test_without_sound_evidence_nothing_is_claimed(answer):
         None,
         "undecided",
     )
+
+
+def test_an_s_that_no_positioner_resolves_is_no_fault():
+    """0.1 % of a range of 100 is 0.1; a stated range of 20 makes the same S one that counts."""
+    small = replace(STICKING, stiction=StictionEstimate.of(FrictionBands(0.03, 0.02)))
+    found = judged(WINDOW, small)
+    assert (found.verdict, found.confidence) == ("undecided", 0.0)
+    assert any("no fault" in reason for reason in reasons(found))
+    stated = judged(WINDOW.with_hints(LoopHints(op_range=(40.0, 60.0))), small)
+    assert stated.verdict == "stiction"
+    unknown = replace(WINDOW, op=WINDOW.op + 100)
+    assert judged(unknown, small).verdict == "stiction"
 
 
 def test_constant_op_is_not_testable():

@@ -22,6 +22,7 @@ from agent.analysis.memory.valve_memory import (
 )
 from agent.analysis.memory.weighing_windows import log_bayes_factor, probability_of
 from agent.analysis.record.recording import LoopHints
+from agent.analysis.response.no_response import NoResponse
 from agent.report.ranking import group_of
 from tests.unit.analysis.diagnoses import STICKING, WINDOW, judged
 from tests.unit.memory.windows import HOUR, START, said
@@ -48,6 +49,20 @@ def test_a_window_has_the_outcome_of_its_odds(probability, outcome):
 
 def test_what_is_not_testable_says_nothing():
     assert outcome_of(replace(said(0.5), verdict="not_testable", weighed=None)) is None
+
+
+@pytest.mark.parametrize(
+    ("cause", "verdict", "outcome"),
+    [
+        ("unknown", "undecided", None),
+        ("unknown", "stiction", "strong"),
+        ("no_flow", "undecided", None),
+        ("stuck_valve", "undecided", "stuck"),
+    ],
+)
+def test_a_pv_that_does_not_respond_counts_as_its_cause_is_known(cause, verdict, outcome):
+    found = NoResponse(cause, 0, 300, 50.0, 8.0, 0.08, 12.0, 60.0, 0.99)
+    assert outcome_of(replace(said(0.95, verdict=verdict), no_response=found)) == outcome
 
 
 def test_quiet_windows_leave_the_probability_as_it_is():

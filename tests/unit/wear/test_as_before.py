@@ -27,9 +27,37 @@ def test_a_repaired_valve_does_not_stick_as_before(travel):
     assert all(as_before(window(0.05 * S, travel, seed)).log_ratio < -5 for seed in range(5))
 
 
-@pytest.mark.parametrize("travel", [1.0, 2.5, 12.0])
-def test_a_valve_that_sticks_does_so_as_before(travel):
-    assert all(as_before(window(S, travel, seed)).log_ratio > 5 for seed in range(5))
+def cancelled(seed=0, samples=1400, every=5):
+    """A sound valve, its loop with a load that wanders, of which the historian keeps one scan in five."""
+    rng = np.random.default_rng(seed)
+    op, integral, pv, load, lagged = 50.0, 50.0, 30.0, 0.0, 0.0
+    kept = []
+    for k in range(samples * every):
+        load = 0.995 * load + 0.25 * rng.standard_normal()
+        lagged += (1.5 * (op - 50.0) + load - lagged) / 8.0
+        pv = 30.0 + lagged + 1.5 * rng.standard_normal()
+        integral += 0.02 * (30.0 - pv)
+        op = integral + 0.04 * (30.0 - pv)
+        if k % every == 0:
+            kept.append((op, pv))
+    moved, seen = np.array(kept).T
+    return LoopWindow("FIC101", 0.0, float(every), moved, seen, hints=KNOWN)
+
+
+def test_a_valve_that_sticks_does_so_as_before():
+    assert all(as_before(window(S, 12.0, seed)).log_ratio > 5 for seed in range(5))
+
+
+@pytest.mark.parametrize("travel", [1.0, 2.5])
+def test_a_stem_that_stands_says_nothing(travel):
+    """A controller that cancels a load keeps PV as still."""
+    assert all(abs(as_before(window(S, travel, seed)).log_ratio) < 5 for seed in range(5))
+
+
+def test_a_load_that_the_controller_cancels_is_no_stem_that_stands():
+    """The instants between two samples, of which the controller knew, are not in the record."""
+    found = [as_before(cancelled(seed)).log_ratio for seed in range(5)]
+    assert max(found) < 0
 
 
 def test_an_op_that_stands_decides_nothing():
