@@ -39,8 +39,8 @@ def outcome_of(diagnosis: Diagnosis) -> Outcome | None:
 
     A quiet window, which got no fit, says nothing: how often a loop is quiet depends on its plant, and no
     simulation knows that. A valve that stood while OP travelled far, and then slipped, is ``stuck``: the
-    gain that other windows showed makes it more than an accident. Where the cause is not known, and the fit is firm
-    that the valve sticks, the valve is the cause, and the fit counts.
+    gain that other windows showed makes it more than an accident. Where the cause is not known, and the fit
+    is firm that the valve sticks, the valve is the cause, and the fit counts.
     """
     if diagnosis.no_response is not None and diagnosis.verdict != "stiction":
         return "stuck" if diagnosis.no_response.cause == "stuck_valve" else None

@@ -1,41 +1,37 @@
-"""Rates with which windows have which outcome: Dirichlet parameters, for sticking and for sound valves.
+"""Where the log odds of windows lie in valves that stick and in sound ones, and how far they scatter.
 
-Made by ``python -m benchmarks memory_rates``, never on recordings: 40 valves in simulated weeks (seeds 92001
-to 92040, each second of 28 windows in seven days), half of which move seldom, together with the calibration
-of the log odds of a window on 346 loops that move in each window.
+Made by ``python -m benchmarks memory_rates``, never on recordings: 60 valves in six simulated weeks (seeds
+92141 to 92200), of which each third sticks and half move seldom, and 346 loops that move in each window.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
-if TYPE_CHECKING:
-    from agent.analysis.memory.outcome import Outcome
 
-STICKS: Mapping[Outcome, float] = {
-    "against": 0.474,
-    "hardly": 0.298,
-    "weak": 0.306,
-    "fair": 0.526,
-    "strong": 1.129,
-    "very_strong": 2.760,
-    "stuck": 0.093,
-}
-SOUND: Mapping[Outcome, float] = {
-    "against": 4.970,
-    "hardly": 1.790,
-    "weak": 0.735,
-    "fair": 0.357,
-    "strong": 0.250,
-    "very_strong": 0.123,
-    "stuck": 0.012,
-}
-MIMICS = 0.030
+@dataclass(frozen=True, slots=True)
+class Normal:
+    """A normal distribution of log odds."""
+
+    mean: float
+    sd: float
+
+
+SOUND = Normal(mean=-1.99, sd=0.32)
+"""Middles of sound valves."""
+MOST_RISE = 13.31
+"""By how much the middle is higher at most in valves that stick: each rise up to it is as probable."""
+STUCK = ((0.093, 5.49), (0.012, 8.2))
+"""Parameters of the Beta distribution of a valve's part of windows with the outcome ``stuck``, where it
+sticks and where it is sound: of 20 valves (92001 to 92020), and none of 160 (``no_response``)."""
+SCATTERS: Mapping[float, float] = {0.35: 0.154, 0.7: 0.511, 1.4: 0.285, 2.8: 0.050}
+"""Standard deviation of the log odds of windows about the middle of their valve, and its share of the valves.
+It is alike in both kinds: how much windows differ says nothing of the valve by itself."""
+MIMICS = 0.025
 """Part of the sound valves whose windows look like those of a valve that sticks, all of them: something that
 the models lack passes for friction every day. One of 50 in ``benchmarks.one_valve``, half of which have
-something that the models lack, one of 20 in earlier weeks, and none of 20 in these; with Jeffreys' prior."""
-HIDDEN = 0.260
-"""Part of the valves that stick whose windows look like those of a sound one, all of them: OP moves less than
-S, or noise and loads hide what a slip does to PV. Five of 20 in these weeks, by their likelihood. Their true
-stem shows no more: docs/methods/memory.md."""
+something that the models lack, one of 20 in earlier weeks, and none of 40 in these; with Jeffreys' prior."""
+HIDDEN = 0.069
+"""Part of the valves that stick whose windows are those of a sound one, all of them: OP moves less than S, or
+noise and loads hide what a slip does to PV. One of 19 in these weeks, by their likelihood."""

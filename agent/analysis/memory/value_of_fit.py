@@ -12,17 +12,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from agent.analysis.memory.outcome import OUTCOMES
-from agent.analysis.memory.rates import SOUND, STICKS
 from agent.analysis.memory.valve_memory import DAY, HALF_LIFE, ValveMemory
-from agent.analysis.memory.weighing_windows import BASE_RATE, probability_of
+from agent.analysis.memory.weighing_windows import BASE_RATE, log_likelihoods, probability_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from agent.analysis.memory.outcome import Outcome
 
 THRESHOLD = 0.5
 """Probability from which somebody looks at a valve: that of a suspicion."""
@@ -49,30 +47,31 @@ def worth_of_fit(
         base_rate: Part of the plant's valves that stick.
     """
     gain = information(_as_of(memory, now), base_rate) + LEAST
-    usual = information(ValveMemory(), base_rate) + LEAST
+    usual = _of_unknown_valve(base_rate) + LEAST
     return IMPORTANCE.get(priority, 1.0) * gain / usual * (1.0 + waits / PATIENCE)
 
 
 def information(memory: ValveMemory, base_rate: float = BASE_RATE) -> float:
     """Return by how much one more window with a fit lowers the mean loss of the decision, 0 to 1."""
     now = memory.probability(base_rate)
+    sticks, sound = log_likelihoods(memory.counts)
     after = 0.0
-    for k, outcome in enumerate(OUTCOMES):
+    for k in range(len(OUTCOMES)):
         counts = tuple(each + (j == k) for j, each in enumerate(memory.counts))
-        chance = now * _rate(outcome, memory, STICKS) + (1 - now) * _rate(outcome, memory, SOUND)
+        if_sticks, if_sound = log_likelihoods(counts)
+        chance = now * math.exp(if_sticks - sticks) + (1 - now) * math.exp(if_sound - sound)
         after += chance * _loss(probability_of(counts, base_rate))
     return max(0.0, _loss(now) - after)
+
+
+@lru_cache
+def _of_unknown_valve(base_rate: float) -> float:
+    return information(ValveMemory(), base_rate)
 
 
 def _loss(probability: float) -> float:
     """Return the mean loss of the better of both decisions."""
     return min(probability, (1 - probability) * THRESHOLD / (1 - THRESHOLD))
-
-
-def _rate(outcome: Outcome, memory: ValveMemory, alphas: Mapping[Outcome, float]) -> float:
-    """Return the probability of an outcome of the next window, after those that were seen."""
-    seen = memory.counts[OUTCOMES.index(outcome)]
-    return (alphas[outcome] + seen) / (sum(alphas.values()) + sum(memory.counts))
 
 
 def _as_of(memory: ValveMemory, now: float) -> ValveMemory:
