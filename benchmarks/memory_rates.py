@@ -1,7 +1,8 @@
 """How the log odds of windows lie in a valve: prints what `agent/analysis/memory/rates.py` holds.
 
 Two populations that count alike: valves in simulated weeks, half of which move seldom, with the outcomes of
-42 windows in six weeks; and loops of ``evidence_weights``' kinds, which move in each window, one window each.
+14 windows in a week or 42 in six; and loops of ``evidence_weights``' kinds, which move in each window, one
+window each.
 The middles of sound valves have the likeliest normal distribution; in valves that stick they are higher, up
 to the likeliest most. How far windows scatter about the middle of their valve is alike in both. A sound valve
 that looks like one that sticks is one of ``MIMICS``, and a sticking one that looks sound one of ``HIDDEN``,
@@ -34,9 +35,9 @@ from benchmarks.evidence_weights import HARD
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-VALVES = range(92141, 92201)
-"""Seeds of the valves in weeks; each third sticks."""
-WINDOWS, DAYS = 42, 42.0
+IN_A_WEEK = [WeeksJob(seed, 7.0, 28, seed < 92021, one_in=2) for seed in range(92001, 92041)]
+IN_SIX_WEEKS = [WeeksJob(seed, 42.0, 42, seed % 3 == 0) for seed in range(92141, 92201)]
+"""Valves: their seeds, days, windows, and whether they stick."""
 LOOPS, HARD_LOOPS = range(3200, 3214), range(3240, 3265)
 """Seeds of the loops of each kind, and of the kinds that are hard to distinguish."""
 SOUND_BEFORE, MIMICS_BEFORE = 70, 2
@@ -72,7 +73,7 @@ class Rates(NamedTuple):
 
 def run(_options: Options) -> None:
     """Print the table."""
-    weeks = [WeeksJob(seed, DAYS, WINDOWS, seed % 3 == 0) for seed in VALVES]
+    weeks = [*IN_A_WEEK, *IN_SIX_WEEKS]
     loops = [(kind, seed) for seed in LOOPS for kind in KINDS]
     loops += [(kind, seed) for seed in HARD_LOOPS for kind in HARD]
     console = Console(stderr=True)
