@@ -23,7 +23,7 @@ from scipy.special import logsumexp
 
 from agent.analysis.diagnose import diagnose
 from agent.analysis.memory.outcome import OUTCOMES, outcome_of, part_of
-from agent.analysis.memory.rates import Normal
+from agent.analysis.memory.rates import Middles
 from agent.analysis.memory.weighing_windows import ORDERED, RATES, log_priors
 from agent.analysis.record.recording import FloatArray
 from agent.runtime.loop.process_pool import process_pool
@@ -64,7 +64,7 @@ class Outcomes(NamedTuple):
 class Rates(NamedTuple):
     """What `rates.py` holds."""
 
-    sound: Normal
+    sound: Middles
     most_rise: float
     scatters: FloatArray
     mimics: float
@@ -107,7 +107,7 @@ def outcomes(valves: Sequence[tuple[Sequence[float], bool]]) -> Outcomes:
 
 
 def print_rates(found: Rates) -> None:
-    print(f"SOUND = Normal(mean={found.sound.mean:.2f}, sd={found.sound.sd:.2f})")
+    print(f"SOUND = Middles(mean={found.sound.mean:.2f}, sd={found.sound.sd:.2f})")
     print(f"MOST_RISE = {found.most_rise:.2f}")
     print("SCATTERS:", ", ".join(f"{share:.3f}" for share in found.scatters))
     print(f"MIMICS = {found.mimics:.3f}\nHIDDEN = {found.hidden:.3f}")
@@ -156,8 +156,8 @@ def _priors(place: FloatArray) -> FloatArray:
     return log_priors(_sound(place), place[2], _shares(place))
 
 
-def _sound(place: FloatArray) -> Normal:
-    return Normal(place[0], float(np.exp(place[1])))
+def _sound(place: FloatArray) -> Middles:
+    return Middles(place[0], float(np.exp(place[1])))
 
 
 def _shares(place: FloatArray) -> FloatArray:

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Normal:
-    """A normal distribution of log odds."""
+class Middles:
+    """Of the valves of one kind: a normal distribution of log odds."""
 
     mean: float
     sd: float
 
 
-SOUND = Normal(mean=-2.02, sd=0.34)
+SOUND = Middles(mean=-2.02, sd=0.34)
 """Middles of sound valves."""
 MOST_RISE = 13.72
 """By how much the middle is higher at most in valves that stick: each rise up to it is as probable."""

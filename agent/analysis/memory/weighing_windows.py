@@ -30,7 +30,7 @@ from agent.analysis.memory.outcome import EDGES, OUTCOMES, logit
 from agent.analysis.memory.rates import HIDDEN, MIMICS, MOST_RISE, SCATTERS, SOUND, STUCK
 
 if TYPE_CHECKING:
-    from agent.analysis.memory.rates import Normal
+    from agent.analysis.memory.rates import Middles
     from agent.analysis.record.recording import FloatArray
 
 BASE_RATE = 0.2
@@ -58,7 +58,7 @@ def log_rates() -> FloatArray:
     return np.asarray(np.log((1 - STRAY) * np.diff(below, axis=2) + STRAY / ORDERED))
 
 
-def log_priors(sound: Normal, most: float, shares: FloatArray) -> FloatArray:
+def log_priors(sound: Middles, most: float, shares: FloatArray) -> FloatArray:
     """Return the log of how probable each middle and scatter is in valves that stick, and in sound ones.
 
     Args:
