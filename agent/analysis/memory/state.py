@@ -22,6 +22,7 @@ def to_state(memory: ValveMemory) -> str:
         "outcomes": list(OUTCOMES),
         "until": memory.until,
         "former": [_short(each) for each in memory.former],
+        "days": [[_short(each) for each in day] for day in memory.days],
         "today": [_short(each) for each in memory.today],
         "before": [_short(each) for each in memory.before],
         "repaired": memory.repaired,
@@ -52,6 +53,7 @@ def from_state(text: str) -> ValveMemory:
         return ValveMemory(
             until=_number(content["until"]),
             former=_counts(names, content["former"]),
+            days=tuple(_counts(names, day) for day in content["days"]) if version > 3 else (),
             today=_counts(names, content["today"]),
             before=_counts(names, content["before"]) if version > 2 else NOTHING,
             repaired=_optional(content["repaired"]) if version > 2 else None,

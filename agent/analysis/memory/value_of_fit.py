@@ -52,8 +52,11 @@ def worth_of_fit(
 
 
 def information(memory: ValveMemory, base_rate: float = BASE_RATE) -> float:
-    """Return by how much one more window with a fit lowers the mean loss of the decision, 0 to 1."""
-    now = memory.probability(base_rate)
+    """Return by how much one more window with a fit lowers the mean loss of the decision, 0 to 1.
+
+    That the valve may have become another (``probability_of``) is left out: it takes thirty times as long.
+    """
+    now = probability_of(memory.counts, base_rate)
     sticks, sound = log_likelihoods(memory.counts)
     after = 0.0
     for k in range(len(OUTCOMES)):

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from agent.analysis.memory.known import ProcessSeen, known_from, process_seen
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from agent.analysis.memory.outcome import Outcome
     from agent.analysis.record.recording import LoopHints
 
-VERSION = 3
+VERSION = 4
 """Of the state as it is stored."""
 DAY = 86400.0
 """s"""
@@ -33,6 +34,9 @@ HALF_LIFE = 60 * DAY
 """Time after which a window counts for half, s: valves wear over months."""
 PROCESSES = 24
 """Windows whose process is kept, the newest."""
+BECAME = 14
+"""Days with a window on each of which the valve may have become another, the newest: a change that is older
+has more windows since than most memories have before."""
 WATCHED = 14
 """Days that are searched for a repair, the newest that showed or divided S; half as many after it, they may
 take it back. A search is in the agent's event loop, and its time grows with the square of them: 4 to 9 ms."""
@@ -47,6 +51,8 @@ class ValveMemory:
     """End of the newest window, s UTC."""
     former: Counts = NOTHING
     """Windows by outcome, of all days but the newest, as far as they are not forgotten."""
+    days: tuple[Counts, ...] = ()
+    """Of each of the newest days among them that had a window, the newest last."""
     today: Counts = NOTHING
     """Of the newest day, each window by what was new in it."""
     processes: tuple[ProcessSeen, ...] = ()
@@ -60,19 +66,29 @@ class ValveMemory:
     version: int = VERSION
 
     @property
+    def newest(self) -> Counts:
+        """Windows by outcome of the newest day, which counts as one window at most."""
+        share = 1.0 / max(1.0, sum(self.today))
+        return tuple(share * each for each in self.today)
+
+    @property
     def counts(self) -> Counts:
         """Windows by outcome, a day one at most."""
-        share = 1.0 / max(1.0, sum(self.today))
-        return tuple(old + share * new for old, new in zip(self.former, self.today, strict=True))
+        return _sum(self.former, self.newest)
 
     @property
     def windows(self) -> float:
         """How many windows count."""
         return sum(self.counts)
 
+    @property
+    def since(self) -> tuple[Counts, ...]:
+        """Windows by outcome since the begin of each of the newest days, the newest first."""
+        return tuple(accumulate((self.newest, *reversed(self.days)), _sum))
+
     def probability(self, base_rate: float = BASE_RATE) -> float:
         """Return the probability that the valve sticks, where ``base_rate`` of the plant's valves do."""
-        return probability_of(self.counts, base_rate)
+        return probability_of(self.counts, base_rate, self.since)
 
 
 def remember(memory: ValveMemory, diagnosis: Diagnosis, start: float, end: float) -> ValveMemory:
@@ -115,12 +131,14 @@ def hints_from(memory: ValveMemory, hints: LoopHints) -> LoopHints:
 
 def _on_day_of(memory: ValveMemory, time: float) -> ValveMemory:
     """Return the memory as it is at a time: the former days closed, and partly forgotten."""
-    days = math.floor(time / DAY) - math.floor(memory.until / DAY)
-    if days <= 0 or not memory.until:
+    if math.floor(time / DAY) <= math.floor(memory.until / DAY) or not memory.until:
         return memory
     keep = 0.5 ** ((time - memory.until) / HALF_LIFE)
-    former, before = (tuple(keep * each for each in some) for some in (memory.counts, memory.before))
-    return replace(memory, former=former, before=before, today=NOTHING)
+    days = (*memory.days, memory.newest)[-BECAME:] if sum(memory.today) else memory.days
+    former, before, *newest = (
+        tuple(keep * each for each in some) for some in (memory.counts, memory.before, *days)
+    )
+    return replace(memory, former=former, days=tuple(newest), before=before, today=NOTHING)
 
 
 def _since_repair(memory: ValveMemory, seen: SDay) -> ValveMemory:
@@ -138,11 +156,15 @@ def _since_repair(memory: ValveMemory, seen: SDay) -> ValveMemory:
         return memory
     repaired = repaired_of(days)
     if repaired is not None and (noticed is None or repaired > noticed):
-        return replace(memory, former=NOTHING, before=memory.former, repaired=memory.until)
+        return replace(memory, former=NOTHING, days=(), before=memory.former, repaired=memory.until)
     if recent and repaired is None:
-        former = tuple(map(sum, zip(memory.former, memory.before, strict=True)))
+        former = _sum(memory.former, memory.before)
         return replace(memory, former=former, before=NOTHING, repaired=None)
     return memory
+
+
+def _sum(one: Counts, other: Counts) -> Counts:
+    return tuple(a + b for a, b in zip(one, other, strict=True))
 
 
 def _added(counts: Counts, outcome: Outcome, weight: float) -> Counts:

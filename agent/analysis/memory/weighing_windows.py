@@ -28,8 +28,11 @@ from scipy.special import ndtr
 
 from agent.analysis.memory.outcome import EDGES, OUTCOMES, logit
 from agent.analysis.memory.rates import HIDDEN, MIMICS, MOST_RISE, SCATTERS, SOUND, STUCK
+from agent.analysis.wear.stretches import JUMPS_A_DAY
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from agent.analysis.memory.rates import Middles
     from agent.analysis.record.recording import FloatArray
 
@@ -100,10 +103,25 @@ def log_bayes_factor(counts: Counts) -> float:
     return if_sticks - if_sound
 
 
-def probability_of(counts: Counts, base_rate: float = BASE_RATE) -> float:
-    """Return the probability that the valve sticks."""
-    log_odds = logit(base_rate) + log_bayes_factor(counts)
-    return 1 / (1 + math.exp(-log_odds))
+def probability_of(counts: Counts, base_rate: float = BASE_RATE, since: Sequence[Counts] = ()) -> float:
+    """Return the probability that the valve sticks.
+
+    A valve may become another: damaged, repaired, or in another service. What was before says nothing then,
+    and it sticks as likely as any (product partition, as for S against time: ``wear/stretches.py``).
+
+    Args:
+        counts: Of all windows.
+        base_rate: Part of the plant's valves that stick.
+        since: Of the windows since each day on which it may have become another.
+    """
+    found = [log_likelihoods(counts)]
+    for after in since:
+        before = log_likelihoods(tuple(max(a - b, 0.0) for a, b in zip(counts, after, strict=True)))
+        became = math.log(JUMPS_A_DAY) + _mixed(before[1], before[0], base_rate)
+        if_sticks, if_sound = log_likelihoods(after)
+        found.append((became + if_sticks, became + if_sound))
+    sticks, sound = (_log_sum(np.array(each)) for each in zip(*found, strict=True))
+    return 1 / (1 + math.exp(sound - sticks - logit(base_rate)))
 
 
 def _log_sum(logs: FloatArray) -> float:

@@ -177,6 +177,36 @@ def test_a_day_counts_as_one_window():
     assert memory.windows == pytest.approx(2.0, abs=0.02)
 
 
+def weeks_of(*probabilities):
+    """The memory after a window a day."""
+    memory = ValveMemory()
+    for k, probability in enumerate(probabilities):
+        memory = remember(memory, said(probability), START + k * DAY, START + k * DAY + HOUR)
+    return memory
+
+
+def test_a_valve_that_begins_to_stick_is_found_within_days():
+    sound = [0.05] * 60
+    assert weeks_of(*sound).probability() < 0.05
+    assert weeks_of(*sound, 0.985).probability() < 0.2
+    assert weeks_of(*sound, 0.985, 0.985).probability() > LIKELY
+    assert weeks_of(*sound, 0.95, 0.95, 0.95).probability() > LIKELY
+    assert weeks_of(*sound, 0.985, 0.05, 0.05).probability() < 0.05
+
+
+def test_a_valve_that_no_longer_shows_stiction_is_believed_within_days():
+    assert weeks_of(*[0.985] * 30, 0.05, 0.05, 0.05).probability() < 0.2
+
+
+def test_the_days_since_which_a_valve_may_be_another_add_up():
+    memory = weeks_of(0.05, 0.985, 0.95)
+    newest, two, all_ = memory.since
+    assert sum(newest) == pytest.approx(1.0)
+    assert two == pytest.approx(counts(strong=1.0, very_strong=1.0), rel=0.02)
+    assert all_ == pytest.approx(memory.counts)
+    assert from_state(to_state(memory)).probability() == pytest.approx(memory.probability(), rel=1e-4)
+
+
 def test_old_windows_are_forgotten_at_the_stated_rate():
     memory = remember(ValveMemory(), said(0.985), START, START + HOUR)
     later = START + HOUR + HALF_LIFE
