@@ -15,7 +15,7 @@ from rich.progress import track
 from agent.analysis.memory.weighing_windows import BASE_RATE
 from agent.analysis.wear.trend import trend_of
 from agent.runtime.loop.process_pool import process_pool
-from benchmarks.cases.followed import days_held, repair_noticed
+from benchmarks.cases.followed import days_held, found_after, repair_noticed
 from benchmarks.cases.options import Options
 from benchmarks.cases.weeks import DiagnosedValve, WeeksJob, diagnosed_valve
 from benchmarks.tables.calibration import calibration_error, error_by_chance
@@ -27,9 +27,9 @@ WINDOWS, WINDOWS_FULL = 6, 42
 DAYS = 42.0
 WEEK = 7.0
 COURSES, COURSES_FULL = 2, 40
-"""Valves that wear, and that are repaired."""
+"""Valves that wear, that are repaired, and that begin to stick."""
 WEEKS = 28.0
-"""Length of such a course, days; a repair is in its middle."""
+"""Length of such a course, days; a repair and an onset are in its middle."""
 SOON = 3.0
 """Days within which a repair should be noticed."""
 SHOWN = 0.5
@@ -44,12 +44,15 @@ def run(options: Options) -> None:
     jobs = [WeeksJob(2 * k + 1, DAYS, windows, k % 5 == 0) for k in range(loops)]
     changing = [WeeksJob(2 * k + 1, WEEKS, windows, True, "wear") for k in range(courses)]
     changing += [WeeksJob(2 * k + 1, WEEKS, windows, True, "repair") for k in range(courses)]
+    changing += [WeeksJob(2 * k + 1, WEEKS, windows, True, "onset") for k in range(courses)]
     with process_pool() as pool:
         answers = pool.map(diagnosed_valve, [*jobs, *changing])
         console = Console(stderr=True)
         valves = list(track(answers, "valves", len(jobs) + len(changing), console=console))
     print_weeks(valves[: len(jobs)])
-    print(courses_table(valves[len(jobs) : len(jobs) + courses], valves[len(jobs) + courses :]))
+    wear, repair, onset = (valves[len(jobs) + k * courses :][:courses] for k in range(3))
+    print(courses_table(wear, repair))
+    print(onset_table(onset))
 
 
 def print_weeks(valves: Sequence[DiagnosedValve]) -> None:
@@ -99,6 +102,24 @@ def courses_table(wear: Sequence[DiagnosedValve], repair: Sequence[DiagnosedValv
     ]
     columns = ("course", "valves", "with a trend", "days on which S is within its 90 % interval", "right")
     return table(f"### Wear and repair in {WEEKS:g} days", columns, rows)
+
+
+def onset_table(valves: Sequence[DiagnosedValve]) -> str:
+    """Return how soon valves that begin to stick have P > 0.5."""
+    begins = WEEKS / 2
+    early = sum(found_by(each, begins) for each in valves)
+    after = [found for each in valves if (found := found_after(each, begins, SHOWN)) is not None]
+    within = sum(days <= WEEK for days in after)
+    median = f"{np.median(after):.1f}" if after else ""
+    columns = (
+        "valves",
+        "P > 0.5 before",
+        f"within {WEEK:g} days",
+        f"within {WEEKS - begins:g}",
+        "median, days",
+    )
+    rows = [(len(valves), early, within, len(after), median)]
+    return table("### Valves that begin to stick", columns, rows)
 
 
 def showing(valves: Sequence[DiagnosedValve]) -> tuple[int, str]:

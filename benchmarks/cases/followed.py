@@ -1,4 +1,4 @@
-"""What the trend of S of a simulated valve held, and when it noticed a repair."""
+"""What the trend of S of a simulated valve held, and when a repair, or an onset, was noticed."""
 
 from __future__ import annotations
 
@@ -27,4 +27,12 @@ def repair_noticed(valve: DiagnosedValve, repaired: float) -> float | None:
         trend = trend_of(memory.s_days)
         if day > repaired and trend is not None and trend.repaired is not None:
             return day - repaired
+    return None
+
+
+def found_after(valve: DiagnosedValve, begins: float, shown: float) -> float | None:
+    """Return the days from an onset, at the day ``begins``, to the window with which P exceeds ``shown``."""
+    for day, memory in zip(valve.days, valve.memories, strict=True):
+        if day > begins and memory.probability() > shown:
+            return day - begins
     return None

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from simulators.parameters import Drift, SetPointStep, ValveParameters
     from simulators.scenario import Scenario
 
-Course = Literal["constant", "wear", "repair"]
+Course = Literal["constant", "wear", "repair", "onset"]
 
 DAY = 86400.0
 """s"""
@@ -49,7 +49,7 @@ CAMPAIGN_DAYS = 5.0
 WEAR = 4.0
 """S at the end over S at the begin of a course of wear."""
 REPAIRED = 0.05
-"""S after a repair over S before."""
+"""S after a repair, or before an onset, over S on the other side."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +140,8 @@ def _factor(course: Course, share: float) -> float:
     """Return S over S at the begin, at a share of the whole time."""
     if course == "wear":
         return float(WEAR**share)
-    return REPAIRED if course == "repair" and share > 0.5 else 1.0
+    other = {"repair": share > 0.5, "onset": share <= 0.5}
+    return REPAIRED if other.get(course) else 1.0
 
 
 def _with_s(valve: ValveParameters, s: float) -> ValveParameters:

@@ -1,8 +1,9 @@
 """What the benchmark counts of a trend: days whose interval holds, and days to a repair that is noticed."""
 
+from agent.analysis.memory.outcome import OUTCOMES
 from agent.analysis.memory.s_day import SDay, with_s
 from agent.analysis.memory.valve_memory import ValveMemory
-from benchmarks.cases.followed import days_held, repair_noticed
+from benchmarks.cases.followed import days_held, found_after, repair_noticed
 from benchmarks.cases.weeks import DiagnosedValve
 
 DAY = 86400.0
@@ -31,3 +32,14 @@ def test_the_days_to_a_repair_that_is_noticed_are_counted():
     assert found is not None
     assert found <= 2.5
     assert repair_noticed(valve((4.0,) * 15, (4.0,) * 15), 9.5) is None
+
+
+def test_the_days_to_an_onset_that_is_found_are_counted():
+    looks = [
+        ValveMemory(today=tuple(float(each == name) for each in OUTCOMES)) for name in ("against", "strong")
+    ]
+    memories = (looks[0],) * 4 + (looks[1],)
+    days = tuple(map(float, range(5)))
+    one = DiagnosedValve("one", True, days, (0.0,) * 5, memories, (False,) * 5)
+    assert found_after(one, 1.5, 0.5) == 2.5
+    assert found_after(one, 1.5, 0.99) is None
