@@ -97,12 +97,6 @@ def log_likelihoods(counts: Counts) -> tuple[float, float]:
     return _mixed(as_sticking, as_sound, HIDDEN), _mixed(as_sound, as_sticking, MIMICS)
 
 
-def log_bayes_factor(counts: Counts) -> float:
-    """Return the log of how much likelier the windows are if the valve sticks, nats."""
-    if_sticks, if_sound = log_likelihoods(counts)
-    return if_sticks - if_sound
-
-
 def probability_of(counts: Counts, base_rate: float = BASE_RATE, since: Sequence[Counts] = ()) -> float:
     """Return the probability that the valve sticks.
 

@@ -20,12 +20,17 @@ from agent.analysis.memory.valve_memory import (
     hints_from,
     remember,
 )
-from agent.analysis.memory.weighing_windows import log_bayes_factor, probability_of
+from agent.analysis.memory.weighing_windows import log_likelihoods, probability_of
 from agent.analysis.record.recording import LoopHints
 from agent.analysis.response.no_response import NoResponse
 from agent.report.ranking import group_of
 from tests.unit.analysis.diagnoses import STICKING, WINDOW, judged
 from tests.unit.memory.windows import HOUR, START, said
+
+
+def log_bayes_factor(counts):
+    if_sticks, if_sound = log_likelihoods(counts)
+    return if_sticks - if_sound
 
 
 def counts(**of):
