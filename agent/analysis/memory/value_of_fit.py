@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from agent.analysis.memory.outcome import OUTCOMES
 from agent.analysis.memory.valve_memory import DAY, HALF_LIFE, ValveMemory
-from agent.analysis.memory.weighing_windows import BASE_RATE, log_likelihoods, probability_of
+from agent.analysis.memory.weighing_windows import BASE_RATE, log_likelihoods, posterior
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -56,14 +56,14 @@ def information(memory: ValveMemory, base_rate: float = BASE_RATE) -> float:
 
     That the valve may have become another (``probability_of``) is left out: it takes thirty times as long.
     """
-    now = probability_of(memory.counts, base_rate)
     sticks, sound = log_likelihoods(memory.counts)
+    now = posterior(sticks, sound, base_rate)
     after = 0.0
     for k in range(len(OUTCOMES)):
         counts = tuple(each + (j == k) for j, each in enumerate(memory.counts))
         if_sticks, if_sound = log_likelihoods(counts)
         chance = now * math.exp(if_sticks - sticks) + (1 - now) * math.exp(if_sound - sound)
-        after += chance * _loss(probability_of(counts, base_rate))
+        after += chance * _loss(posterior(if_sticks, if_sound, base_rate))
     return max(0.0, _loss(now) - after)
 
 

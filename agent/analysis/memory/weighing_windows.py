@@ -24,7 +24,7 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import ndtr
+from scipy.special import betaln, ndtr
 
 from agent.analysis.memory.outcome import EDGES, OUTCOMES, logit
 from agent.analysis.memory.rates import HIDDEN, MIMICS, MOST_RISE, SCATTERS, SOUND, STUCK
@@ -89,11 +89,11 @@ PRIORS = log_priors(SOUND, MOST_RISE, np.array(list(SCATTERS.values())))
 def log_likelihoods(counts: Counts) -> tuple[float, float]:
     """Return the log likelihood of the windows of a valve that sticks, and of a sound one, nats."""
     stuck, others = counts[-1], sum(counts[:ORDERED])
-    ordered = RATES @ np.array(counts[:ORDERED])
-    as_sticking, as_sound = (
-        _log_sum(ordered + prior) + _log_beta(yes + stuck, no + others) - _log_beta(yes, no)
-        for prior, (yes, no) in zip(PRIORS, STUCK, strict=True)
-    )
+    found = (RATES @ np.array(counts[:ORDERED]) + PRIORS).reshape(len(PRIORS), -1)
+    top = found.max(axis=1)
+    yes, no = np.transpose(STUCK)
+    logs = top + np.log(np.exp(found - top[:, None]).sum(axis=1))
+    as_sticking, as_sound = (logs + betaln(yes + stuck, no + others) - betaln(yes, no)).tolist()
     return _mixed(as_sticking, as_sound, HIDDEN), _mixed(as_sound, as_sticking, MIMICS)
 
 
@@ -114,20 +114,15 @@ def probability_of(counts: Counts, base_rate: float = BASE_RATE, since: Sequence
         became = math.log(JUMPS_A_DAY) + _mixed(before[1], before[0], base_rate)
         if_sticks, if_sound = log_likelihoods(after)
         found.append((became + if_sticks, became + if_sound))
-    sticks, sound = (_log_sum(np.array(each)) for each in zip(*found, strict=True))
-    return 1 / (1 + math.exp(sound - sticks - logit(base_rate)))
+    if_sticks, if_sound = np.logaddexp.reduce(found).tolist()
+    return posterior(if_sticks, if_sound, base_rate)
 
 
-def _log_sum(logs: FloatArray) -> float:
-    top = float(logs.max())
-    return top + math.log(float(np.exp(logs - top).sum()))
+def posterior(if_sticks: float, if_sound: float, base_rate: float) -> float:
+    """Return the probability that the valve sticks, from the log likelihoods of its windows."""
+    return 1 / (1 + math.exp(if_sound - if_sticks - logit(base_rate)))
 
 
 def _mixed(own: float, other: float, part: float) -> float:
     """Return the log likelihood where a part of the valves looks like those of the other kind."""
-    top = max(own, other)
-    return top + math.log((1 - part) * math.exp(own - top) + part * math.exp(other - top))
-
-
-def _log_beta(a: float, b: float) -> float:
-    return math.lgamma(a) + math.lgamma(b) - math.lgamma(a + b)
+    return float(np.logaddexp(math.log1p(-part) + own, math.log(part) + other))
