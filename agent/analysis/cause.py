@@ -34,6 +34,11 @@ this (``random_plants`` and ``random_moves``, seeds 3000 to 3024); most of the o
 """
 
 
+def undecided_cause(oscillation: Oscillation) -> CauseShare:
+    """Return the cause where it is not known what the valve does; whether the loop oscillates is known."""
+    return CauseShare("undecided" if oscillation.detected else "no_oscillation", 1.0)
+
+
 def line_power(signal: FloatArray, period: float) -> float:
     """Return the mean square of the wave of ``period`` (samples) in ``signal`` (n,), NaN left out.
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from agent.analysis.benefit.benefit import benefit
-from agent.analysis.cause import cause_without_stiction, causes_with_stiction
+from agent.analysis.cause import cause_without_stiction, causes_with_stiction, undecided_cause
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
 from agent.analysis.evidence.weighing import SURE, weigh
 from agent.analysis.gates.rhythm import samples_per_period
@@ -18,7 +18,7 @@ from agent.analysis.not_testable import not_testable
 from agent.analysis.quantify import quantifier as quantifier_named
 from agent.analysis.quantify.free_run import LEAST_S
 from agent.analysis.record.least_step import resolution
-from agent.analysis.results import CauseShare, MethodResult
+from agent.analysis.results import MethodResult
 from agent.analysis.seen import look, worth_a_fit
 from agent.analysis.stiction_class import stiction_class
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from agent.analysis.evidence.weighing import Weighed
     from agent.analysis.quantify import Quantifier
     from agent.analysis.record.recording import LoopWindow
-    from agent.analysis.results import Oscillation, Quantification, Verdict
+    from agent.analysis.results import CauseShare, Oscillation, Quantification, Verdict
     from agent.analysis.seen import Seen
 
 DEFAULT_QUANTIFIER = "free_run"
@@ -176,5 +176,4 @@ def _causes(
         return causes_with_stiction(window, found)
     if verdict == "no_stiction":
         return cause_without_stiction(window, oscillation, found)
-    # Whether the loop oscillates is known, also where it is not known what the valve does.
-    return (CauseShare("undecided" if oscillation.detected else "no_oscillation", 1.0),)
+    return (undecided_cause(oscillation),)

@@ -127,6 +127,8 @@ class Diagnosis:
     """Loop name of another recording that shows the same event and counts in place of this one."""
     seconds: float = 0.0
     """Wall time of the analysis, s."""
+    contradicted: bool = False
+    """Whether the window says ``stiction``, and the former days make that improbable: the verdict waits."""
     quiet: bool = False
     """Whether nothing happened that a valve could cause (``worth_a_fit``): the record shows little of it."""
 

@@ -24,6 +24,10 @@ SKIPPED: dict[frozenset[MethodKind], str] = {
     LIMIT_CYCLE: "methods that need a steady oscillation were skipped",
     SHAPE: "methods that analyse the shape of OP and PV were skipped",
 }
+CONTRADICTED = (
+    "this window shows that the valve sticks, the former days make that improbable: the verdict waits for "
+    "another day that shows it"
+)
 CLASS_WORDS: dict[StictionClass, str] = {
     "weak": "weak stiction",
     "dead_band": "mostly a dead band",
@@ -40,6 +44,8 @@ def reasons(diagnosis: Diagnosis) -> tuple[str, ...]:
     words = list(_own(diagnosis))
     if diagnosis.no_response is not None:
         words.insert(0, no_response_words(diagnosis.no_response))
+    if diagnosis.contradicted:
+        words.insert(0, CONTRADICTED)
     if diagnosis.others is not None:
         words.insert(0, _others_words(diagnosis.others))
     if diagnosis.same_event_as is not None:
@@ -132,7 +138,7 @@ def _fit_words(record: RecordSummary, found: Quantification, diagnosis: Diagnosi
         words.append("the improvement is too small to report stiction")
     elif s < record.resolution:
         words.append(NO_FAULT)
-    else:
+    elif not diagnosis.contradicted:
         words.append("the improvement is too small to report stiction, and too large to exclude it")
     return words
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from agent.analysis.diagnose import diagnose
+from agent.analysis.memory.sticks import with_memory
 from agent.analysis.memory.valve_memory import ValveMemory, hints_from, remember
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.routine import routine_diagnosis
@@ -37,7 +38,7 @@ class DiagnosedValve:
     memories: tuple[ValveMemory, ...]
     """After each window."""
     accused: tuple[bool, ...]
-    """Whether each window has the verdict stiction."""
+    """Whether each window has the verdict stiction, which the former days do not make improbable."""
 
     @property
     def counts(self) -> tuple[float, ...]:
@@ -59,7 +60,7 @@ def diagnosed_valve(job: WeeksJob) -> DiagnosedValve:
         found = routine_diagnosis(window, diagnose).diagnosis
         memory = remember(memory, found, window.start, window.start + len(window) * window.ts)
         memories.append(memory)
-        accused.append(found.verdict == "stiction")
+        accused.append(with_memory(found, memory).verdict == "stiction")
     return DiagnosedValve(
         valve.name,
         valve.sticks,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from agent.analysis.cause import undecided_cause
 from agent.analysis.evidence.weighing import SURE
 from agent.analysis.memory.outcome import OUTCOMES, outcome_of, outcome_of_odds, part_of
 from agent.analysis.memory.weighing_windows import BASE_RATE, probability_of
@@ -33,8 +34,40 @@ def with_sticks(diagnosis: Diagnosis, base_rate: float = BASE_RATE) -> Diagnosis
 
 
 def with_memory(diagnosis: Diagnosis, memory: ValveMemory, base_rate: float = BASE_RATE) -> Diagnosis:
-    """Return the diagnosis with the probability from all windows that are remembered, its own among them."""
-    return replace(diagnosis, sticks=Sticks(memory.probability(base_rate), base_rate, memory.windows))
+    """Return the diagnosis with the probability from all windows that are remembered, its own among them.
+
+    Where its verdict is ``stiction``, and the former days make that improbable, it becomes ``undecided``.
+    """
+    found = replace(diagnosis, sticks=Sticks(memory.probability(base_rate), base_rate, memory.windows))
+    return _waiting(found) if _is_contradicted(diagnosis, memory, base_rate) else found
+
+
+def _is_contradicted(diagnosis: Diagnosis, memory: ValveMemory, base_rate: float) -> bool:
+    """Whether the former days make it improbable that the valve sticks, though this window says so.
+
+    The other windows of its day do not speak against it: what began today is in the newest ones.
+    """
+    outcome = outcome_of(diagnosis)
+    if diagnosis.verdict != "stiction" or outcome is None:
+        return False
+    probability = memory.with_today(outcome).probability(base_rate)
+    return probability < min(LIKELY, sticks_of([diagnosis], base_rate).probability)
+
+
+def _waiting(diagnosis: Diagnosis) -> Diagnosis:
+    """Return the diagnosis without its verdict, with all that was measured."""
+    oscillation = diagnosis.oscillation
+    causes = diagnosis.causes if oscillation is None else (undecided_cause(oscillation),)
+    return replace(
+        diagnosis,
+        verdict="undecided",
+        confidence=0.0,
+        cause=causes[0].cause,
+        causes=causes,
+        stiction_class=None,
+        benefit=None,
+        contradicted=True,
+    )
 
 
 def sticks_of(diagnoses: Sequence[Diagnosis], base_rate: float = BASE_RATE) -> Sticks:

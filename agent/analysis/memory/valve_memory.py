@@ -86,6 +86,10 @@ class ValveMemory:
         """Windows by outcome since the begin of each of the newest days, the newest first."""
         return tuple(accumulate((self.newest, *reversed(self.days)), _sum))
 
+    def with_today(self, outcome: Outcome) -> ValveMemory:
+        """Return the memory as if one window with this outcome were all of its newest day."""
+        return replace(self, today=_added(NOTHING, outcome, 1.0))
+
     def probability(self, base_rate: float = BASE_RATE) -> float:
         """Return the probability that the valve sticks, where ``base_rate`` of the plant's valves do."""
         return probability_of(self.counts, base_rate, self.since)

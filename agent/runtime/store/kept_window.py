@@ -27,13 +27,16 @@ QUICKLY = 1
 
 
 def is_of_interest(diagnosis: Diagnosis, *, alarmed: bool) -> bool:
-    """Return whether somebody may want to see the values: the valve sticks or is suspected, or has an alarm.
+    """Return whether somebody may want to see the values.
+
+    The valve sticks or is suspected, the window alone says that it sticks, or there is an alarm.
 
     Args:
         diagnosis: Of the window.
         alarmed: Whether the alarm was active before or after it.
     """
-    return alarmed or diagnosis.verdict == "stiction" or is_suspected(diagnosis)
+    sticks = diagnosis.verdict == "stiction" or diagnosis.contradicted
+    return alarmed or sticks or is_suspected(diagnosis)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
