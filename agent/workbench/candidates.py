@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate, nothing_else
 from agent.workbench.checks.own_cycle import NO_LINE, is_no_line
-from agent.workbench.checks.pairs import far_likelier_words, likeliest_pair
+from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, likeliest_pair
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, beats, dynamics_on
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
@@ -223,7 +223,8 @@ def _lowered(
     if words is None and decision.kind != "suggested" and worse(smaller.fit, models[effect].fit):
         words = WORSE_ELSEWHERE
     pair = doubts.likelier_pair
-    together = None if pair is None or effect != pair.names[0] else far_likelier_words(pair)
+    beside = pair is not None and effect == pair.names[0] and far_likelier_than(pair, doubts.found[effect])
+    together = far_likelier_words(pair) if pair is not None and beside else None
     lacks = tuple(each for each in (words, together, doubts.lacks.get(effect)) if each is not None)
     return replace(decision, kind=decision.kind if words is None else "suggested", lacks=lacks)
 

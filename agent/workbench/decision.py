@@ -16,7 +16,7 @@ from agent.workbench.residual.holm import LEVEL, holm
 from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Collection, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -91,9 +91,9 @@ def judge(
     """Judge candidates by their held-out errors.
 
     An effect is confirmed where it reduces the error by at least ``LEAST_PERCENT``, the interval of the
-    reduction is above zero, and p, adjusted by Holm, is below ``LEVEL``. Of those that are, one differs from
-    the best by the same rule: where the best reduces its error by as much, as significantly, and the record
-    is not likelier with the other: in free run the one that hides more of OP's answer has less error.
+    reduction is above zero, and p, adjusted by Holm, is below ``LEVEL``. The best is that with the least
+    error, or, where it is comparable, the likeliest that is. Another differs from the best by the same rule:
+    where the best reduces its error by as much, as significantly, and the record is not likelier with it.
 
     Args:
         losses_base: Squared error of each held-out block without any of the candidates, (b,), b >= 2, one of
@@ -135,9 +135,9 @@ def judge(
     large = [each for each in ranked if _is_large(each.error_reduction_percent, each.low)]
     confirmed = [each for each in large if each.p < LEVEL and each.objection is None]
     if confirmed:
-        best = confirmed[0]
-        least = own[best.effect]
         likely = likelier or {}
+        best = _likeliest([each for each in confirmed if each.effect in comparable], confirmed[0], likely)
+        least = own[best.effect]
         alike = {
             each.effect
             for each in confirmed
@@ -166,6 +166,14 @@ def judge(
         if adjusted[each.effect] < SUGGESTED:
             return Decision("suggested", each.effect, each.family, (), (), tuple(ranked))
     return Decision("none", None, None, (), (), tuple(ranked))
+
+
+def _likeliest(able: Sequence[Candidate], best: Candidate, likely: Mapping[str, float]) -> Candidate:
+    """Return the likeliest of those between which the likelihood decides, where the best is one of them.
+
+    In free run the one that hides more of OP's answer has less error; the innovations know nothing of that.
+    """
+    return max(able, key=lambda each: likely[each.effect]) if best in able else best
 
 
 def _is_large(percent: float, low: float) -> bool:

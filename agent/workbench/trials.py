@@ -11,7 +11,7 @@ import numpy as np
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.foreign import EffectError
-from agent.workbench.candidates import AllTried, judged
+from agent.workbench.candidates import AllTried, judged, ran_out
 from agent.workbench.decision import judge
 from agent.workbench.event_scan import course_p, instant_p, instants_seen
 from agent.workbench.evidence import far_likelier
@@ -23,6 +23,7 @@ from agent.workbench.residual.holm import LEVEL
 from agent.workbench.shown.information import Shown, shown_by
 from agent.workbench.shown.score import scores_of, worth_a_fit
 from agent.workbench.solved.fewest_steps import with_steps
+from agent.workbench.solved.more_harmonics import with_more_harmonics
 from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
 from agent.workbench.validation import rmse_on
 from agent.workbench.valve_starts import ValveStart, valve_starts, with_valves
@@ -86,7 +87,7 @@ class Trials:
         able = [
             each for each in effects if isinstance(each, MeasuredInput) or self.event_p(step, each) < LEVEL
         ]
-        return worth_a_fit(able, step.predicts)
+        return worth_a_fit(able, step.predicts, ran_out=bool(ran_out(step, self.record.facts)))
 
     def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
         """Return what the record can show of each effect that a model does not have; empty: not known."""
@@ -169,6 +170,10 @@ class Trials:
         chances = (self.event_p(one, effect) for (one, _), effect in zip(pairs, last, strict=True))
         return larger if all(p < LEVEL for p in chances) else None
 
+    def refined(self, found: Tried) -> Tried:
+        """Return a model whose last effect was added: with the valve, steps and harmonics that it needs."""
+        return self.with_all_harmonics(self.with_fewest_steps(self.with_valve_anew(found)))
+
     def with_valve_anew(self, found: Tried) -> Tried:
         """Return a model with its valve sought again beside what was added since, if that predicts better."""
         stems = [each for each in found.fit.model.effects[:-1] if isinstance(each, HysteresisEffect)]
@@ -202,6 +207,16 @@ class Trials:
             fewer = self.predicted(with_steps(found.fit, self.record, steps))
             if not far_likelier(fewer, found, self.record):
                 return fewer
+        return found
+
+    def with_all_harmonics(self, found: Tried) -> Tried:
+        """Return a model with as many harmonics of its wave, if it has one, as the record needs."""
+        while (fitted := with_more_harmonics(found.fit, self.record)) is not None:
+            self.progress("harmonics of the wave", 0, 1)
+            more = self.predicted(fitted)
+            if not far_likelier(found, more, self.record):
+                break
+            found = more
         return found
 
     def without(self, fitted: Fit, name: str) -> Tried:

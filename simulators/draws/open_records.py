@@ -29,6 +29,8 @@ OPEN_KINDS: tuple[OpenKind, ...] = get_args(OpenKind)
 SETTLED = 5.0
 """Time that a step of a step test is held, in time constants and dead times."""
 SAMPLES = {"steps": 1200, "bump": 600, "prbs": 1200, "on_off": 1500}
+REACTS = 30.0
+"""Time in which an integrating process, which never settles, has shown what OP does to it, s."""
 BAND = 0.3
 """Half the hysteresis of the thermostat, over PV's answer to half the range of its OP."""
 
@@ -62,6 +64,10 @@ def open_record(seed: int, kind: OpenKind, truth: HiddenTruth = "none") -> OpenR
     travel = max(abs(each.sp - plant.scenario.controller.sp) for each in plant.scenario.set_points)
     travel /= abs(plant.scenario.process.gain)
     count, ts = SAMPLES[kind], plant.scenario.ts
+    memory = (plant.scenario.process.delay + sum(plant.scenario.process.taus or (REACTS,))) / ts
+    held = _held(kind, count, memory)
+    if plant.scenario.process.kind == "integrating":
+        travel /= REACTS  # PV moves as long as OP is away from its balance
     sooner = count * ts / plant.scenario.duration
     events = {
         name: tuple(
@@ -70,11 +76,10 @@ def open_record(seed: int, kind: OpenKind, truth: HiddenTruth = "none") -> OpenR
         for name in ("load_steps", "gain_steps")
     }
     scenario = plant.scenario.model_copy(update=events)
-    memory = (scenario.process.delay + sum(scenario.process.taus or (30.0,))) / ts
     if kind == "on_off":
         op = _thermostat(scenario, count, travel)
     else:
-        op = first + travel * _moves(rng, kind, count, memory)
+        op = first + travel * _moves(rng, kind, count, held)
     pv = response(scenario, op)
     quiet = {"noise": Noise(), "drift": Drift(), "wander": Wander(), "quantisation": Quantisation()}
     floor = pv - response(scenario.model_copy(update=quiet), op)
@@ -83,19 +88,22 @@ def open_record(seed: int, kind: OpenKind, truth: HiddenTruth = "none") -> OpenR
     return OpenRecord(kind, truth, scenario, op, pv + measured, floor + measured)
 
 
-def _moves(rng: np.random.Generator, kind: OpenKind, count: int, memory: float) -> FloatArray:
+def _held(kind: OpenKind, count: int, memory: float) -> int:
+    """Return for how many samples OP stays where it is."""
+    if kind == "prbs":
+        return max(2, round(0.7 * memory))
+    return min(max(5, round(SETTLED * memory)), count // (3 if kind == "bump" else 6))
+
+
+def _moves(rng: np.random.Generator, kind: OpenKind, count: int, held: int) -> FloatArray:
     """Return OP about its first level, in parts of the travel, (n,)."""
     op = np.zeros(count)
-    held = max(5, round(SETTLED * memory))
     if kind == "bump":
-        held = min(held, count // 3)
         op[count // 8 : count // 8 + held] = rng.choice([-1.0, 1.0])
         return op
     if kind == "prbs":
-        held = max(2, round(0.7 * memory))
         levels = rng.choice([-0.5, 0.5], count // held + 1)
     else:
-        held = min(held, count // 6)
         levels = np.concatenate(([0.0], rng.uniform(-1.0, 1.0, count // held)))
     return np.repeat(levels, held)[:count]
 

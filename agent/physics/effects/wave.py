@@ -16,31 +16,33 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 HARMONICS = 3
-"""Multiples of the frequency, itself included: behind the lag of a process higher ones are in the noise."""
+"""Multiples of the frequency that a search has, itself included: behind the lag of most processes higher ones
+are in the noise."""
 
 
 @dataclass(frozen=True, slots=True)
 class RepeatingWave(Sinusoid):
-    """A wave of constant frequency with its second and third harmonic on PV; amplitudes are solved for."""
+    """A wave of constant frequency with its harmonics on PV; amplitudes are solved for."""
 
     name: str = "wave"
+    harmonics: int = HARMONICS
+    """Multiples of the frequency that it has, itself included."""
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return the frequency: from three cycles in the record to five samples a cycle of a harmonic."""
-        highest = max(0.2 / facts.ts / HARMONICS, 4 / facts.duration)
+        highest = max(0.2 / facts.ts / self.harmonics, 4 / facts.duration)
         return (Parameter("frequency", "1/s", 3 / facts.duration, highest),)
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:
-        """Return cosine and sine of each harmonic, (n, 2 ``HARMONICS``)."""
-        waves = [
-            Sinusoid.columns(self, time, response, multiple * values) for multiple in range(1, HARMONICS + 1)
-        ]
+        """Return cosine and sine of each harmonic, (n, 2 ``harmonics``)."""
+        multiples = range(1, self.harmonics + 1)
+        waves = [Sinusoid.columns(self, time, response, multiple * values) for multiple in multiples]
         return np.hstack(waves)
 
     def solved(self, coefficients: FloatArray, gain: float) -> dict[str, Solved]:
         """Return amplitude and phase of each harmonic, as of a sinusoid."""
         found = {}
-        for at in range(HARMONICS):
+        for at in range(self.harmonics):
             own = Sinusoid.solved(self, coefficients[2 * at : 2 * at + 2], gain)
             found.update({f"{name}_{at + 1}" if at else name: each for name, each in own.items()})
         return found

@@ -40,6 +40,7 @@ def _add_both(bench: Bench, decision: Decision) -> bool:
         if both is not None:
             family = bench.effect(best).family
             bench.take(found.models[best], Verdict("confirmed", best, family), added=best)
+            both = bench.trials.with_all_harmonics(both)
             bench.take(both, Verdict("confirmed", name, rival.family), added=name)
             return True
     return False

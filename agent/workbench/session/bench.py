@@ -199,7 +199,7 @@ class Bench:
         if name in self.trials.left_out:
             raise ValueError(self.trials.left_out[name])
         verdict = verdict_of(self.step, found, self.where_it_fails(), self.lines(), self.record.facts)
-        larger = self.trials.with_fewest_steps(self.trials.with_valve_anew(found.models[name]))
+        larger = self.trials.refined(found.models[name])
         if self.trials.is_worse(self.step.fit, larger.fit):  # the verdict is on the model that was tried
             larger = found.models[name]
         return self.take(larger, naming(verdict, name), added=name)

@@ -32,4 +32,5 @@ def add_saved(bench: Bench, mapping: object) -> None:
         larger = replace(smaller, effects=(*smaller.effects, model.as_saved(effect)))
         starts = model.values_of(larger, record.facts)[np.newaxis]
         bench.trials.progress(name, len(smaller.effects), len(model.effects))
-        bench.take(bench.trials.predicted(fit(larger, record, record.weight, starts)), added=name)
+        found = bench.trials.predicted(fit(larger, record, record.weight, starts))
+        bench.take(bench.trials.with_all_harmonics(found), added=name)

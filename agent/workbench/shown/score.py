@@ -33,8 +33,6 @@ if TYPE_CHECKING:
 WORTH_A_FIT = 0.5 * VERY_STRONG
 """A score from which on an effect of its family is fitted: a fit gains more than the first order says. Of the
 confirmed ones on the loops of docs/decisions/0072 the least has 9, the larger dynamics apart."""
-MOST_FAMILIES = 4
-"""That are fitted, the best first: on those loops no verdict is another from 4 on."""
 PREDICTED = "sinusoid"
 """Always fitted: an autoregression predicts a wave, so that the innovations hardly go along with it."""
 SELDOM = frozenset(
@@ -52,19 +50,26 @@ NEW = 1e-6
 """Part of a change that the model cannot do itself, below which it is rounding."""
 
 
-def worth_a_fit(effects: Sequence[Effect], predictions: tuple[Predictor, FloatArray] | None) -> list[Effect]:
+def worth_a_fit(
+    effects: Sequence[Effect], predictions: tuple[Predictor, FloatArray] | None, *, ran_out: bool = False
+) -> list[Effect]:
     """Return the effects whose family the innovations hint at, in their order.
 
-    The best family always, a wave, and measured inputs, which somebody named; where anything is very
-    strong, the larger dynamics as well, which dead time and lag of a smaller model hide to first order.
+    The best family always, a wave, and measured inputs, which somebody named. The larger dynamics as well
+    where anything is very strong, for dead time and lag of a smaller model hide them to first order, or where
+    the process of the smaller model ran out: a lag at the end of its search stands for an integrator.
 
     Args:
         effects: That could be added.
         predictions: Of the model without them, and where they are best; None: not known.
+        ran_out: Whether its process is best at an upper end of its search.
     """
     if predictions is None:
         return [each for each in effects if each.name not in SELDOM]
-    return promising(effects, scores_of(effects, *predictions))
+    names = {each.name for each in promising(effects, scores_of(effects, *predictions))}
+    if ran_out:
+        names.update(LARGER_DYNAMICS)
+    return [each for each in effects if each.name in names]
 
 
 def scores_of(effects: Sequence[Effect], predicts: Predictor, best: FloatArray) -> dict[str, float]:
@@ -84,9 +89,9 @@ def promising(effects: Sequence[Effect], scores: Mapping[str, float]) -> list[Ef
             best[each.family] = max(best.get(each.family, 0.0), scores[each.name])
     anyway = {each.name for each in effects if each.name not in scores or isinstance(each, MeasuredInput)}
     anyway.add(PREDICTED)
-    ranked = sorted(best, key=lambda family: -best[family])
-    kept = [*ranked[:1], *(each for each in ranked[1:MOST_FAMILIES] if best[each] > WORTH_A_FIT)]
-    if ranked and best[ranked[0]] > VERY_STRONG:
+    most = max(best.values(), default=0.0)
+    kept = {family for family, score in best.items() if score >= min(most, WORTH_A_FIT)}
+    if most > VERY_STRONG:
         anyway.update(LARGER_DYNAMICS)
     return [each for each in effects if each.family in kept or each.name in anyway]
 

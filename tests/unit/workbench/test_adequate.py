@@ -17,6 +17,8 @@ from agent.workbench.session import Workbench
 from agent.workbench.session.opening import opened
 from agent.workbench.step import step_of
 from simulators.draws.open_records import open_record
+from simulators.field import response
+from simulators.parameters import Drift, Wander
 
 NAMED = {each.name: each for each in EFFECTS}
 
@@ -53,9 +55,15 @@ def test_a_trim_that_stands_for_a_curve_behind_the_lags_is_suggested():
 
 
 def test_a_number_at_its_bound_leaves_a_remainder_so_that_a_wave_is_not_confirmed_for_an_integrator():
-    decision = judged(open_record(62402, "prbs", "integrating"), "disturbance")
+    record = open_record(62409, "prbs", "integrating")
+    quiet = record.scenario.model_copy(update={"wander": Wander(), "drift": Drift()})
+    noise = np.random.default_rng(62409).normal(0, quiet.noise.std, len(record.op))
+    record = replace(record, pv=response(quiet, record.op) + noise)
+    decision = judged(record, "disturbance")
     assert (decision.kind, decision.effect) == ("suggested", "sinusoid")
     assert NOT_IN_LIBRARY in decision.lacks
+    named = judged(record, "disturbance", "process_dynamics")
+    assert (named.kind, named.effect) == ("confirmed", "integrating")
 
 
 def test_what_remains_may_be_another_effect_and_lowers_nothing_then():

@@ -62,15 +62,19 @@ def test_an_effect_with_which_the_record_is_likelier_is_not_reported_from_the_be
     assert (found.kind, found.effect, found.indistinguishable) == ("family", "deadband", ("stiction",))
 
 
-@pytest.mark.parametrize(("ahead", "kind"), [(11.0, "confirmed"), (9.0, "suggested"), (-9.0, "suggested")])
-def test_another_family_with_which_the_record_is_about_as_likely_is_named_beside(ahead, kind):
+@pytest.mark.parametrize(
+    ("ahead", "kind", "effect"),
+    [(11.0, "confirmed", "deadband"), (9.0, "suggested", "deadband"), (-9.0, "suggested", "decoy")],
+)
+def test_the_likelier_is_named_and_another_family_about_as_likely_beside_it(ahead, kind, effect):
     rng = np.random.default_rng(4)
     base = base_losses(rng)
     losses = {"deadband": less(rng, base, 75), "decoy": less(rng, base, 20)}
     likelier = {"deadband": 90.0, "decoy": 90.0 - ahead}
     found = judged(base, losses, likelier=likelier, comparable=("deadband", "decoy"))
-    assert (found.kind, found.effect) == (kind, "deadband")
-    assert found.rivals == found.indistinguishable == (() if kind == "confirmed" else ("decoy",))
+    assert (found.kind, found.effect) == (kind, effect)
+    other = "decoy" if effect == "deadband" else "deadband"
+    assert found.rivals == found.indistinguishable == (() if kind == "confirmed" else (other,))
     objections = {"decoy": "it stands for another"}
     rejected = judged(
         base, losses, likelier=likelier, comparable=("deadband", "decoy"), objections=objections

@@ -17,6 +17,7 @@ from agent.physics.loop_model import LoopModel
 from agent.workbench.evidence import VALVES, evidence_of
 from agent.workbench.fit import fit
 from agent.workbench.folds import HeldOut
+from agent.workbench.innovations import innovations, likelihood_ratio
 from agent.workbench.likeliest import less_likely
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
@@ -61,6 +62,19 @@ def test_it_is_for_what_changed_and_not_for_what_stands_in_for_it(changed):
     unlikely = less_likely({name: each.criterion for name, each in found.items()})
     assert "gain_change" not in unlikely
     assert "load_step" in unlikely
+
+
+def test_an_instant_pays_once_more_than_any_other_number(changed):
+    base, record = changed
+    model = nested_fit(base.fit, LoopModel(Fopdt(), (GainChange(),)), record)
+    larger = Tried(model, blank(model), predictor(model, record, base.predicts))
+    before, after = (
+        innovations(predicts.left(best), longest=True) for predicts, best in (base.predicts, larger.predicts)
+    )
+    numbers = [len(each.fit.values) + len(each.fit.coefficients) for each in (base, larger)]
+    price = (numbers[1] - numbers[0] + 1) * np.log(np.count_nonzero(np.isfinite(before.values)))
+    found = evidence_of(base, larger, record, CANDIDATES)
+    assert found.criterion == pytest.approx(likelihood_ratio(before, after) - price)
 
 
 def test_a_step_of_a_loop_without_one_is_chance():
