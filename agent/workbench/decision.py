@@ -13,7 +13,7 @@ import numpy as np
 from agent.workbench.likeliest import less_likely
 from agent.workbench.paired_blocks import reduction, sign_flip_p
 from agent.workbench.residual.holm import LEVEL, holm
-from agent.workbench.residual.very_strong import VERY_STRONG
+from agent.workbench.residual.very_strong import STRONG, VERY_STRONG
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
@@ -110,9 +110,10 @@ def judge(
         once: Candidates of what happened once. Refits know when, so that their blocks are not blind: p of
             their signs does not count, only ``by_chance``.
         likelier: How much likelier the record is with a candidate (``Evidence.criterion``).
-        comparable: Candidates that act on OP all the time. One of another family with which the record is
-            not far less likely than with the best cannot be distinguished from it, whatever its error. Not if
-            the best is a wave, which innovations hardly show.
+        comparable: Candidates that act on OP all the time. Between families of them the likelihood decides
+            alone: one that lowers the error, and with which the record is not strongly less likely than with
+            the best (very strongly, where that happened once), cannot be distinguished from it. Not if the
+            best is a wave, which innovations hardly show.
         objections: Candidates that something rejects whatever their p, and what; none is confirmed.
         rng: Of the bootstrap; None: always the same draws.
     """
@@ -137,22 +138,28 @@ def judge(
     if confirmed:
         likely = likelier or {}
         best = _likeliest([each for each in confirmed if each.effect in comparable], confirmed[0], likely)
-        least = own[best.effect]
+        lasting, happened = best.effect in comparable, best.effect in once
+        # Families of what acts on OP: the likelihood decides between them. What remains: the held-out error.
+        apart = (
+            {each for each in comparable if families[each] != best.family} if lasting or happened else set()
+        )
+        margin = VERY_STRONG if happened else STRONG
         alike = {
             each.effect
-            for each in confirmed
-            if likely.get(each.effect, -np.inf) >= likely.get(best.effect, np.inf)
-            or not _is_distinct(least, own[each.effect], draws)
+            for each in large
+            if each.effect in apart
+            and each.objection is None
+            and likely[best.effect] - likely[each.effect] <= margin
         }
-        if best.effect in {*comparable, *once}:
-            alike |= {
-                each.effect
-                for each in ranked
-                if each.effect in comparable
-                and each.objection is None
-                and each.family != best.family
-                and likely[best.effect] - likely[each.effect] <= VERY_STRONG
-            }
+        alike |= {
+            each.effect
+            for each in confirmed
+            if each.effect not in apart
+            and (
+                likely.get(each.effect, -np.inf) >= likely.get(best.effect, np.inf)
+                or not _is_distinct(own[best.effect], own[each.effect], draws)
+            )
+        }
         kin = {each for each in alike & likely.keys() if families[each] == best.family}
         poor = less_likely({each: likely[each] for each in kin})
         ordered = sorted((effect for effect in own if effect in alike), key=poor.__contains__)

@@ -12,6 +12,7 @@ from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.foreign import EffectError
 from agent.workbench.candidates import AllTried, judged, ran_out
+from agent.workbench.checks.lacking import LARGER_DYNAMICS
 from agent.workbench.decision import judge
 from agent.workbench.event_scan import course_p, instant_p, instants_seen
 from agent.workbench.evidence import far_likelier
@@ -82,12 +83,20 @@ class Trials:
         return self._done[step.effects]
 
     def _worth_a_fit(self, step: Step, effects: Sequence[Effect]) -> list[Effect]:
-        """Return the effects that the innovations hint at, and no event that is as large by chance."""
+        """Return the effects that the innovations hint at, and no event that is as large by chance.
+
+        An event that is not has passed a test of its own. And where a lag is best at the end of its search,
+        the larger dynamics are fitted: it stands for an integrator, which to first order adds nothing to it.
+        """
         self.progress("a score of each", 0, 1)
+        facts = self.record.facts
         able = [
             each for each in effects if isinstance(each, MeasuredInput) or self.event_p(step, each) < LEVEL
         ]
-        return worth_a_fit(able, step.predicts, ran_out=bool(ran_out(step, self.record.facts)))
+        anyway = {each.name for each in able if happens_once(each, facts)}
+        if ran_out(step, facts):
+            anyway.update(LARGER_DYNAMICS)
+        return worth_a_fit(able, step.predicts, anyway)
 
     def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
         """Return what the record can show of each effect that a model does not have; empty: not known."""

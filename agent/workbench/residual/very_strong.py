@@ -1,11 +1,14 @@
-"""From where on the innovations support one model of two very strongly."""
+"""From where on the innovations support one model of two strongly, and very strongly."""
 
 from __future__ import annotations
 
 import math
 
+STRONG = 6.0
+"""Evidence for one of two models that are both able to explain the record, twice a logarithm: odds of 20."""
 VERY_STRONG = 10.0
-"""Evidence for one of two models, twice a logarithm (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773)."""
+"""The same where one may explain nothing: odds of 150 (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995)
+773)."""
 
 
 def very_strong(criterion: float, candidates: int) -> bool:

@@ -24,7 +24,7 @@ from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.shown.changes import changes
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
@@ -51,24 +51,23 @@ NEW = 1e-6
 
 
 def worth_a_fit(
-    effects: Sequence[Effect], predictions: tuple[Predictor, FloatArray] | None, *, ran_out: bool = False
+    effects: Sequence[Effect],
+    predictions: tuple[Predictor, FloatArray] | None,
+    anyway: Collection[str] = (),
 ) -> list[Effect]:
     """Return the effects whose family the innovations hint at, in their order.
 
-    The best family always, a wave, and measured inputs, which somebody named. The larger dynamics as well
-    where anything is very strong, for dead time and lag of a smaller model hide them to first order, or where
-    the process of the smaller model ran out: a lag at the end of its search stands for an integrator.
+    The best family always, a wave, and measured inputs, which somebody named. Where anything is very strong,
+    the larger dynamics as well, which dead time and lag of a smaller model hide to first order.
 
     Args:
         effects: That could be added.
         predictions: Of the model without them, and where they are best; None: not known.
-        ran_out: Whether its process is best at an upper end of its search.
+        anyway: Names of those that are worth a fit for another reason.
     """
     if predictions is None:
         return [each for each in effects if each.name not in SELDOM]
-    names = {each.name for each in promising(effects, scores_of(effects, *predictions))}
-    if ran_out:
-        names.update(LARGER_DYNAMICS)
+    names = {*anyway, *(each.name for each in promising(effects, scores_of(effects, *predictions)))}
     return [each for each in effects if each.name in names]
 
 

@@ -64,7 +64,7 @@ def test_an_effect_with_which_the_record_is_likelier_is_not_reported_from_the_be
 
 @pytest.mark.parametrize(
     ("ahead", "kind", "effect"),
-    [(11.0, "confirmed", "deadband"), (9.0, "suggested", "deadband"), (-9.0, "suggested", "decoy")],
+    [(7.0, "confirmed", "deadband"), (5.0, "suggested", "deadband"), (-5.0, "suggested", "decoy")],
 )
 def test_the_likelier_is_named_and_another_family_about_as_likely_beside_it(ahead, kind, effect):
     rng = np.random.default_rng(4)
@@ -80,6 +80,13 @@ def test_the_likelier_is_named_and_another_family_about_as_likely_beside_it(ahea
         base, losses, likelier=likelier, comparable=("deadband", "decoy"), objections=objections
     )
     assert rejected.kind == "confirmed"
+
+
+def test_what_makes_the_error_larger_is_no_rival_however_likely():
+    base = base_losses(np.random.default_rng(4))
+    losses = {"deadband": less(np.random.default_rng(5), base, 60), "decoy": 1.5 * base}
+    likelier = {"deadband": 90.0, "decoy": 89.0}
+    assert judged(base, losses, likelier=likelier, comparable=tuple(losses)).kind == "confirmed"
 
 
 def test_of_two_alike_the_far_likelier_is_named():

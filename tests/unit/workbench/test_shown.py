@@ -15,6 +15,7 @@ from agent.workbench.shown.excitation import excitation_of, not_excited
 from agent.workbench.shown.information import shown_by
 from agent.workbench.shown.leverage import leverage_of
 from agent.workbench.shown.score import SELDOM, WORTH_A_FIT, Scores, scores_of, worth_a_fit
+from agent.workbench.step import step_of
 from simulators.draws.open_records import OPEN_KINDS, open_record
 
 LINEAR = library(EFFECTS, Fopdt())
@@ -37,11 +38,11 @@ def test_words_of_what_op_did():
 
 def test_a_process_that_ran_out_asks_for_larger_dynamics_though_nothing_hints_at_them():
     record = open_record(91110, "prbs", "integrating")
-    _, alone, _ = shown(record.op, record.pv)
+    trials, alone, _ = shown(record.op, record.pv)
     scores = scores_of(LINEAR, *alone.predicts)
     assert scores["integrating"] < WORTH_A_FIT
     assert "integrating" not in {each.name for each in worth_a_fit(LINEAR, alone.predicts)}
-    assert "integrating" in {each.name for each in worth_a_fit(LINEAR, alone.predicts, ran_out=True)}
+    assert "integrating" in trials.all_on(step_of(alone, trials.record, None), LINEAR).models
 
 
 @pytest.mark.parametrize("kind", OPEN_KINDS)
@@ -86,8 +87,6 @@ def test_what_is_missing_is_fitted_and_what_nothing_goes_along_with_is_not():
     assert "valve_hysteresis" in families
     assert {"inverse_response", "integrating"} <= {each.name for each in kept}  # the base fails
     assert len(kept) < len(LINEAR)
-    ran_out = {each.name for each in worth_a_fit(LINEAR, alone.predicts, ran_out=True)}
-    assert {each.name for each in kept} <= ran_out
     best = {name: max(scores.of(each) for each in LINEAR if each.family == name) for name in families}
     assert max(best, key=best.get) == "valve_hysteresis"
     missed = [each for each in LINEAR if each.family not in families]
