@@ -138,28 +138,7 @@ def judge(
     if confirmed:
         likely = likelier or {}
         best = _likeliest([each for each in confirmed if each.effect in comparable], confirmed[0], likely)
-        lasting, happened = best.effect in comparable, best.effect in once
-        # Families of what acts on OP: the likelihood decides between them. What remains: the held-out error.
-        apart = (
-            {each for each in comparable if families[each] != best.family} if lasting or happened else set()
-        )
-        margin = VERY_STRONG if happened else STRONG
-        alike = {
-            each.effect
-            for each in large
-            if each.effect in apart
-            and each.objection is None
-            and likely[best.effect] - likely[each.effect] <= margin
-        }
-        alike |= {
-            each.effect
-            for each in confirmed
-            if each.effect not in apart
-            and (
-                likely.get(each.effect, -np.inf) >= likely.get(best.effect, np.inf)
-                or not _is_distinct(own[best.effect], own[each.effect], draws)
-            )
-        }
+        alike = _as_good(best, large, own, likely, comparable, once, draws)
         kin = {each for each in alike & likely.keys() if families[each] == best.family}
         poor = less_likely({each: likely[each] for each in kin})
         ordered = sorted((effect for effect in own if effect in alike), key=poor.__contains__)
@@ -173,6 +152,36 @@ def judge(
         if adjusted[each.effect] < SUGGESTED:
             return Decision("suggested", each.effect, each.family, (), (), tuple(ranked))
     return Decision("none", None, None, (), (), tuple(ranked))
+
+
+def _as_good(
+    best: Candidate,
+    large: Sequence[Candidate],
+    losses: Mapping[str, FloatArray],
+    likely: Mapping[str, float],
+    comparable: Collection[str],
+    once: Collection[str],
+    rng: np.random.Generator,
+) -> set[str]:
+    """Return the effects that cannot be distinguished from the best, itself among them.
+
+    Between families of what acts on OP the likelihood decides, and for all else the held-out error.
+    """
+    judges = best.effect in {*comparable, *once}
+    margin = VERY_STRONG if best.effect in once else STRONG
+    alike = set()
+    for each in large:
+        if each.objection is not None:
+            continue
+        if judges and each.effect in comparable and each.family != best.family:
+            good = likely[best.effect] - likely[each.effect] <= margin
+        else:
+            likelier = likely.get(each.effect, -np.inf) >= likely.get(best.effect, np.inf)
+            alone = each.p < LEVEL
+            good = alone and (likelier or not _is_distinct(losses[best.effect], losses[each.effect], rng))
+        if good:
+            alike.add(each.effect)
+    return alike
 
 
 def _likeliest(able: Sequence[Candidate], best: Candidate, likely: Mapping[str, float]) -> Candidate:
