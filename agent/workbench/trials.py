@@ -93,10 +93,8 @@ class Trials:
         able = [
             each for each in effects if isinstance(each, MeasuredInput) or self.event_p(step, each) < LEVEL
         ]
-        anyway = {each.name for each in able if happens_once(each, facts)}
-        if ran_out(step, facts):
-            anyway.update(LARGER_DYNAMICS)
-        return worth_a_fit(able, step.predicts, anyway)
+        events = {each.name for each in able if happens_once(each, facts)}
+        return worth_a_fit(able, step.predicts, events, LARGER_DYNAMICS if ran_out(step, facts) else ())
 
     def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
         """Return what the record can show of each effect that a model does not have; empty: not known."""

@@ -33,6 +33,12 @@ if TYPE_CHECKING:
 WORTH_A_FIT = 0.5 * VERY_STRONG
 """A score from which on an effect of its family is fitted: a fit gains more than the first order says. Of the
 confirmed ones on the loops of docs/decisions/0072 the least has 9, the larger dynamics apart."""
+MOST_GAIN = 10.0
+"""What has a tenth of the best score cannot become the best: a fit gains some times more than the first order
+says (8 times for a sensor's dead band, the most that was named in 150 loops, docs/decisions/0105)."""
+DEAR, AMONG_BEST = "valve_hysteresis", 4
+"""Family whose search for valves takes as much as those of all others together, and among how many of the
+best by score it must be: it was so wherever it was confirmed (docs/decisions/0072)."""
 PREDICTED = "sinusoid"
 """Always fitted: an autoregression predicts a wave, so that the innovations hardly go along with it."""
 SELDOM = frozenset(
@@ -53,6 +59,7 @@ NEW = 1e-6
 def worth_a_fit(
     effects: Sequence[Effect],
     predictions: tuple[Predictor, FloatArray] | None,
+    events: Collection[str] = (),
     anyway: Collection[str] = (),
 ) -> list[Effect]:
     """Return the effects whose family the innovations hint at, in their order.
@@ -63,11 +70,13 @@ def worth_a_fit(
     Args:
         effects: That could be added.
         predictions: Of the model without them, and where they are best; None: not known.
+        events: Names of those that happened once and have passed a test of their own.
         anyway: Names of those that are worth a fit for another reason.
     """
     if predictions is None:
         return [each for each in effects if each.name not in SELDOM]
-    names = {*anyway, *(each.name for each in promising(effects, scores_of(effects, *predictions)))}
+    found = promising(effects, scores_of(effects, *predictions), events)
+    names = {*anyway, *(each.name for each in found)}
     return [each for each in effects if each.name in names]
 
 
@@ -80,16 +89,22 @@ def scores_of(effects: Sequence[Effect], predicts: Predictor, best: FloatArray) 
     return found
 
 
-def promising(effects: Sequence[Effect], scores: Mapping[str, float]) -> list[Effect]:
+def promising(
+    effects: Sequence[Effect], scores: Mapping[str, float], events: Collection[str] = ()
+) -> list[Effect]:
     """Return the effects that are worth a fit by their scores, as ``worth_a_fit`` says."""
     best: dict[str, float] = {}
     for each in effects:
         if each.name in scores:
             best[each.family] = max(best.get(each.family, 0.0), scores[each.name])
+    ranked = sorted(best, key=lambda family: -best[family])
+    most = best[ranked[0]] if ranked else 0.0
+    least = most / MOST_GAIN
     anyway = {each.name for each in effects if each.name not in scores or isinstance(each, MeasuredInput)}
     anyway.add(PREDICTED)
-    most = max(best.values(), default=0.0)
-    kept = {family for family, score in best.items() if score >= min(most, WORTH_A_FIT)}
+    anyway.update(name for name in events if scores.get(name, 0.0) >= least)
+    kept = {family for family in ranked if best[family] >= min(most, max(WORTH_A_FIT, least))}
+    kept -= {DEAR} & {*ranked[AMONG_BEST:]}
     if most > VERY_STRONG:
         anyway.update(LARGER_DYNAMICS)
     return [each for each in effects if each.family in kept or each.name in anyway]
