@@ -222,9 +222,9 @@ def _lowered(
     words = doubts.lowered.get(effect)
     if words is None and decision.kind != "suggested" and worse(smaller.fit, models[effect].fit):
         words = WORSE_ELSEWHERE
-    pair = doubts.likelier_pair
-    beside = pair is not None and effect == pair.names[0] and far_likelier_than(pair, doubts.found[effect])
-    together = far_likelier_words(pair) if pair is not None and beside else None
+    pair, together = doubts.likelier_pair, None
+    if pair is not None and effect == pair.names[0] and far_likelier_than(pair, doubts.found[effect]):
+        together = far_likelier_words(pair)
     lacks = tuple(each for each in (words, together, doubts.lacks.get(effect)) if each is not None)
     return replace(decision, kind=decision.kind if words is None else "suggested", lacks=lacks)
 

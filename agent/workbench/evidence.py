@@ -68,7 +68,7 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
         return Evidence(True, 1.0, 0.0, effect.family, answers, once)
     searched = len(larger.fit.values) - len(smaller.fit.values)
     added = _numbers(larger) - _numbers(smaller)
-    criterion = _criterion(before, after, _priced(larger, record) - _priced(smaller, record))
+    criterion = _criterion(before, after, _priced(smaller, larger, record))
     if isinstance(effect, HysteresisEffect) and smaller.predicts and larger.predicts:
         # Most strokes show little of a stem's constants: Schwarz's price of seven numbers hides a valve.
         price = _price(*larger.predicts) - _price(*smaller.predicts)
@@ -90,7 +90,7 @@ def _scanned(effect: Effect, record: Record) -> int:
     """
     if isinstance(effect, HysteresisEffect):
         return VALVES
-    instants = sum(each.instant for each in effect.parameters(record.facts))
+    instants = _instants(effect, record)
     goes_on = not instants and not acts_on_op(effect, record.facts)
     return len(record) if goes_on else SCAN ** max(1, instants)
 
@@ -100,7 +100,7 @@ def far_likelier(smaller: Model, larger: Model, record: Record) -> bool:
     before, after = (_least_innovations(each, record) for each in (smaller, larger))
     if before is None or after is None:
         return False
-    return _criterion(before, after, _priced(larger, record) - _priced(smaller, record)) > VERY_STRONG
+    return _criterion(before, after, _priced(smaller, larger, record)) > VERY_STRONG
 
 
 def _criterion(before: Innovations, after: Innovations, priced: int) -> float:
@@ -122,15 +122,22 @@ def _price(predicts: Predictor, best: FloatArray) -> float:
     return float(np.sum(np.log(np.maximum(sharpness / (2 * np.pi), 1.0))))
 
 
-def _priced(model: Model, record: Record) -> int:
-    """Return how often a model pays the logarithm of the number of samples.
+def _priced(smaller: Model, larger: Model, record: Record) -> int:
+    """Return how often more a larger model pays the logarithm of the number of samples.
 
     Once for each number, and once more for each instant: a record shows an instant to a sample of all, where
     it shows any other number to one over the root of them (N. R. Zhang and D. O. Siegmund, "A modified Bayes
     information criterion", Biometrics 63, 2007).
     """
-    effects = model.fit.model.effects
-    return _numbers(model) + sum(p.instant for each in effects for p in each.parameters(record.facts))
+    one, other = (
+        _numbers(each) + sum(_instants(effect, record) for effect in each.fit.model.effects)
+        for each in (smaller, larger)
+    )
+    return other - one
+
+
+def _instants(effect: Effect, record: Record) -> int:
+    return sum(each.instant for each in effect.parameters(record.facts))
 
 
 def _numbers(model: Model) -> int:

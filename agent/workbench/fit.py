@@ -170,6 +170,12 @@ def fit_at(model: LoopModel, record: Record, target: ProjectedPv, values: FloatA
     return _fit_of(objective, values, objective.solved(objective.space.at(values)))
 
 
+def refit_from(model: LoopModel, record: Record, values: FloatArray) -> Fit:
+    """Return the model refitted from these values, (k,), own units, on all that counts."""
+    target = target_of(record, record.weight, linear=model.base.linear)
+    return refit(fit_at(model, record, target, values), record, record.weight)
+
+
 def _fit_of(objective: Objective, values: FloatArray, solved: Solved) -> Fit:
     model, record = objective.model, objective.record
     explained = model.columns(record.op, values, record.facts) @ solved.coefficients

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effects.load_step import LoadStepEffect
-from agent.workbench.fit import fit_at, refit
-from agent.workbench.projection import target_of
+from agent.workbench.fit import refit_from
 
 if TYPE_CHECKING:
     from agent.workbench.fit import Fit
@@ -27,5 +26,4 @@ def with_steps(fitted: Fit, record: Record, steps: int) -> Fit:
     instants = fitted.values[-own:-1][kept]
     values = np.concatenate((fitted.values[:-own], instants, fitted.values[-1:]))
     model = replace(fitted.model, effects=(*fitted.model.effects[:-1], replace(effect, steps=steps)))
-    target = target_of(record, record.weight, linear=model.base.linear)
-    return refit(fit_at(model, record, target, values), record, record.weight)
+    return refit_from(model, record, values)

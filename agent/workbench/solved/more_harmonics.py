@@ -6,8 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from agent.physics.effects.wave import RepeatingWave
-from agent.workbench.fit import fit_at, refit
-from agent.workbench.projection import target_of
+from agent.workbench.fit import refit_from
 
 if TYPE_CHECKING:
     from agent.workbench.fit import Fit
@@ -29,5 +28,4 @@ def with_more_harmonics(fitted: Fit, record: Record) -> Fit | None:
     if fitted.values[names.index(f"{wave.name}.{frequency.name}")] >= frequency.high:
         return None
     larger = replace(model, effects=tuple(more if each is wave else each for each in model.effects))
-    target = target_of(record, record.weight, linear=model.base.linear)
-    return refit(fit_at(larger, record, target, fitted.values), record, record.weight)
+    return refit_from(larger, record, fitted.values)
