@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 Verdict = Literal["stiction", "no_stiction", "undecided", "not_testable"]
 Cause = Literal["stiction", "tight_tuning", "external_disturbance", "no_oscillation", "undecided"]
 StictionClass = Literal["weak", "dead_band", "stick_slip", "dead_band_stick_slip"]
+FIRM: tuple[Verdict, ...] = ("stiction", "no_stiction")
+"""Verdicts that a label can be compared with."""
 MethodVerdict = Literal["stiction", "no_stiction", "undecided", "not_applicable"]
 MethodKind = Literal["limit_cycle", "travel", "model"]
 """What a method looks at: the shape of a steady oscillation, valve against OP, or a model's free run."""

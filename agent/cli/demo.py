@@ -60,14 +60,21 @@ class DemoLoop:
         return self.diagnoses[-1].verdict if self.diagnoses else "undecided"
 
     def lacks(self, windows: int) -> str | None:
-        """Return what is missing until ``windows`` verdicts in a row agree and the bus has what follows."""
-        last = [diagnosis.verdict for diagnosis in self.diagnoses[-windows:]]
-        if not last:
+        """Return what is missing until the last ``windows`` firm verdicts agree and the bus has what follows.
+
+        An undecided window says nothing against them, as it neither raises nor clears an alarm.
+        """
+        from agent.analysis.results import FIRM
+
+        if not self.diagnoses:
             return "no verdict yet"
-        if len(last) < windows or len(set(last)) > 1:
-            return f"no {windows} verdicts in a row that agree"
-        if self.seen != (last[0] == "stiction"):
-            return f"its alarm was not seen on {self.bus}"
+        if self.verdict not in FIRM:
+            return f"its newest verdict is {self.verdict.replace('_', ' ')}"
+        firm = [each.verdict for each in self.diagnoses if each.verdict in FIRM][-windows:]
+        if len(firm) < windows or len(set(firm)) > 1:
+            return f"no {windows} firm verdicts in a row that agree"
+        if self.seen != (self.verdict == "stiction"):
+            return f"its alarm was {'' if self.seen else 'not '}seen on {self.bus}"
         return None
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from agent.analysis.results import FIRM
 from agent.report.advice import advice
 from agent.report.ranking import GROUPS, ORDER, estimate_of, group_of, probability_of
 from agent.report.reasons import CLASS_WORDS, data_words, reasons
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from agent.report.ranking import Group
 
 NOTHING_TO_DO = "nothing"
-FIRM = ("stiction", "no_stiction")
 
 
 @dataclass(frozen=True, slots=True)
