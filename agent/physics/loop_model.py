@@ -156,11 +156,14 @@ class Layout:
         return found
 
     def columns(self, op: FloatArray, values: FloatArray) -> FloatArray:
-        """Return the response of gain one, then the columns of the disturbances, (n, 1 + k)."""
+        """Return the response of gain one, then the columns of the disturbances, (n, 1 + k).
+
+        One column behind the other in memory: sums over samples are many, and run along it.
+        """
         response = self.response(self.position(op, values), values)
         if not self.disturbances:
             return response[:, np.newaxis]
-        return np.column_stack((response, *(added for _, added in self._added(response, values))))
+        return np.vstack((response, *(added.T for _, added in self._added(response, values)))).T
 
     def owners(self, op: FloatArray, values: FloatArray) -> tuple[str, ...]:
         """Return for each of the ``columns`` the effect that adds it; empty for the response."""

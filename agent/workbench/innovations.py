@@ -44,10 +44,10 @@ class Innovations:
 
         The first p samples are NaN.
         """
-        columns = np.ascontiguousarray(other, dtype=np.float64)
-        out = unpredicted(columns.reshape(len(columns), -1), self.coefficients).reshape(columns.shape)
-        out[: len(self.coefficients)] = np.nan
-        return out
+        series = np.ascontiguousarray(other.T, dtype=np.float64)
+        left = unpredicted(series.reshape(-1, len(other)), self.coefficients)
+        left[:, : len(self.coefficients)] = np.nan
+        return left.reshape(series.shape).T
 
 
 def innovations(residual: FloatArray, *, longest: bool = False) -> Innovations | None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.physics.effects.load_step import stepped
+from agent.physics.signals.steps import lagged_steps
 from agent.workbench.instant_order import instants_of
 from agent.workbench.residual.very_strong import VERY_STRONG
 
@@ -90,7 +90,8 @@ class _Event:
         period = objective.record.facts.period
         inflow = np.asarray(self.time > instant, dtype=np.float64)[:, np.newaxis]
         behind = objective.layout.answers(self.position, inflow, self.values)
-        return np.column_stack([*(stepped(self.time, instant, lag * period) for lag in LAGS), behind])
+        own = [lagged_steps(self.time, np.array([instant]), lag * period)[0] for lag in LAGS]
+        return np.column_stack([*own, behind])
 
     def answer(self, there: NDArray[np.bool_]) -> FloatArray:
         """Return what PV answers more to OP in part of the samples, gain and level, (n, 2)."""

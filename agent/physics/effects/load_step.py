@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effect import Facts, Parameter, Solved, Stage
+from agent.physics.signals.steps import lagged_steps
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -55,7 +56,7 @@ class LoadStepEffect:
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return the steps, of height one, (n, steps)."""
         *instants, tau = values.tolist()
-        return np.stack([stepped(time, instant, tau) for instant in instants], axis=1)
+        return lagged_steps(time, np.array(instants), tau).T
 
     def solved(self, coefficients: FloatArray, gain: float) -> dict[str, Solved]:  # noqa: ARG002
         """Return the heights, in the order of the instants."""
@@ -69,21 +70,14 @@ class LoadStepEffect:
         instants = np.linspace(first, last, INSTANTS)
         found = []
         for tau in (lag * facts.period for lag in LAGS):
-            steps = np.stack([stepped(time, each, tau) for each in instants], axis=1)[known]
-            drift = np.stack((np.ones(len(steps)), time[known]), axis=1)
+            scanned = lagged_steps(time, instants, tau).T[known]
+            drift = np.stack((np.ones(len(scanned)), time[known]), axis=1)
             places: list[int] = []
             for _ in range(self.steps):
-                besides = np.column_stack((drift, steps[:, places]))
-                places.append(_explains_most(steps, besides, residual[known]))
+                besides = np.column_stack((drift, scanned[:, places]))
+                places.append(_explains_most(scanned, besides, residual[known]))
             found.append((*instants[places], tau))
         return np.array(found)
-
-
-def stepped(time: FloatArray, instant: float, tau: float) -> FloatArray:
-    """Return a step of height one at an instant, s, behind a lag ``tau``, s; (n,)."""
-    since = np.maximum(time - instant, 0.0)
-    step = -np.expm1(-since / tau) if tau > 0.0 else np.where(since > 0.0, 1.0, 0.0)
-    return np.asarray(step, dtype=np.float64)
 
 
 def _explains_most(columns: FloatArray, besides: FloatArray, residual: FloatArray) -> int:

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.signal import find_peaks, periodogram
 
 from agent.physics.effect import Facts, Parameter, Solved, Stage
+from agent.physics.signals.waves import waves
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,8 +37,7 @@ class Sinusoid:
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return cosine and sine, (n, 2)."""
-        angle = 2 * np.pi * float(values[0]) * time
-        return np.column_stack((np.cos(angle), np.sin(angle)))
+        return wave_columns(time, float(values[0]), 1)
 
     def solved(self, coefficients: FloatArray, gain: float) -> dict[str, Solved]:  # noqa: ARG002
         """Return amplitude and phase of A cos(2 pi f t + phase), t from the start of the record."""
@@ -58,3 +58,12 @@ class Sinusoid:
         lines, _ = find_peaks(power)
         highest = lines[np.argsort(-power[lines])[:LINES]]
         return np.asarray(frequency[highest, np.newaxis])
+
+
+def wave_columns(time: FloatArray, frequency: float, harmonics: int) -> FloatArray:
+    """Return cosine and sine of a frequency, 1/s, and of its multiples, (n, 2 harmonics).
+
+    ``time``: s, (n,), evenly spaced, n >= 2.
+    """
+    speed = 2 * np.pi * frequency
+    return waves(speed * time[0], speed * (time[1] - time[0]), len(time), harmonics).T

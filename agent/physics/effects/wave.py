@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from agent.physics.effect import Facts, Parameter, Solved
-from agent.physics.effects.sinusoid import Sinusoid
+from agent.physics.effects.sinusoid import Sinusoid, wave_columns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,11 +31,9 @@ class RepeatingWave(Sinusoid):
         highest = max(0.2 / facts.ts / self.harmonics, 4 / facts.duration)
         return (Parameter("frequency", "1/s", 3 / facts.duration, highest),)
 
-    def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:
+    def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return cosine and sine of each harmonic, (n, 2 ``harmonics``)."""
-        multiples = range(1, self.harmonics + 1)
-        waves = [Sinusoid.columns(self, time, response, multiple * values) for multiple in multiples]
-        return np.hstack(waves)
+        return wave_columns(time, float(values[0]), self.harmonics)
 
     def solved(self, coefficients: FloatArray, gain: float) -> dict[str, Solved]:
         """Return amplitude and phase of each harmonic, as of a sinusoid."""

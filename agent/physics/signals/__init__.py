@@ -1,0 +1,1 @@
+"""Loads as series of samples: waves and steps."""
