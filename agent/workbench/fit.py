@@ -16,6 +16,7 @@ from agent.workbench.search import (
     Round,
     best_of,
     hypercube,
+    lowered,
     objective_of,
     searched,
     spread_about,
@@ -23,7 +24,7 @@ from agent.workbench.search import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from agent.analysis.record.recording import FloatArray
     from agent.physics.loop_model import LoopModel
@@ -36,8 +37,8 @@ if TYPE_CHECKING:
 SCAN = 400
 """Points of the first scan."""
 ROUNDS = ((8, STEP, 20), (3, STEP / 2, 40), (1, STEP / 5, 60))
-WARM_ROUNDS = ((1, STEP / 10, 40),)
-"""For a model whose values are known from almost the same samples."""
+NEAR = (STEP / 10, 40)
+"""First step and evaluations for each parameter, where the values are known from almost the same samples."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,10 +129,22 @@ def nested_starts(smaller: Fit, space: Space) -> FloatArray:
     return spread_about(at, np.arange(len(space)) >= known, (-0.2, 0.1), SCAN)
 
 
-def refit(fitted: Fit, record: Record, weight: FloatArray, noise: Innovations | None = None) -> Fit:
+def near(objective: Objective | Pinned, start: FloatArray) -> FloatArray:
+    """Return the best point of a local search from ``start`` (k,), which is known from almost the same."""
+    return lowered(objective, start, *NEAR)
+
+
+def refit(
+    fitted: Fit,
+    record: Record,
+    weight: FloatArray,
+    noise: Innovations | None = None,
+    by: Callable[[Pinned, FloatArray], FloatArray] = near,
+) -> Fit:
     """Fit the same model to other samples of its record, from the values that it has.
 
-    By its free run, or with the autoregression of its residual, ``noise``, by its one-step predictions.
+    By its free run, or with the autoregression of its residual, ``noise``, by its one-step predictions; ``by``
+    is the search.
 
     When something happened once stays as it is, and how much it was where ``weight`` hides that instant: no
     other samples tell it, and level and drift, too, are taken with the whole record in view.
@@ -160,7 +173,7 @@ def refit(fitted: Fit, record: Record, weight: FloatArray, noise: Innovations | 
         fitted.coefficients,
         np.array([each not in hidden for each in owners], dtype=np.bool_),
     )
-    found = searched(pinned, pinned.at[pinned.free][None, :], WARM_ROUNDS)
+    found = by(pinned, pinned.at[pinned.free])
     return _fit_of(objective, objective.space.values(pinned.whole(found)), pinned.solved(found))
 
 

@@ -20,6 +20,7 @@ from agent.workbench.predictor import predictor_behind
 from agent.workbench.projection import target_of
 from agent.workbench.search import (
     best_of,
+    by_slopes,
     lowered,
     objective_of,
     of_last_effect,
@@ -161,8 +162,10 @@ def _settled(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray
         if again is None:
             return None
         predicts = again
-        if len(at):
-            at = lowered(predicts.behind, _placed(predicts, at) if turn < PLACED else at, STEP, EVALUATIONS)
+        if turn < PLACED:  # the autoregression needs no more than the slopes say
+            at = by_slopes(predicts.behind, _placed(predicts, at))
+        else:
+            at = lowered(predicts.behind, at, STEP, EVALUATIONS)
     return predicts, at
 
 

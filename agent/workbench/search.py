@@ -35,6 +35,8 @@ COARSE, SMOOTH = 1e-3, 1e-5
 """Step of derivatives, part of a parameter's range: over steps of the error, and where there are none."""
 STEPS = 12
 """Of Gauss and Newton, at most, on a linear base."""
+BALANCE_STEPS = 60
+"""The same on a balance, whose time constants may be far from where the search begins."""
 SAME = 0.1
 """Difference of points of a simplex, twice a logarithm of their likelihoods, below which none is better."""
 STEP = 0.05
@@ -227,15 +229,19 @@ def best_of(objective: Objective | Pinned, starts: FloatArray, count: int) -> li
 
 def lowered(objective: Objective | Pinned, start: FloatArray, step: float, evaluations: int) -> FloatArray:
     """Return the best point of a local search from ``start`` (k,); ``evaluations`` for each parameter."""
-    if not len(start):
-        return start
-    linear = objective.model.base.linear
-    steps, difference = (STEPS, COARSE) if linear else (evaluations, SMOOTH)
-    found = lowest(lambda at: objective.solved(at).residual, start, steps, difference)
-    if not linear or not is_rough(objective):
+    found = by_slopes(objective, start)
+    if not len(start) or not objective.model.base.linear or not is_rough(objective):
         return found
     flat = SAME / objective.count * max(objective.error(found), 1e-300)
     return lowered_by_simplex(objective.error, found, step, evaluations, near=1.0, flat=flat)
+
+
+def by_slopes(objective: Objective | Pinned, start: FloatArray) -> FloatArray:
+    """Return the best point that steps of Gauss and Newton find from ``start`` (k,)."""
+    if not len(start):
+        return start
+    steps, difference = (STEPS, COARSE) if objective.model.base.linear else (BALANCE_STEPS, SMOOTH)
+    return lowest(lambda at: objective.solved(at).residual, start, steps, difference)
 
 
 def is_rough(objective: Objective | Pinned) -> bool:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from agent.physics.effect import Facts, Parameter, Solved
 from agent.physics.effects.sinusoid import Sinusoid, wave_columns
 

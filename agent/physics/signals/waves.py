@@ -9,7 +9,7 @@ from agent.jit import kernel
 
 FloatArray = NDArray[np.float64]
 PART = 32
-"""Samples that are turned together by angles that are known: the product of two is a hundredth of a cosine."""
+"""Samples that are turned together by angles that are known: a product takes a hundredth of a cosine."""
 
 
 @kernel
