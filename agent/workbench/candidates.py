@@ -125,6 +125,7 @@ def judged(
         by_chance=by_chance,
         event_p=event_p,
         once={name for name, each in found.items() if each.once},
+        seen={name for name, each in found.items() if not each.blind},
         likelier={name: each.criterion for name, each in found.items()},
         comparable=() if smaller.predicts is None else comparable(found),
     )

@@ -83,6 +83,7 @@ def judge(
     by_chance: Mapping[str, float] | None = None,
     event_p: Mapping[str, float] | None = None,
     once: Collection[str] = (),
+    seen: Collection[str] = (),
     likelier: Mapping[str, float] | None = None,
     comparable: Collection[str] = (),
     objections: Mapping[str, str] | None = None,
@@ -107,8 +108,9 @@ def judge(
             acts in few blocks cannot be significant by their signs, however plain it is there.
         event_p: Of candidates that happened once: how likely as much is explained where nothing happened. It
             must be below ``LEVEL`` as well.
-        once: Candidates of what happened once. Refits know when, so that their blocks are not blind: p of
-            their signs does not count, only ``by_chance``.
+        once: Candidates of what happened once.
+        seen: Candidates of which blocks are not blind (``Evidence.blind``): p of their signs does not count,
+            only ``by_chance``.
         likelier: How much likelier the record is with a candidate (``Evidence.criterion``).
         comparable: Candidates that act on OP all the time. Between families of them the likelihood decides
             alone: one that lowers the error, and with which the record is not strongly less likely than with
@@ -123,7 +125,7 @@ def judge(
     own = {effect: np.asarray(each)[known] for effect, each in losses.items()}
     raw = np.array([sign_flip_p(base, each) for each in own.values()])
     adjusted = dict(zip(own, holm(raw).tolist(), strict=True))
-    adjusted.update(dict.fromkeys(once, 1.0))
+    adjusted.update(dict.fromkeys(seen, 1.0))
     for effect, chance in (by_chance or {}).items():
         adjusted[effect] = min(adjusted[effect], chance)
     ranked, rejected, events = [], objections or {}, event_p or {}

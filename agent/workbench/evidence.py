@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import TINY, by_chance, innovations, likelihood_ratio, lowers_innovations
 from agent.workbench.library import acts_on_op, happens_once
@@ -46,6 +47,10 @@ class Evidence:
     """Whether it acts on OP, so that it can answer to whatever OP answers to."""
     once: bool
     """Whether it happened at an instant."""
+    blind: bool = True
+    """Whether the blocks that a fit did not see tell of it. Not where it happened once: refits know when. Nor
+    of a load that knows nothing of OP and is no wave, measured or not: slow noise goes along with whatever is
+    slow, in all blocks (C. Granger and P. Newbold, "Spurious regressions in econometrics", 1974)."""
 
 
 def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) -> Evidence:
@@ -63,9 +68,10 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
     """
     effect = larger.fit.model.effects[-1]
     answers, once = acts_on_op(effect, record.facts), happens_once(effect, record.facts)
+    blind = not once and (answers or isinstance(effect, Sinusoid))
     before, after = (_least_innovations(each, record) for each in (smaller, larger))
     if before is None or after is None:
-        return Evidence(True, 1.0, 0.0, effect.family, answers, once)
+        return Evidence(True, 1.0, 0.0, effect.family, answers, once, blind)
     searched = len(larger.fit.values) - len(smaller.fit.values)
     added = _numbers(larger) - _numbers(smaller)
     criterion = _criterion(before, after, _priced(smaller, larger, record))
@@ -76,23 +82,23 @@ def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) 
             criterion = max(criterion, likelihood_ratio(before, after) - price)
     chance = 1.0
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
-    if answers or once or very_strong(criterion, candidates):
+    if answers or not blind or very_strong(criterion, candidates):
         chance = by_chance(before, after, added, candidates * _scanned(effect, record))
     lasting = 0 if once else added
     explains = lowers_innovations(before, after, searched if answers else lasting)
-    return Evidence(explains, chance, criterion, effect.family, answers, once)
+    return Evidence(explains, chance, criterion, effect.family, answers, once, blind)
 
 
 def _scanned(effect: Effect, record: Record) -> int:
     """Return how many values of an effect were looked at.
 
-    Each instant is searched over the whole record; what goes on all the time has a spectrum, a try a line.
+    Each instant is searched over the whole record; a wave may be at each line of the spectrum.
     """
     if isinstance(effect, HysteresisEffect):
         return VALVES
-    instants = _instants(effect, record)
-    goes_on = not instants and not acts_on_op(effect, record.facts)
-    return len(record) if goes_on else SCAN ** max(1, instants)
+    if isinstance(effect, Sinusoid):
+        return len(record)
+    return int(SCAN ** max(1, _instants(effect, record)))
 
 
 def far_likelier(smaller: Model, larger: Model, record: Record) -> bool:

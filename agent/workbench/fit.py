@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 SCAN = 400
 """Points of the first scan."""
-ROUNDS = ((8, STEP, 20), (3, STEP / 2, 40), (1, STEP / 5, 60))
+ROUNDS = ((8, STEP, 0), (3, STEP / 2, 40), (1, STEP / 5, 60))
 NEAR = (STEP / 10, 40)
 """First step and evaluations for each parameter, where the values are known from almost the same samples."""
 
@@ -143,8 +143,8 @@ def refit(
 ) -> Fit:
     """Fit the same model to other samples of its record, from the values that it has.
 
-    By its free run, or with the autoregression of its residual, ``noise``, by its one-step predictions; ``by``
-    is the search.
+    By its free run, or with the autoregression of its residual, ``noise``, by its one-step predictions. The
+    search is ``by``.
 
     When something happened once stays as it is, and how much it was where ``weight`` hides that instant: no
     other samples tell it, and level and drift, too, are taken with the whole record in view.

@@ -230,7 +230,7 @@ def best_of(objective: Objective | Pinned, starts: FloatArray, count: int) -> li
 def lowered(objective: Objective | Pinned, start: FloatArray, step: float, evaluations: int) -> FloatArray:
     """Return the best point of a local search from ``start`` (k,); ``evaluations`` for each parameter."""
     found = by_slopes(objective, start)
-    if not len(start) or not objective.model.base.linear or not is_rough(objective):
+    if not evaluations or not len(start) or not objective.model.base.linear or not is_rough(objective):
         return found
     flat = SAME / objective.count * max(objective.error(found), 1e-300)
     return lowered_by_simplex(objective.error, found, step, evaluations, near=1.0, flat=flat)

@@ -12,11 +12,12 @@ from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.foreign import EffectError
 from agent.workbench.candidates import AllTried, judged, ran_out
+from agent.workbench.chances import Chances
 from agent.workbench.checks.lacking import LARGER_DYNAMICS
 from agent.workbench.decision import judge
-from agent.workbench.event_scan import course_p, instant_p, instants_seen
+from agent.workbench.event_scan import instants_seen
 from agent.workbench.evidence import far_likelier
-from agent.workbench.fit import contributions, fit
+from agent.workbench.fit import fit
 from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.prediction_search import with_other_values
@@ -27,7 +28,8 @@ from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.solved.more_harmonics import with_more_harmonics
 from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
 from agent.workbench.validation import rmse_on
-from agent.workbench.valve_starts import ValveStart, valve_starts, with_valves
+from agent.workbench.valve_starts import with_valves
+from agent.workbench.valves_beside import ValvesBeside
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
@@ -37,12 +39,11 @@ if TYPE_CHECKING:
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.record import Record
     from agent.workbench.step import Step
+    from agent.workbench.valve_starts import ValveStart
 
 
 BESIDE = 2
 """Effects that are fitted beside one with which something remains, the best by their scores."""
-STEPS_AND_EVENTS = 10
-"""How often one staircase looks for what happened once: a load step and another gain, five steps."""
 
 
 @dataclass(slots=True)
@@ -59,11 +60,17 @@ class Trials:
     """Effects that others wrote and that failed in a fit -> how, with file and contract."""
     validation: Record | None = None
     """Another recording of the loop, to which nothing is fitted."""
-    _valves: dict[tuple[str, ...], tuple[ValveStart, ...]] = field(default_factory=dict)
-    """That the quantifier found beside a model's disturbances."""
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
     _shown: dict[tuple[str, ...], tuple[Shown, ...]] = field(default_factory=dict)
-    _event_p: dict[tuple[tuple[str, ...], str], float] = field(default_factory=dict)
+    chances: Chances = field(init=False)
+    """Of what happened once, and of measured inputs."""
+    valves: ValvesBeside = field(init=False)
+    """That the quantifier finds."""
+
+    def __post_init__(self) -> None:
+        """Prepare what is looked for once."""
+        self.chances = Chances(self.record.facts, self.run)
+        self.valves = ValvesBeside(self.window, self.record, self.run)
 
     @property
     def block(self) -> int:
@@ -79,6 +86,8 @@ class Trials:
         if step.effects not in self._done:
             hidden = {each.effect for each in self.shown_on(step, library) if each.why_not is not None}
             candidates = [each for each in missing(step.fit.model, library) if each.name not in hidden]
+            if any(isinstance(each, HysteresisEffect) for each in candidates):
+                self.valves.seek_beside(step.fit)
             self._done[step.effects] = self.judged_on(step, self._worth_a_fit(step, candidates), candidates)
         return self._done[step.effects]
 
@@ -90,11 +99,11 @@ class Trials:
         """
         self.progress("a score of each", 0, 1)
         facts = self.record.facts
-        able = [
-            each for each in effects if isinstance(each, MeasuredInput) or self.event_p(step, each) < LEVEL
-        ]
+        chances = zip(effects, self.chances.of(step, effects), strict=True)
+        able = [each for each, p in chances if isinstance(each, MeasuredInput) or p < LEVEL]
         events = {each.name for each in able if happens_once(each, facts)}
-        return worth_a_fit(able, step.predicts, events, LARGER_DYNAMICS if ran_out(step, facts) else ())
+        anyway = LARGER_DYNAMICS if ran_out(step, facts) else ()
+        return worth_a_fit(able, step.predicts, events, anyway, self.run)
 
     def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
         """Return what the record can show of each effect that a model does not have; empty: not known."""
@@ -118,7 +127,7 @@ class Trials:
             ]
             return self._hinted(found, lasting)
 
-        event_p = {each.name: self.event_p(step, each) for each in effects}
+        event_p = dict(zip((each.name for each in effects), self.chances.of(step, effects), strict=True))
         models = self._tried(step, effects)
         return judged(step, models, self.record, event_p, self._both, self.is_worse, also, answering)
 
@@ -132,28 +141,10 @@ class Trials:
             for each in missing(found.fit.model, able)
             if each.family not in families and each.name not in self.left_out
         ]
-        scores = scores_of(others, *found.predicts)
+        scores = scores_of(others, *found.predicts, self.run)
         others = sorted((each for each in others if each.name in scores), key=lambda each: -scores[each.name])
-        return [each for each in others[:BESIDE] if self.event_p(found, each) < LEVEL]
-
-    def event_p(self, smaller: Step | Tried, effect: Effect) -> float:
-        """Return how likely as much is explained where nothing happened; 0 of what is no event and no input.
-
-        Of what happened once each candidate of each step has had its chance. No effect is fitted.
-        """
-        key = tuple(each.name for each in smaller.fit.model.effects), effect.name
-        if key not in self._event_p:
-            self._event_p[key] = self._chance_of(smaller, effect)
-        return self._event_p[key]
-
-    def _chance_of(self, smaller: Step | Tried, effect: Effect) -> float:
-        if smaller.predicts is None:
-            return 0.0
-        if isinstance(effect, MeasuredInput):
-            return min(1.0, effect.inputs * course_p(*smaller.predicts, effect))
-        if happens_once(effect, self.record.facts):
-            return min(1.0, STEPS_AND_EVENTS * instant_p(*smaller.predicts, effect))
-        return 0.0
+        chances = zip(others[:BESIDE], self.chances.of(found, others[:BESIDE]), strict=True)
+        return [each for each, p in chances if p < LEVEL]
 
     def both(self, smaller: Step, found: AllTried, name: str, rival: Effect) -> Tried | None:
         """Return the model with an effect and a rival, if each is confirmed beside the other.
@@ -174,8 +165,8 @@ class Trials:
                 return None
         pairs = (alone, alone[::-1])
         last = (each.fit.model.effects[-1] for _, each in pairs)
-        chances = (self.event_p(one, effect) for (one, _), effect in zip(pairs, last, strict=True))
-        return larger if all(p < LEVEL for p in chances) else None
+        chances = (self.chances.of(one, [effect]) for (one, _), effect in zip(pairs, last, strict=True))
+        return larger if all(p < LEVEL for (p,) in chances) else None
 
     def refined(self, found: Tried) -> Tried:
         """Return a model whose last effect was added: with the valve, steps and harmonics that it needs."""
@@ -196,13 +187,8 @@ class Trials:
 
     def _valves_beside(self, fitted: Fit) -> tuple[ValveStart, ...]:
         """Return the valves that the quantifier finds in a record less the disturbances of a model."""
-        names = tuple(each.name for each in fitted.model.effects if each.stage == "disturbance")
-        if names not in self._valves:
-            self.progress("sticking valves", 0, 1)
-            parts = contributions(fitted, self.record) if names else {}
-            added = sum((parts[each] for each in names), np.zeros(len(self.record)))
-            self._valves[names] = valve_starts(replace(self.window, pv=self.window.pv - added))
-        return self._valves[names]
+        self.progress("sticking valves", 0, 1)
+        return self.valves.beside(fitted)
 
     def with_fewest_steps(self, found: Tried) -> Tried:
         """Return a model whose last effect is steps of a load with as many as the record needs."""

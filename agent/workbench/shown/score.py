@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
+    from agent.workbench.hooks import Map
     from agent.workbench.predictor import Predictor
 
 WORTH_A_FIT = 0.5 * VERY_STRONG
@@ -52,6 +53,8 @@ SELDOM = frozenset(
     }
 )
 """Effects that are seldom missing: on a base without predictions, where nothing is scored, not tried."""
+SHARES = 4
+"""Parts in which effects are scored: each has to learn once what the model can do itself."""
 NEW = 1e-6
 """Part of a change that the model cannot do itself, below which it is rounding."""
 
@@ -61,6 +64,7 @@ def worth_a_fit(
     predictions: tuple[Predictor, FloatArray] | None,
     events: Collection[str] = (),
     anyway: Collection[str] = (),
+    run: Map = map,
 ) -> list[Effect]:
     """Return the effects whose family the innovations hint at, in their order.
 
@@ -72,16 +76,31 @@ def worth_a_fit(
         predictions: Of the model without them, and where they are best; None: not known.
         events: Names of those that happened once and have passed a test of their own.
         anyway: Names of those that are worth a fit for another reason.
+        run: Works on several at a time.
     """
     if predictions is None:
         return [each for each in effects if each.name not in SELDOM]
-    found = promising(effects, scores_of(effects, *predictions), events)
+    found = promising(effects, scores_of(effects, *predictions, run), events)
     names = {*anyway, *(each.name for each in found)}
     return [each for each in effects if each.name in names]
 
 
-def scores_of(effects: Sequence[Effect], predicts: Predictor, best: FloatArray) -> dict[str, float]:
-    """Return ``Scores.of`` each effect by its name, but for those that fail: a trial reports how."""
+def scores_of(
+    effects: Sequence[Effect], predicts: Predictor, best: FloatArray, run: Map = map
+) -> dict[str, float]:
+    """Return ``Scores.of`` each effect by its name, but for those that fail: a trial reports how.
+
+    ``run`` works on several at a time.
+    """
+    shares = [tuple(effects[k::SHARES]) for k in range(min(SHARES, len(effects)))]
+    found = {}
+    for own in run(_scores_of, [(each, predicts, best) for each in shares]):
+        found.update(own)
+    return found
+
+
+def _scores_of(share: tuple[tuple[Effect, ...], Predictor, FloatArray]) -> dict[str, float]:
+    effects, predicts, best = share
     scores, found = Scores(predicts, best), {}
     for each in effects:
         with contextlib.suppress(EffectError):

@@ -146,17 +146,16 @@ def test_a_rival_of_another_family_keeps_it_a_suggestion():
     assert found.rivals == found.indistinguishable == ("sinusoid",)
 
 
-def test_the_signs_of_what_happened_once_do_not_count():
+def test_the_signs_of_blocks_that_are_not_blind_do_not_count():
     rng = np.random.default_rng(1)
     base = base_losses(rng)
     losses = {"load_step": less(rng, base, 60), "decoy": less(rng, base, 0)}
     families = {"load_step": "disturbance", "decoy": "decoy"}
     assert judge(base, losses, families).kind == "confirmed"
-    assert judge(base, losses, families, once=["load_step"]).kind == "none"
-    assert judge(base, losses, families, once=["load_step"], by_chance={"load_step": 0.1}).kind == "suggested"
-    assert (
-        judge(base, losses, families, once=["load_step"], by_chance={"load_step": 1e-6}).kind == "confirmed"
-    )
+    seen = ["load_step"]
+    assert judge(base, losses, families, seen=seen).kind == "none"
+    assert judge(base, losses, families, seen=seen, by_chance={"load_step": 0.1}).kind == "suggested"
+    assert judge(base, losses, families, seen=seen, by_chance={"load_step": 1e-6}).kind == "confirmed"
 
 
 def test_a_parameter_at_a_bound_is_no_confirmation():

@@ -90,7 +90,10 @@ def test_a_walk_must_show_in_the_innovations(height, there):
     op, pv = loop(5, slack=0.0)
     load = height * walk.columns(np.arange(N), op, np.zeros(0))[:, 0]
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv + load))
-    assert evidence(walk, model_on(record), record).explains is there
+    found = evidence(walk, model_on(record), record)
+    assert found.explains is there
+    assert (found.by_chance < 0.05) is there
+    assert not found.blind  # nor are blocks that were not fitted, which the same walk crosses
 
 
 @pytest.mark.parametrize(("height", "seen"), [(0.0, False), (1.0, True)])
@@ -100,6 +103,7 @@ def test_a_wave_under_a_wandering_load_is_reported_by_its_likelihood(height, see
     wave = height * load * np.sin(2 * np.pi * np.arange(N) / 37.0)
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv + wave))
     found = evidence(Sinusoid(), model_on(record), record)
+    assert found.blind  # a line has one place in the spectrum
     assert (found.by_chance < 1e-6) is seen
     assert (found.by_chance == 1.0) is not seen
 
