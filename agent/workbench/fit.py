@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 SCAN = 400
 """Points of the first scan."""
-ROUNDS = ((8, STEP, 0), (3, STEP / 2, 40), (1, STEP / 5, 60))
+ROUNDS = ((8, STEP, 20), (3, STEP / 2, 40), (1, STEP / 5, 60))
 NEAR = (STEP / 10, 40)
 """First step and evaluations for each parameter, where the values are known from almost the same samples."""
 

@@ -44,7 +44,7 @@ EVALUATIONS = 40
 """For each parameter, each turn."""
 CLEARLY = 1e-3
 """Part of the squares that a better valley is lower by."""
-ROUNDS: tuple[Round, ...] = ((4, 0.05, 0), (2, 0.02, 40))
+ROUNDS: tuple[Round, ...] = ((4, 0.05, 20), (2, 0.02, 40))
 MOVED = (-0.2, 0.2)
 """How far half of the points of a scan move what is not the last effect's, parts of a parameter's range."""
 BEST = 6

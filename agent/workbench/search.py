@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
-    from agent.physics.effect import Facts
+    from agent.physics.effect import Effect, Facts
     from agent.physics.loop_model import Layout, LoopModel
     from agent.workbench.innovations import Innovations
     from agent.workbench.record import Record
@@ -230,7 +230,7 @@ def best_of(objective: Objective | Pinned, starts: FloatArray, count: int) -> li
 def lowered(objective: Objective | Pinned, start: FloatArray, step: float, evaluations: int) -> FloatArray:
     """Return the best point of a local search from ``start`` (k,); ``evaluations`` for each parameter."""
     found = by_slopes(objective, start)
-    if not evaluations or not len(start) or not objective.model.base.linear or not is_rough(objective):
+    if not len(start) or not objective.model.base.linear or not is_rough(objective):
         return found
     flat = SAME / objective.count * max(objective.error(found), 1e-300)
     return lowered_by_simplex(objective.error, found, step, evaluations, near=1.0, flat=flat)
@@ -247,22 +247,29 @@ def by_slopes(objective: Objective | Pinned, start: FloatArray) -> FloatArray:
 def is_rough(objective: Objective | Pinned) -> bool:
     """Return whether the error has steps or kinks: a slip, a stop or an event at another sample."""
     model, facts = objective.model, objective.facts
-    return any(
-        each.stage == "valve" or any(one.instant for one in each.parameters(facts)) for each in model.effects
-    )
+    return any(each.stage == "valve" or _has_instant(each, facts) for each in model.effects)
+
+
+def _has_instant(effect: Effect, facts: Facts) -> bool:
+    return any(each.instant for each in effect.parameters(facts))
 
 
 def searched(objective: Objective | Pinned, starts: FloatArray, rounds: Sequence[Round]) -> FloatArray:
     """Return the best point of local searches from the best of ``starts`` (m, k).
 
+    Which of many is the best the slopes show, but for the instant of a new event, which has none.
+
     Args:
         objective: What is lowered.
         starts: Points of the unit cube.
-        rounds: One after the other.
+        rounds: One after the other, the first by slopes where these are enough.
     """
     points = list(starts)
-    for kept, step, evaluations in rounds:
-        points = [
-            lowered(objective, each, step, evaluations) for each in best_of(objective, np.array(points), kept)
-        ]
+    event = any(_has_instant(each, objective.facts) for each in objective.model.effects[-1:])
+    for k, (kept, step, evaluations) in enumerate(rounds):
+        best = best_of(objective, np.array(points), kept)
+        if k == 0 and not event:
+            points = [by_slopes(objective, each) for each in best]
+        else:
+            points = [lowered(objective, each, step, evaluations) for each in best]
     return best_of(objective, np.array(points), 1)[0]
