@@ -58,7 +58,7 @@ PLACED = 2
 def predictor(
     fitted: Fit,
     record: Record,
-    smaller: tuple[Predictor, FloatArray] | None = None,
+    nested: FloatArray | None = None,
     starts: FloatArray | None = None,
 ) -> tuple[Predictor, FloatArray] | None:
     """Return the predictions of a model, and the point where they are best.
@@ -66,7 +66,8 @@ def predictor(
     Args:
         fitted: In free run; the search begins there.
         record: What it was fitted to.
-        smaller: The same of the model without the last effect; None where there is none.
+        nested: Values, own units, (k,), of its first fit on top of the model without the last effect, so that
+            it predicts no worse than that; None where there is none.
         starts: Values to begin from as well, own units, (m, k): of an event those that the innovations of the
             smaller model show, of a valve those that the quantifier found.
 
@@ -84,19 +85,14 @@ def predictor(
     found = _settled(first, start)
     if found is None or not len(start):
         return found
+    if nested is not None:
+        found = _deeper(found, objective.space.at(nested))
     if any(happens_once(each, record.facts) for each in fitted.model.effects[-1:]):
         # Each turn has looked for its instants all over the record, but for those that go with its lag.
         if points is not None:
             found = min((found, *_from_best_of(found[0], points)), key=_variance)
         return found
-    found = min((found, *_in_other_valleys(first, start, found, points)), key=_variance)
-    if smaller is not None and _variance(smaller) < _variance(found):
-        # More cannot predict worse but where the search has missed it.
-        begin = np.concatenate((smaller[1], found[1][len(smaller[1]) :]))
-        other = _sought(found[0], _scanned(found[0], begin))
-        if other is not None:
-            found = min(found, other, key=_variance)
-    return found
+    return min((found, *_in_other_valleys(first, start, found, points)), key=_variance)
 
 
 def with_other_values(
@@ -134,8 +130,17 @@ def _variance(found: tuple[Predictor, FloatArray]) -> float:
 def _elsewhere(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
     """Return where the predictions are best in another valley, if one is deeper; None where none is."""
     scanned = _scanned(predicts, at)
-    deeper = predicts.error(scanned) < (1 - CLEARLY) * predicts.error(at)
-    return _sought(predicts, scanned) if deeper else None
+    return _sought(predicts, scanned) if _is_deeper(predicts, at, scanned) else None
+
+
+def _deeper(found: tuple[Predictor, FloatArray], other: FloatArray) -> tuple[Predictor, FloatArray]:
+    """Return where the predictions are best from another point, if it is deeper; else what was found."""
+    sought = _sought(found[0], other) if _is_deeper(*found, other) else None
+    return found if sought is None else min(found, sought, key=_variance)
+
+
+def _is_deeper(predicts: Predictor, at: FloatArray, other: FloatArray) -> bool:
+    return predicts.error(other) < (1 - CLEARLY) * predicts.error(at)
 
 
 def _scanned(predicts: Predictor, at: FloatArray) -> FloatArray:

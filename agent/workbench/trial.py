@@ -9,14 +9,19 @@ import numpy as np
 
 from agent.physics.effect import SpottedEffect
 from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.foreign import EffectError
+from agent.workbench.first_fit import FirstFit, first_fit
 from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
+from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.instant_order import largest_first
 from agent.workbench.prediction_search import predictor
 from agent.workbench.valve_starts import ValveStart, with_valve
 
 if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
     from agent.physics.loop_model import LoopModel
@@ -50,6 +55,13 @@ class Trial:
     """Values of an effect that happened once, own units, (m, k), to start from."""
     screen: Screen | None = None
     """Of ``screened``; None: the whole search is done at once."""
+    first: FirstFit | None = None
+    """Of ``first_of``; None: it is made with the search."""
+
+    @property
+    def seen_error(self) -> float:
+        """Error of its quick look, sum of squares, PV units squared; infinite before it."""
+        return np.inf if self.screen is None else self.screen.error
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +78,38 @@ class Tried:
     """Where it predicts best; None where that cannot be asked."""
 
 
+def first_of(trial: Trial) -> FirstFit | None:
+    """Return the first fit of the effect; None where the smaller model has no predictions."""
+    if trial.predicts is None:
+        return None
+    predicts, best = trial.predicts
+    return first_fit(predicts, best, trial.effect, _own_starts(trial, predicts.left(best)))
+
+
+def first_or_failed(trial: Trial) -> FirstFit | EffectError | None:
+    """Return ``first_of``, or how an effect that others wrote failed: it costs its own trial only."""
+    try:
+        return first_of(trial)
+    except EffectError as error:
+        return error
+
+
+def gaining(trials: Sequence[Trial], anyway: Collection[str] = ()) -> list[Effect]:
+    """Return the effects of whose family a first fit gains more than its numbers cost.
+
+    And those of which it does not say: a wave, which an autoregression predicts, a measured input, which
+    somebody named, those named in ``anyway``, and all where there are no predictions.
+    """
+    families = {each.effect.family for each in trials if each.first is None or each.first.criterion > 0}
+    return [
+        each.effect
+        for each in trials
+        if each.effect.family in families
+        or each.effect.name in anyway
+        or isinstance(each.effect, Sinusoid | MeasuredInput)
+    ]
+
+
 def screened(trial: Trial) -> Screen:
     """Scan the values of the effect; it tells which effects to try first, and where each should begin."""
     points, error = nested_scan(trial.smaller, _larger(trial), trial.record, _starts(trial))
@@ -73,7 +117,7 @@ def screened(trial: Trial) -> Screen:
 
 
 def screened_or_failed(trial: Trial) -> Screen | EffectError:
-    """Return ``screened``, or how an effect that others wrote failed: it costs its own trial only."""
+    """Return ``screened``, or how an effect that others wrote failed."""
     try:
         return screened(trial)
     except EffectError as error:
@@ -90,23 +134,24 @@ def tried_or_failed(trial: Trial) -> Tried | EffectError:
 
 def tried(trial: Trial) -> Tried:
     """Fit the model with the effect, and predict each fold."""
-    screen = trial.screen or screened(trial)
+    screen, first = trial.screen or screened(trial), trial.first or first_of(trial)
     fitted = fit_from(_larger(trial), trial.record, screen.points)
-    return predicted(fitted, trial.record, trial.folds, trial.predicts, _where_it_predicts(trial))
+    nested = None if first is None else first.values
+    return predicted(fitted, trial.record, trial.folds, nested, _where_it_predicts(trial))
 
 
 def predicted(
     fitted: Fit,
     record: Record,
     folds: Folds,
-    smaller: tuple[Predictor, FloatArray] | None = None,
+    nested: FloatArray | None = None,
     starts: FloatArray | None = None,
 ) -> Tried:
     """Return a fit with its held-out error.
 
-    ``smaller`` and ``starts``: as ``predictor`` takes them.
+    ``nested`` and ``starts``: as ``predictor`` takes them.
     """
-    found = predictor(fitted, record, smaller, starts)
+    found = predictor(fitted, record, nested, starts)
     if found is None:
         return Tried(fitted, held_out(fitted, record, folds), None)
     predicts, best = found[0], largest_first(*found)
@@ -138,13 +183,25 @@ def _where_it_predicts(trial: Trial) -> FloatArray | None:
 
 
 def _starts(trial: Trial) -> FloatArray | None:
+    own = _spots(trial, residual_of(trial.smaller, trial.record))
+    return beside(trial.smaller.values, own) if len(own) else _valves(trial)
+
+
+def _spots(trial: Trial, residual: FloatArray) -> FloatArray:
+    """Return values of the effect that a residual (n,) shows, own units, (m, j)."""
     effect = trial.effect
-    spots = [] if trial.instants is None else [trial.instants]
+    spots = [np.empty((0, len(effect.parameters(trial.record.facts))))]
+    if trial.instants is not None:
+        spots.append(trial.instants)
     if isinstance(effect, SpottedEffect):
-        spots.append(effect.spotted(residual_of(trial.smaller, trial.record), trial.record.facts))
-    if spots:
-        return beside(trial.smaller.values, np.vstack(spots))
-    return _valves(trial)
+        spots.append(effect.spotted(residual, trial.record.facts))
+    return np.vstack(spots)
+
+
+def _own_starts(trial: Trial, residual: FloatArray) -> FloatArray:
+    """Return values of the effect to begin from, own units, (m, j): what a residual shows, or valves."""
+    valves = _valves(trial)
+    return _spots(trial, residual) if valves is None else valves[:, len(trial.smaller.values) :]
 
 
 def _valves(trial: Trial) -> FloatArray | None:

@@ -26,7 +26,16 @@ from agent.workbench.shown.information import Shown, shown_by
 from agent.workbench.shown.score import scores_of, worth_a_fit
 from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.solved.more_harmonics import with_more_harmonics
-from agent.workbench.trial import Trial, Tried, predicted, screened_or_failed, tried, tried_or_failed
+from agent.workbench.trial import (
+    Trial,
+    Tried,
+    first_or_failed,
+    gaining,
+    predicted,
+    screened_or_failed,
+    tried,
+    tried_or_failed,
+)
 from agent.workbench.validation import rmse_on
 from agent.workbench.valve_starts import with_valves
 from agent.workbench.valves_beside import ValvesBeside
@@ -60,6 +69,8 @@ class Trials:
     """Effects that others wrote and that failed in a fit -> how, with file and contract."""
     validation: Record | None = None
     """Another recording of the loop, to which nothing is fitted."""
+    _trials: dict[tuple[tuple[str, ...], str], Trial] = field(default_factory=dict)
+    """With their first fits, by the effects of the model and that which is tried."""
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
     _shown: dict[tuple[str, ...], tuple[Shown, ...]] = field(default_factory=dict)
     chances: Chances = field(init=False)
@@ -103,7 +114,8 @@ class Trials:
         able = [each for each, p in chances if isinstance(each, MeasuredInput) or p < LEVEL]
         events = {each.name for each in able if happens_once(each, facts)}
         anyway = LARGER_DYNAMICS if ran_out(step, facts) else ()
-        return worth_a_fit(able, step.predicts, events, anyway, self.run)
+        hinted = worth_a_fit(able, step.predicts, events, anyway, self.run)
+        return gaining(self._begun(step, hinted), anyway)
 
     def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
         """Return what the record can show of each effect that a model does not have; empty: not known."""
@@ -249,20 +261,32 @@ class Trials:
             return None
         return instants_seen(*smaller.predicts, effect)
 
+    def _begun(self, smaller: Step, effects: Sequence[Effect]) -> list[Trial]:
+        """Return the trial of each effect with its first fit, made once; one that fails is left out."""
+        on = smaller.effects
+        new = [
+            replace(self._trial(smaller, each), instants=self._instants(smaller, each))
+            for each in effects
+            if (on, each.name) not in self._trials and each.name not in self.left_out
+        ]
+        for trial, first in zip(new, self.run(first_or_failed, new), strict=True):
+            if isinstance(first, EffectError):
+                self.left_out[trial.effect.name] = str(first)
+            else:
+                self._trials[on, trial.effect.name] = replace(trial, first=first)
+        begun = [(on, each.name) for each in effects if each.name not in self.left_out]
+        return [self._trials[each] for each in begun]
+
     def _tried(self, smaller: Step, effects: Sequence[Effect]) -> dict[str, Tried]:
         """Try effects, the most promising first; one that fails is left out from then on."""
-        effects = [each for each in effects if each.name not in self.left_out]
         self.progress("a quick look at each", 0, len(effects))
-        trials = [
-            replace(self._trial(smaller, each), instants=self._instants(smaller, each)) for each in effects
-        ]
-        looks = []
+        trials, looks = self._begun(smaller, effects), []
         for trial, look in zip(trials, self.run(screened_or_failed, trials), strict=True):
             if isinstance(look, EffectError):
                 self.left_out[trial.effect.name] = str(look)
             else:
                 looks.append(replace(trial, screen=look))
-        looks.sort(key=_seen_error)
+        looks.sort(key=lambda each: each.seen_error)
         names = [each.effect.name for each in looks]
         models = {}
         for done, found in enumerate(self.run(tried_or_failed, looks)):
@@ -272,8 +296,3 @@ class Trials:
                 models[names[done]] = found
             self.progress(names[min(done + 1, len(names) - 1)], done + 1, len(names))
         return {each.name: models[each.name] for each in effects if each.name in models}
-
-
-def _seen_error(trial: Trial) -> float:
-    """Return the error of a trial's quick look."""
-    return np.inf if trial.screen is None else trial.screen.error

@@ -1,0 +1,65 @@
+"""The first fit of an effect: from where the smaller model predicts best, by slopes alone.
+
+Behind the autoregression of the smaller model, from the best of many values of the effect, all numbers free.
+A score says to first order whether innovations go along with an effect; this says it of the effect, which
+may act in its own direction only, at a fiftieth of what the whole search takes. The smaller model is nested in
+the larger one, so that from here a search predicts at least as well.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.workbench.search import best_of, by_slopes, hypercube
+from agent.workbench.space import space_of
+
+if TYPE_CHECKING:
+    from agent.analysis.record.recording import FloatArray
+    from agent.physics.effect import Effect
+    from agent.workbench.predictor import Predictor
+
+PLACES = 60
+"""Values of the effect that are looked at, spread over its ranges."""
+STARTS = 6
+"""Of them, from which slopes are followed."""
+
+
+@dataclass(frozen=True, slots=True)
+class FirstFit:
+    """Where it ends."""
+
+    values: FloatArray
+    """Of the larger model, own units, (k + j,)."""
+    criterion: float
+    """How much likelier the record is, twice a logarithm, each number paid by Schwarz's criterion."""
+
+
+def first_fit(predicts: Predictor, best: FloatArray, effect: Effect, also: FloatArray) -> FirstFit:
+    """Return the first fit of an effect on top of a model.
+
+    Args:
+        predicts: Of the smaller model.
+        best: The point of the unit cube where its predictions are best, (k,).
+        effect: That is added.
+        also: Values of the effect to begin from besides, own units, (m, j).
+    """
+    record, known = predicts.objective.record, len(best)
+    model = predicts.objective.model
+    model = replace(model, effects=(*model.effects, effect))
+    space = space_of(model, record.facts)
+    larger = replace(predicts.behind, model=model, layout=model.layout(record.facts), space=space)
+    points = np.hstack((np.tile(best, (PLACES, 1)), hypercube(PLACES, len(space) - known)))
+    if len(also):
+        values = np.hstack((np.tile(predicts.space.values(best), (len(also), 1)), also))
+        points = np.vstack((space.at(values), points))
+    ends = [by_slopes(larger, each) for each in best_of(larger, points, STARTS)]
+    end = min(ends, key=larger.error)
+    count = len(predicts.pv)
+    columns = larger.columns(end).shape[1] - predicts.behind.columns(best).shape[1]
+    numbers = len(space) - known + columns + sum(each.instant for each in effect.parameters(record.facts))
+    likelier = count * math.log(predicts.error(best) / max(larger.error(end), np.finfo(float).tiny))
+    return FirstFit(space.values(end), likelier - numbers * math.log(count))
