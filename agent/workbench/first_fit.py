@@ -1,9 +1,9 @@
 """The first fit of an effect: from where the smaller model predicts best, by slopes alone.
 
-Behind the autoregression of the smaller model, from the best of many values of the effect, all numbers free.
-A score says to first order whether innovations go along with an effect; this says it of the effect, which
-may act in its own direction only, at a fiftieth of what the whole search takes. The smaller model is nested in
-the larger one, so that from here a search predicts at least as well.
+Behind the autoregression of the smaller model, from the best of many values of the effect, all numbers free: a
+score says to first order whether the innovations go along with an effect, which may act in its own direction
+only; this says whether they do with the effect itself, at a fiftieth of what the whole search takes. The
+smaller model is nested in the larger one, so that from here a search predicts at least as well.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.search import best_of, by_slopes, hypercube
+from agent.workbench.search import best_of, by_slopes, spread_about
 from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
@@ -22,10 +22,13 @@ if TYPE_CHECKING:
     from agent.physics.effect import Effect
     from agent.workbench.predictor import Predictor
 
-PLACES = 60
-"""Values of the effect that are looked at, spread over its ranges."""
-STARTS = 6
-"""Of them, from which slopes are followed."""
+PLACES = 100
+"""Values of the effect that are looked at, spread over its ranges, and as often with others of the model."""
+STARTS = 3
+"""Of either, from which slopes are followed. Those of the first are the better ones before they are; the second
+leave the valley in which the model stood for the effect: sensor_deadband 91118, PRBS, 502 in place of -8."""
+MOVED = (-0.2, 0.1)
+"""How far numbers of the model are moved, parts of a range: part of its dead time may be the new effect's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +55,14 @@ def first_fit(predicts: Predictor, best: FloatArray, effect: Effect, also: Float
     model = replace(model, effects=(*model.effects, effect))
     space = space_of(model, record.facts)
     larger = replace(predicts.behind, model=model, layout=model.layout(record.facts), space=space)
-    points = np.hstack((np.tile(best, (PLACES, 1)), hypercube(PLACES, len(space) - known)))
+    new = np.arange(len(space)) >= known
+    spread = spread_about(np.concatenate((best, np.zeros(len(space) - known))), new, MOVED, 2 * PLACES)
+    kept, moved = spread[:PLACES], spread[PLACES:]
     if len(also):
         values = np.hstack((np.tile(predicts.space.values(best), (len(also), 1)), also))
-        points = np.vstack((space.at(values), points))
-    ends = [by_slopes(larger, each) for each in best_of(larger, points, STARTS)]
-    end = min(ends, key=larger.error)
+        kept = np.vstack((space.at(values), kept))
+    starts = (*best_of(larger, kept, STARTS), *best_of(larger, moved, STARTS))
+    end = min((by_slopes(larger, each) for each in starts), key=larger.error)
     count = len(predicts.pv)
     columns = larger.columns(end).shape[1] - predicts.behind.columns(best).shape[1]
     numbers = len(space) - known + columns + sum(each.instant for each in effect.parameters(record.facts))
