@@ -1,7 +1,7 @@
 """The first fit of an effect: from where the smaller model predicts best, by slopes alone.
 
-Behind the autoregression of the smaller model, from the best of many values of the effect, all numbers free: a
-score says to first order whether the innovations go along with an effect, which may act in its own direction
+Behind the autoregression of the smaller model, from the best of many values of the effect, all free. A score
+says to first order whether the innovations go along with an effect, which may act in its own direction
 only; this says whether they do with the effect itself, at a fiftieth of what the whole search takes. The
 smaller model is nested in the larger one, so that from here a search predicts at least as well.
 """
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 PLACES = 100
 """Values of the effect that are looked at, spread over its ranges, and as often with others of the model."""
 STARTS = 3
-"""Of either, from which slopes are followed. Those of the first are the better ones before they are; the second
-leave the valley in which the model stood for the effect: sensor_deadband 91118, PRBS, 502 in place of -8."""
+"""Of either, from which slopes are followed. The latter leave the valley in which the model stood for the
+effect: for ``sensor_deadband`` 91118, PRBS, the criterion is 502 in place of -8."""
 MOVED = (-0.2, 0.1)
 """How far numbers of the model are moved, parts of a range: part of its dead time may be the new effect's."""
 

@@ -15,6 +15,7 @@ from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.evidence import VALVES, evidence_of
+from agent.workbench.first_fit import first_fit
 from agent.workbench.fit import fit
 from agent.workbench.folds import HeldOut
 from agent.workbench.innovations import innovations, likelihood_ratio
@@ -49,9 +50,13 @@ def blank(model):
 
 
 def evidence(effect, base, record):
+    return evidence_of(base, with_effect(effect, base, record), record, CANDIDATES)
+
+
+def with_effect(effect, base, record):
     model = nested_fit(base.fit, LoopModel(Fopdt(), (effect,)), record)
-    larger = Tried(model, blank(model), predictor(model, record, base.predicts))
-    return evidence_of(base, larger, record, CANDIDATES)
+    first = first_fit(*base.predicts, effect, np.empty((0, len(effect.parameters(record.facts)))))
+    return Tried(model, blank(model), predictor(model, record, first.values))
 
 
 def test_it_is_for_what_changed_and_not_for_what_stands_in_for_it(changed):
@@ -66,8 +71,7 @@ def test_it_is_for_what_changed_and_not_for_what_stands_in_for_it(changed):
 
 def test_an_instant_pays_once_more_than_any_other_number(changed):
     base, record = changed
-    model = nested_fit(base.fit, LoopModel(Fopdt(), (GainChange(),)), record)
-    larger = Tried(model, blank(model), predictor(model, record, base.predicts))
+    larger = with_effect(GainChange(), base, record)
     before, after = (
         innovations(predicts.left(best), longest=True) for predicts, best in (base.predicts, larger.predicts)
     )

@@ -11,6 +11,7 @@ from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
+from agent.workbench.first_fit import first_fit
 from agent.workbench.fit import fit
 from agent.workbench.other_event import is_another_gain, is_only_another_level
 from agent.workbench.prediction_search import predictor
@@ -26,8 +27,8 @@ def told(effect, op, pv):
     base = fit(LoopModel(Fopdt()), record, record.weight)
     larger = nested_fit(base, LoopModel(Fopdt(), (effect,)), record)
     smaller = predictor(base, record)
-    values = smaller[0].space.values(smaller[1])
-    return predictor(larger, record, smaller, beside(values, instants_seen(*smaller, effect)))
+    values, seen = smaller[0].space.values(smaller[1]), instants_seen(*smaller, effect)
+    return predictor(larger, record, first_fit(*smaller, effect, seen).values, beside(values, seen))
 
 
 def open_loop(levels):

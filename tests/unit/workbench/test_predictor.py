@@ -17,6 +17,7 @@ from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
+from agent.workbench.first_fit import first_fit
 from agent.workbench.fit import fit, fit_at
 from agent.workbench.folds import HeldOut, folds_of, held_out
 from agent.workbench.intervals import estimated
@@ -100,8 +101,9 @@ def test_a_load_that_steps_is_sought_where_the_innovations_show_it():
     target = target_of(record, record.weight, linear=True)
     wrong = fit_at(LoopModel(Fopdt(), (effect,)), record, target, slow)
     smaller = predictor(fit(LoopModel(Fopdt()), record, record.weight), record)
-    values = smaller[0].space.values(smaller[1])
-    predicts, best = predictor(wrong, record, smaller, beside(values, instants_seen(*smaller, effect)))
+    values, seen = smaller[0].space.values(smaller[1]), instants_seen(*smaller, effect)
+    nested = first_fit(*smaller, effect, seen).values
+    predicts, best = predictor(wrong, record, nested, beside(values, seen))
     found = np.sort(predicts.space.values(best)[2:5])
     assert np.allclose(found, plant.parameters["load_step.time"], atol=2.0)
 

@@ -1,0 +1,84 @@
+"""The first fit of an effect: from the smaller model's best predictions, and what is fitted after it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from test_closed_loop import N, loop
+
+from agent.analysis.record.recording import LoopWindow
+from agent.physics.bases import Fopdt
+from agent.physics.effects.deadband import Deadband
+from agent.physics.effects.load_step import LoadStepEffect
+from agent.physics.effects.rate_limit import RateLimit
+from agent.physics.effects.saturation import Saturation
+from agent.physics.effects.second_order import SecondOrder
+from agent.physics.effects.sinusoid import Sinusoid
+from agent.physics.effects.stiction import Stiction
+from agent.physics.loop_model import LoopModel
+from agent.workbench.event_scan import instants_seen
+from agent.workbench.first_fit import FirstFit, first_fit
+from agent.workbench.fit import fit
+from agent.workbench.inputs.measured_input import MeasuredInput
+from agent.workbench.prediction_search import predictor
+from agent.workbench.record import bare_record
+from agent.workbench.trial import gaining
+
+
+@pytest.fixture(scope="module")
+def slack():
+    """Predictions of a base, of a loop whose valve has slack."""
+    return predicted(*loop(1, slack=0.4))
+
+
+def predicted(op, pv):
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
+    return predictor(fit(LoopModel(Fopdt()), record, record.weight), record)
+
+
+def fitted(predictions, effect):
+    facts = predictions[0].objective.record.facts
+    return first_fit(*predictions, effect, np.empty((0, len(effect.parameters(facts)))))
+
+
+def test_the_slack_gains_and_what_is_not_there_does_not(slack):
+    found = fitted(slack, Deadband())
+    assert found.criterion > 10
+    assert found.values[2] == pytest.approx(0.4, rel=0.25)
+    for other in (Saturation(), RateLimit()):
+        assert fitted(slack, other).criterion < 0
+
+
+def test_values_to_begin_from_are_used():
+    """An instant, which no slope shows from another."""
+    op, pv = loop(1, slack=0.0)
+    predictions = predicted(op, pv + np.where(np.arange(N) > 1003, 0.5, 0.0))
+    event = LoadStepEffect(steps=1)
+    found = first_fit(*predictions, event, instants_seen(*predictions, event))
+    assert found.values[2] == pytest.approx(1003, abs=3)
+    assert found.criterion > fitted(predictions, event).criterion + 10
+
+
+def trial(effect, criterion, instants=None):
+    first = None if criterion is None else FirstFit(np.zeros(0), criterion)
+    return SimpleNamespace(effect=effect, first=first, instants=instants)
+
+
+def test_what_gains_is_fitted_with_its_kin_and_that_of_which_it_says_nothing():
+    measured = MeasuredInput("FEED", np.zeros(9))
+    trials = [
+        trial(Deadband(), 6.0),
+        trial(Stiction(), -30.0),
+        trial(Saturation(), 4.0),
+        trial(RateLimit(), -1.0),
+        trial(Sinusoid(), -30.0),
+        trial(measured, -30.0),
+        trial(LoadStepEffect(), -30.0, np.zeros((1, 4))),
+    ]
+    assert [each.name for each in gaining(trials)] == ["deadband", "stiction", "sinusoid", "FEED", "load_step"]
+    dynamics = trial(SecondOrder(), -1.0)
+    assert gaining([dynamics, *trials])[0].name == "second_order"  # beside what gains
+    assert gaining([dynamics, *trials[2:]])[0].name != "second_order"
+    assert "rate_limit" in {each.name for each in gaining(trials, ["rate_limit"])}
+    without = [trial(Saturation(), None), trial(RateLimit(), None)]
+    assert [each.name for each in gaining(without)] == ["saturation", "rate_limit"]
