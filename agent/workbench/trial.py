@@ -97,22 +97,21 @@ def first_or_failed(trial: Trial) -> FirstFit | EffectError | None:
 
 
 def gaining(trials: Sequence[Trial], anyway: Collection[str] = ()) -> list[Effect]:
-    """Return the effects of whose family a first fit gains what is worth a whole one.
+    """Return the effects of whose family a first fit gains what is worth a whole one, and the best of all.
 
     And those of which it does not say: a wave, which an autoregression predicts; an event, which passed a
     test of its own and whose instants have no slope; a measured input, which somebody named; those named in
     ``anyway``; all where there are no predictions; and beside what gains the larger dynamics, with which a
     check may explain what remains.
     """
-    families = {
-        each.effect.family for each in trials if each.first is None or each.first.criterion > WORTH_A_FIT
-    }
+    gains = {each.effect.name: np.inf if each.first is None else each.first.criterion for each in trials}
+    families = {each.effect.family for each in trials if gains[each.effect.name] > WORTH_A_FIT}
+    names = {*anyway, *(LARGER_DYNAMICS if families else ()), max(gains, key=gains.__getitem__, default="")}
     return [
         each.effect
         for each in trials
         if each.effect.family in families
-        or each.effect.name in anyway
-        or (families and each.effect.name in LARGER_DYNAMICS)
+        or each.effect.name in names
         or each.instants is not None
         or isinstance(each.effect, Sinusoid | MeasuredInput)
     ]

@@ -75,7 +75,9 @@ def test_what_gains_is_fitted_with_its_kin_and_that_of_which_it_says_nothing():
         trial(measured, -30.0),
         trial(LoadStepEffect(), -30.0, np.zeros((1, 4))),
     ]
-    assert [each.name for each in gaining(trials)] == ["deadband", "stiction", "sinusoid", "FEED", "load_step"]
+    named = [each.name for each in gaining(trials)]
+    assert named == ["deadband", "stiction", "sinusoid", "FEED", "load_step"]
+    assert gaining(trials[2:4]) == [trials[2].effect]  # the best, so that there is something to see
     dynamics = trial(SecondOrder(), -1.0)
     assert gaining([dynamics, *trials])[0].name == "second_order"  # beside what gains
     assert gaining([dynamics, *trials[2:]])[0].name != "second_order"
