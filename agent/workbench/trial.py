@@ -9,21 +9,15 @@ import numpy as np
 
 from agent.physics.effect import SpottedEffect
 from agent.physics.effects.hysteresis import HysteresisEffect
-from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.foreign import EffectError
-from agent.workbench.checks.lacking import LARGER_DYNAMICS
 from agent.workbench.first_fit import FirstFit, first_fit
 from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
-from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.instant_order import largest_first
 from agent.workbench.prediction_search import predictor
-from agent.workbench.shown.score import WORTH_A_FIT
 from agent.workbench.valve_starts import ValveStart, with_valve
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
-
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
     from agent.physics.loop_model import LoopModel
@@ -94,27 +88,6 @@ def first_or_failed(trial: Trial) -> FirstFit | EffectError | None:
         return first_of(trial)
     except EffectError as error:
         return error
-
-
-def gaining(trials: Sequence[Trial], anyway: Collection[str] = ()) -> list[Effect]:
-    """Return the effects of whose family a first fit gains what is worth a whole one, and the best of all.
-
-    And those of which it does not say: a wave, which an autoregression predicts; an event, which passed a
-    test of its own and whose instants have no slope; a measured input, which somebody named; those named in
-    ``anyway``; all where there are no predictions; and beside what gains the larger dynamics, with which a
-    check may explain what remains.
-    """
-    gains = {each.effect.name: np.inf if each.first is None else each.first.criterion for each in trials}
-    families = {each.effect.family for each in trials if gains[each.effect.name] > WORTH_A_FIT}
-    names = {*anyway, *(LARGER_DYNAMICS if families else ()), max(gains, key=gains.__getitem__, default="")}
-    return [
-        each.effect
-        for each in trials
-        if each.effect.family in families
-        or each.effect.name in names
-        or each.instants is not None
-        or isinstance(each.effect, Sinusoid | MeasuredInput)
-    ]
 
 
 def screened(trial: Trial) -> Screen:

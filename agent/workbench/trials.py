@@ -18,6 +18,7 @@ from agent.workbench.decision import judge
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.evidence import far_likelier
 from agent.workbench.fit import fit
+from agent.workbench.gaining import gaining
 from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.prediction_search import with_other_values
@@ -30,7 +31,6 @@ from agent.workbench.trial import (
     Trial,
     Tried,
     first_or_failed,
-    gaining,
     predicted,
     screened_or_failed,
     tried,

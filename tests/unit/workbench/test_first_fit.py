@@ -19,10 +19,10 @@ from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.first_fit import FirstFit, first_fit
 from agent.workbench.fit import fit
+from agent.workbench.gaining import gaining
 from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
-from agent.workbench.trial import gaining
 
 
 @pytest.fixture(scope="module")

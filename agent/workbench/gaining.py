@@ -1,0 +1,39 @@
+"""Which effects have the whole search, by their first fits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.physics.effects.sinusoid import Sinusoid
+from agent.workbench.checks.lacking import LARGER_DYNAMICS
+from agent.workbench.inputs.measured_input import MeasuredInput
+from agent.workbench.shown.score import WORTH_A_FIT
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
+    from agent.physics.effect import Effect
+    from agent.workbench.trial import Trial
+
+
+def gaining(trials: Sequence[Trial], anyway: Collection[str] = ()) -> list[Effect]:
+    """Return the effects of whose family a first fit gains what is worth a whole one, and the best of all.
+
+    And those of which it does not say: a wave, which an autoregression predicts; an event, which passed a
+    test of its own and whose instants have no slope; a measured input, which somebody named; those named in
+    ``anyway``; all where there are no predictions; and beside what gains the larger dynamics, with which a
+    check may explain what remains.
+    """
+    gains = {each.effect.name: np.inf if each.first is None else each.first.criterion for each in trials}
+    families = {each.effect.family for each in trials if gains[each.effect.name] > WORTH_A_FIT}
+    names = {*anyway, *(LARGER_DYNAMICS if families else ()), max(gains, key=gains.__getitem__, default="")}
+    return [
+        each.effect
+        for each in trials
+        if each.effect.family in families
+        or each.effect.name in names
+        or each.instants is not None
+        or isinstance(each.effect, Sinusoid | MeasuredInput)
+    ]
