@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
 PLACES = 100
 """Values of the effect that are looked at, spread over its ranges, and as often with others of the model."""
-STARTS = 3
-"""Of either, from which slopes are followed. The latter leave the valley in which the model stood for the
-effect: for ``sensor_deadband`` 91118, PRBS, the criterion is 502 in place of -8."""
-MOVED = (-0.2, 0.1)
+KEPT, LEFT = 3, 6
+"""Of these and of those, from which slopes are followed. The latter leave the valley in which the model stood
+for the effect: for ``sensor_deadband`` 91118, PRBS, the criterion is 502 in place of -8."""
+MOVED = (-0.5, 0.3)
 """How far numbers of the model are moved, parts of a range: part of its dead time may be the new effect's."""
 
 
@@ -61,7 +61,7 @@ def first_fit(predicts: Predictor, best: FloatArray, effect: Effect, also: Float
     if len(also):
         values = np.hstack((np.tile(predicts.space.values(best), (len(also), 1)), also))
         kept = np.vstack((space.at(values), kept))
-    starts = (*best_of(larger, kept, STARTS), *best_of(larger, moved, STARTS))
+    starts = (*best_of(larger, kept, KEPT), *best_of(larger, moved, LEFT))
     end = min((by_slopes(larger, each) for each in starts), key=larger.error)
     count = len(predicts.pv)
     columns = larger.columns(end).shape[1] - predicts.behind.columns(best).shape[1]
