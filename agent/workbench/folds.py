@@ -19,7 +19,6 @@ from scipy.ndimage import uniform_filter1d
 from agent.physics.bases.linear_process import LinearProcess
 from agent.workbench.fit import Fit, refit
 from agent.workbench.record import FEW_CYCLES
-from agent.workbench.search import by_slopes
 from agent.workbench.shown.leverage import leverage_of
 
 if TYPE_CHECKING:
@@ -169,8 +168,7 @@ def held_out(fitted: Fit, record: Record, folds: Folds, noise: Innovations | Non
     pv = np.full(len(record), np.nan)
     values = []
     for fold in range(FOLDS):
-        # A fold less hardly moves a valve to another slip: the slopes say all, at a fifth of the time.
-        one = refit(fitted, record, folds.seen(fold, record.weight, guard), noise, by_slopes)
+        one = refit(fitted, record, folds.seen(fold, record.weight, guard), noise)
         hidden = folds.held_out(fold)
         pv[hidden] = one.pv[hidden]
         values.append(one.values)
