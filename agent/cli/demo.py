@@ -150,7 +150,8 @@ async def _play(seconds: float, console: Console, *, web: bool, stays: bool) -> 
         sources[loop.bus].append(PlantSource(loop.scenario))
     windows = plan["alarm"]["on_delay"]
     console.print(f"{len(loops)} loops on {', '.join(sources)}, {plan['speed']} times real time")
-    async with PoolExecutor(plan["workers"]) as executor:
+    # Not behind others: somebody waits for the verdicts, and simulated samples wait for them.
+    async with PoolExecutor(plan["workers"], behind=0) as executor:
 
         def accompany(agent: Agent) -> None:
             if web:

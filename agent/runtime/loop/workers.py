@@ -77,15 +77,17 @@ class PoolExecutor:
             diagnosis = await executor.run(diagnose, window)
     """
 
-    def __init__(self, workers: int, within: float = WITHIN) -> None:
+    def __init__(self, workers: int, within: float = WITHIN, behind: int = BEHIND) -> None:
         """Make it.
 
         Args:
             workers: Processes, one core each.
             within: Longest time for one calculation, s; then its worker counts as hung.
+            behind: By how much they are nicer than the agent.
         """
         self._workers = workers
         self._within = within
+        self._behind = behind
         self._turns = Turns(workers)
         self._ended = False
         self._pool = self._new_pool()
@@ -139,7 +141,7 @@ class PoolExecutor:
         await asyncio.to_thread(self._pool.shutdown, cancel_futures=True)
 
     def _new_pool(self) -> ProcessPoolExecutor:
-        return process_pool(self._workers, _prepare)
+        return process_pool(self._workers, _prepare, self._behind)
 
 
 def _import_analysis() -> None:
@@ -147,7 +149,7 @@ def _import_analysis() -> None:
     import agent.analysis.routine  # noqa: F401, PLC0415  # here, so that only workers pay for it at start
 
 
-def _prepare() -> None:
+def _prepare(behind: int) -> None:
     """Ctrl-C goes to the whole group of processes; only the agent may act on it, and it comes first."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    step_back(BEHIND)
+    step_back(behind)
