@@ -31,6 +31,12 @@ async def test_it_gives_the_value_and_the_fault(executor):
         await executor.run(divmod, 7, 0)
 
 
+@pytest.mark.parametrize(("chosen", "behind"), [({}, 10), ({"behind": 0}, 0)])
+async def test_workers_are_as_far_behind_the_agent_as_is_chosen(chosen, behind):
+    async with PoolExecutor(1, **chosen) as pool:
+        assert await pool.run(os.nice, 0) == min(os.nice(0) + behind, 19)
+
+
 async def test_a_pool_uses_other_processes_and_leaves_none():
     async with PoolExecutor(1) as pool:
         worker = await pool.run(os.getpid)
