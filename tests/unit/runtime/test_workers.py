@@ -31,6 +31,7 @@ async def test_it_gives_the_value_and_the_fault(executor):
         await executor.run(divmod, 7, 0)
 
 
+@pytest.mark.skipif(not hasattr(os, "nice"), reason="no priorities of that kind here")
 @pytest.mark.parametrize(("chosen", "behind"), [({}, 10), ({"behind": 0}, 0)])
 async def test_workers_are_as_far_behind_the_agent_as_is_chosen(chosen, behind):
     async with PoolExecutor(1, **chosen) as pool:
