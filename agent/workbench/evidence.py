@@ -12,7 +12,7 @@ from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import TINY, by_chance, innovations, likelihood_ratio, lowers_innovations
-from agent.workbench.library import acts_on_op, happens_once
+from agent.workbench.library import acts_on_op, happens_once, instants
 from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def _scanned(effect: Effect, record: Record) -> int:
         return VALVES
     if isinstance(effect, Sinusoid):
         return len(record)
-    return int(SCAN ** max(1, _instants(effect, record)))
+    return int(SCAN ** max(1, instants(effect, record.facts)))
 
 
 def far_likelier(smaller: Model, larger: Model, record: Record) -> bool:
@@ -136,14 +136,10 @@ def _priced(smaller: Model, larger: Model, record: Record) -> int:
     information criterion", Biometrics 63, 2007).
     """
     one, other = (
-        _numbers(each) + sum(_instants(effect, record) for effect in each.fit.model.effects)
+        _numbers(each) + sum(instants(effect, record.facts) for effect in each.fit.model.effects)
         for each in (smaller, larger)
     )
     return other - one
-
-
-def _instants(effect: Effect, record: Record) -> int:
-    return sum(each.instant for each in effect.parameters(record.facts))
 
 
 def _numbers(model: Model) -> int:

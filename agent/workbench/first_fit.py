@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.workbench.library import instants
 from agent.workbench.search import best_of, by_slopes, spread_about
 from agent.workbench.space import space_of
 
@@ -65,6 +66,6 @@ def first_fit(predicts: Predictor, best: FloatArray, effect: Effect, also: Float
     end = min((by_slopes(larger, each) for each in starts), key=larger.error)
     count = len(predicts.pv)
     columns = larger.columns(end).shape[1] - predicts.behind.columns(best).shape[1]
-    numbers = len(space) - known + columns + sum(each.instant for each in effect.parameters(record.facts))
+    numbers = len(space) - known + columns + instants(effect, record.facts)
     likelier = count * math.log(predicts.error(best) / max(larger.error(end), np.finfo(float).tiny))
     return FirstFit(space.values(end), likelier - numbers * math.log(count))

@@ -81,6 +81,11 @@ def happens_once(effect: Effect, facts: Facts) -> bool:
     return effect.stage == "disturbance" and any(each.of_record for each in effect.parameters(facts))
 
 
+def instants(effect: Effect, facts: Facts) -> int:
+    """Return how many of an effect's numbers are instants of the record."""
+    return sum(each.instant for each in effect.parameters(facts))
+
+
 def _named(name: str, members: Sequence[Named], kind: str) -> Named:
     for each in members:
         if each.name == name:

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.stats.qmc import LatinHypercube
 
 from agent.workbench.gauss_newton import lowest
+from agent.workbench.library import instants
 from agent.workbench.nuisance import nuisance
 from agent.workbench.projection import ProjectedPv, Solved, least_error, solve, target_behind, target_itself
 from agent.workbench.simplex import lowered_by_simplex
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
-    from agent.physics.effect import Effect, Facts
+    from agent.physics.effect import Facts
     from agent.physics.loop_model import Layout, LoopModel
     from agent.workbench.innovations import Innovations
     from agent.workbench.record import Record
@@ -247,11 +248,7 @@ def by_slopes(objective: Objective | Pinned, start: FloatArray) -> FloatArray:
 def is_rough(objective: Objective | Pinned) -> bool:
     """Return whether the error has steps or kinks: a slip, a stop or an event at another sample."""
     model, facts = objective.model, objective.facts
-    return any(each.stage == "valve" or _has_instant(each, facts) for each in model.effects)
-
-
-def _has_instant(effect: Effect, facts: Facts) -> bool:
-    return any(each.instant for each in effect.parameters(facts))
+    return any(each.stage == "valve" or instants(each, facts) > 0 for each in model.effects)
 
 
 def searched(objective: Objective | Pinned, starts: FloatArray, rounds: Sequence[Round]) -> FloatArray:
@@ -265,7 +262,7 @@ def searched(objective: Objective | Pinned, starts: FloatArray, rounds: Sequence
         rounds: One after the other, the first by slopes where these are enough.
     """
     points = list(starts)
-    event = any(_has_instant(each, objective.facts) for each in objective.model.effects[-1:])
+    event = any(instants(each, objective.facts) for each in objective.model.effects[-1:])
     for k, (kept, step, evaluations) in enumerate(rounds):
         best = best_of(objective, np.array(points), kept)
         if k == 0 and not event:

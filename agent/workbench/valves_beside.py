@@ -28,10 +28,8 @@ class ValvesBeside:
     record: Record
     run: Map
     """Works beside the program, where another core is free."""
-    _found: dict[tuple[str, ...], tuple[ValveStart, ...]] = field(default_factory=dict)
-    """By the disturbances of the model."""
     _sought: dict[tuple[str, ...], Iterable[tuple[ValveStart, ...]]] = field(default_factory=dict)
-    """The searches that have begun, each with one result."""
+    """The searches that have begun, each with one result, by the disturbances of the model."""
 
     def seek_beside(self, fitted: Fit) -> tuple[str, ...]:
         """Begin to look for the valves beside a model; return the names of its disturbances."""
@@ -45,6 +43,5 @@ class ValvesBeside:
     def beside(self, fitted: Fit) -> tuple[ValveStart, ...]:
         """Return the valves beside a model."""
         names = self.seek_beside(fitted)
-        if names not in self._found:
-            (self._found[names],) = self._sought[names]
-        return self._found[names]
+        self._sought[names] = found = tuple(self._sought[names])
+        return found[0]
