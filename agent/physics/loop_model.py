@@ -143,9 +143,10 @@ class Layout:
     def answers(self, position: FloatArray, moves: FloatArray, values: FloatArray) -> FloatArray:
         """Return what the response does more for small moves of the valve, (n, k), its unit a unit of move.
 
-        ``moves``: (n, k). Of a linear process the response to them, else its derivative along ``position``.
+        ``moves``: (n, k). Of a linear process the response to them; behind a law of a balance, or where a
+        sensor may have a curve, its derivative along ``position``.
         """
-        if self.base.linear:
+        if self.base.linear and not self.sensor:
             return np.column_stack([self.response(each, values) for each in moves.T])
         there, span = self.response(position, values), float(np.ptp(position))
         found = np.zeros_like(moves)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from agent.workbench.record import Record
     from agent.workbench.residual.line_spectrum import LineSpectrum
     from agent.workbench.residual.where import Failure
-    from agent.workbench.trial import Tried
+    from agent.workbench.trial import Optimum, Tried
 
 
 WORSE_ELSEWHERE = "with it the model follows the recording for validation less well"
@@ -64,10 +64,10 @@ def judged(
     models: Mapping[str, Tried],
     record: Record,
     event_p: Mapping[str, float],
-    together: Callable[[Step | Tried, Effect], Tried],
+    together: Callable[[Step | Optimum, Effect], Optimum],
     worse: Callable[[Fit, Fit], bool] = no_other_record,
-    also: Callable[[Tried], Iterable[Effect]] = nothing_else,
-    answering: Callable[[Tried], Iterable[Effect]] = nothing_else,
+    also: Callable[[Optimum], Iterable[Effect]] = nothing_else,
+    answering: Callable[[Optimum], Iterable[Effect]] = nothing_else,
 ) -> AllTried:
     """Judge effects by their held-out errors, and by what the innovations say of each.
 
@@ -155,7 +155,7 @@ def _against_unnamed(
     decision: Decision,
     smaller: Step,
     found: Mapping[str, Evidence],
-    together: Callable[[Step | Tried, Effect], Tried],
+    together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
 ) -> Decision:
     """Return a decision as it stands against linear dynamics without a name in the place of the effect.

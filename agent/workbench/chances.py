@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from agent.workbench.hooks import Map
     from agent.workbench.predictor import Predictor
     from agent.workbench.step import Step
-    from agent.workbench.trial import Tried
+    from agent.workbench.trial import Optimum
 
 STEPS_AND_EVENTS = 10
 """How often one staircase looks for what happened once: a load step and another gain, five steps."""
@@ -33,7 +33,7 @@ class Chances:
     _known: dict[tuple[tuple[str, ...], str], float] = field(default_factory=dict)
     """By the effects of the model and that which is tried."""
 
-    def of(self, smaller: Step | Tried, effects: Sequence[Effect]) -> list[float]:
+    def of(self, smaller: Step | Optimum, effects: Sequence[Effect]) -> list[float]:
         """Return for each effect how likely as much is explained where nothing happened.
 
         0 of what is no event and no input. Of what happened once each candidate of each step has had its

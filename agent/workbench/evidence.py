@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
     from agent.workbench.step import Step
-    from agent.workbench.trial import Tried
+    from agent.workbench.trial import Optimum
 
-    Model = Step | Tried
+    Model = Step | Optimum
 
 VALVES = 16000
 """That a search for a sticking valve looks at, in round numbers: each counts as a try."""

@@ -26,14 +26,24 @@ def gaining(trials: Sequence[Trial], anyway: Collection[str] = ()) -> list[Effec
     ``anyway``; all where there are no predictions; and beside what gains the larger dynamics, with which a
     check may explain what remains.
     """
-    gains = {each.effect.name: np.inf if each.first is None else each.first.criterion for each in trials}
-    families = {each.effect.family for each in trials if gains[each.effect.name] > WORTH_A_FIT}
-    names = {*anyway, *(LARGER_DYNAMICS if families else ()), max(gains, key=gains.__getitem__, default="")}
+    found = {each.effect.name: _criterion(each) for each in trials}
+    families = {each.effect.family for each in trials if found[each.effect.name] > WORTH_A_FIT}
+    names = {*anyway, *(LARGER_DYNAMICS if families else ()), max(found, key=found.__getitem__, default="")}
     return [
         each.effect
         for each in trials
-        if each.effect.family in families
-        or each.effect.name in names
-        or each.instants is not None
-        or isinstance(each.effect, Sinusoid | MeasuredInput)
+        if each.effect.family in families or each.effect.name in names or _is_not_known(each)
     ]
+
+
+def gains(trial: Trial) -> bool:
+    """Return whether an effect alone gains what is worth a whole fit, or its first fit does not say."""
+    return _criterion(trial) > WORTH_A_FIT or _is_not_known(trial)
+
+
+def _criterion(trial: Trial) -> float:
+    return np.inf if trial.first is None else trial.first.criterion
+
+
+def _is_not_known(trial: Trial) -> bool:
+    return trial.instants is not None or isinstance(trial.effect, Sinusoid | MeasuredInput)

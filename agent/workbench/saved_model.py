@@ -40,14 +40,16 @@ class SavedModel:
     def values_of(self, model: LoopModel, facts: Facts) -> FloatArray:
         """Return the values of the parameters that ``model`` has, (k,).
 
+        One that its effect had not yet when the model was saved has the value with which it does nothing.
+
         Raises:
-            ValueError: one is missing.
+            ValueError: one is missing, and none does nothing.
         """
-        names = [name for name, _ in model.parameters(facts)]
-        for name in names:
-            if name not in self.values:
+        found = [self.values.get(name, each.null) for name, each in model.parameters(facts)]
+        for (name, _), value in zip(model.parameters(facts), found, strict=True):
+            if value is None:
                 raise ValueError(f"the saved model has no value of {name}")
-        return np.array([self.values[name] for name in names])
+        return np.array(found)
 
 
 def saved(loop: str, model: LoopModel, parameters: Iterable[FittedParameter]) -> dict[str, object]:

@@ -61,17 +61,23 @@ class Trial:
 
 
 @dataclass(frozen=True, slots=True)
-class Tried:
-    """A model and how it does on blocks that it did not see."""
+class Optimum:
+    """A model where it is best."""
 
     fit: Fit
     """With the least error in free run."""
+    predicts: tuple[Predictor, FloatArray] | None
+    """Where it predicts best; None where it has no predictions."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tried(Optimum):
+    """And how it does on blocks that it did not see."""
+
     held_out: HeldOut
     """In free run too. Its refits are those that predict best or those of the least free-run error, whichever
     have less: in closed loop the latter lean on the load, the former on what an incomplete model does not
     say."""
-    predicts: tuple[Predictor, FloatArray] | None
-    """Where it predicts best; None where that cannot be asked."""
 
 
 def first_of(trial: Trial) -> FirstFit | None:
@@ -114,34 +120,43 @@ def tried_or_failed(trial: Trial) -> Tried | EffectError:
 
 def tried(trial: Trial) -> Tried:
     """Fit the model with the effect, and predict each fold."""
+    return with_held_out(optimum(trial), trial.record, trial.folds)
+
+
+def optimum(trial: Trial) -> Optimum:
+    """Fit the model with the effect."""
     screen, first = trial.screen or screened(trial), trial.first or first_of(trial)
     fitted = fit_from(_larger(trial), trial.record, screen.points)
     nested = None if first is None else first.values
-    return predicted(fitted, trial.record, trial.folds, nested, _where_it_predicts(trial))
+    return _optimum(fitted, trial.record, nested, _where_it_predicts(trial))
 
 
-def predicted(
-    fitted: Fit,
-    record: Record,
-    folds: Folds,
-    nested: FloatArray | None = None,
-    starts: FloatArray | None = None,
-) -> Tried:
-    """Return a fit with its held-out error.
+def predicted(fitted: Fit, record: Record, folds: Folds) -> Tried:
+    """Return a fit where it predicts best too, with its held-out error."""
+    return with_held_out(_optimum(fitted, record), record, folds)
 
-    ``nested`` and ``starts``: as ``predictor`` takes them.
-    """
+
+def with_held_out(found: Optimum, record: Record, folds: Folds) -> Tried:
+    """Return a model with its held-out error."""
+    own = held_out(found.fit, record, folds)
+    if found.predicts is not None:
+        predicts, best = found.predicts
+        other = held_out(predicts.fit(best), record, folds, predicts.noise)
+        own = min(other, own, key=lambda each: each.rmse)
+    return Tried(found.fit, found.predicts, own)
+
+
+def _optimum(
+    fitted: Fit, record: Record, nested: FloatArray | None = None, starts: FloatArray | None = None
+) -> Optimum:
+    """Return where a fit predicts best; ``nested`` and ``starts`` as ``predictor`` takes them."""
     found = predictor(fitted, record, nested, starts)
     if found is None:
-        return Tried(fitted, held_out(fitted, record, folds), None)
+        return Optimum(fitted, None)
     predicts, best = found[0], largest_first(*found)
     if predicts.fit(best).error < fitted.error:
         fitted = refit(predicts.fit(best), record, record.weight)  # the search in free run had missed it
-    either = (
-        held_out(predicts.fit(best), record, folds, predicts.noise),
-        held_out(fitted, record, folds),
-    )
-    return Tried(fitted, min(either, key=lambda each: each.rmse), (predicts, best))
+    return Optimum(fitted, (predicts, best))
 
 
 def _larger(trial: Trial) -> LoopModel:

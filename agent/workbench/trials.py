@@ -11,14 +11,14 @@ import numpy as np
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.foreign import EffectError
+from agent.workbench.begun import Begun
 from agent.workbench.candidates import AllTried, judged, ran_out
 from agent.workbench.chances import Chances
 from agent.workbench.checks.lacking import LARGER_DYNAMICS
 from agent.workbench.decision import judge
-from agent.workbench.event_scan import instants_seen
 from agent.workbench.evidence import far_likelier
 from agent.workbench.fit import fit
-from agent.workbench.gaining import gaining
+from agent.workbench.gaining import gaining, gains
 from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.prediction_search import with_other_values
@@ -28,27 +28,25 @@ from agent.workbench.shown.score import scores_of, worth_a_fit
 from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.solved.more_harmonics import with_more_harmonics
 from agent.workbench.trial import (
-    Trial,
+    Optimum,
     Tried,
-    first_or_failed,
     predicted,
     screened_or_failed,
-    tried,
     tried_or_failed,
+    with_held_out,
 )
 from agent.workbench.validation import rmse_on
 from agent.workbench.valve_starts import with_valves
 from agent.workbench.valves_beside import ValvesBeside
 
 if TYPE_CHECKING:
-    from agent.analysis.record.recording import FloatArray, LoopWindow
+    from agent.analysis.record.recording import LoopWindow
     from agent.physics.effect import Effect
     from agent.workbench.fit import Fit
     from agent.workbench.folds import Folds
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.record import Record
     from agent.workbench.step import Step
-    from agent.workbench.valve_starts import ValveStart
 
 
 BESIDE = 2
@@ -65,23 +63,34 @@ class Trials:
     run: Map
     """Tries effects, perhaps in parallel."""
     progress: Progress
-    left_out: dict[str, str] = field(default_factory=dict)
-    """Effects that others wrote and that failed in a fit -> how, with file and contract."""
     validation: Record | None = None
     """Another recording of the loop, to which nothing is fitted."""
-    _trials: dict[tuple[tuple[str, ...], str], Trial] = field(default_factory=dict)
-    """With their first fits, by the effects of the model and that which is tried."""
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
     _shown: dict[tuple[str, ...], tuple[Shown, ...]] = field(default_factory=dict)
     chances: Chances = field(init=False)
     """Of what happened once, and of measured inputs."""
-    valves: ValvesBeside = field(init=False)
-    """That the quantifier finds."""
+    begun: Begun = field(init=False)
+    """Trials with their first fits."""
 
     def __post_init__(self) -> None:
         """Prepare what is looked for once."""
         self.chances = Chances(self.record.facts, self.run)
-        self.valves = ValvesBeside(self.window, self.record, self.run)
+        valves = ValvesBeside(self.window, self.record, self.run)
+        self.begun = Begun(self.record, self.folds, self.run, self.progress, valves)
+
+    def with_hooks(self, run: Map, progress: Progress) -> Trials:
+        """Return the same with other hooks; what was tried is shared, but for searches that go on."""
+        other = replace(self, run=run, progress=progress)
+        other.chances = replace(self.chances, run=run)
+        other.begun = replace(
+            self.begun, run=run, progress=progress, valves=self.begun.valves.with_hooks(run)
+        )
+        return other
+
+    @property
+    def left_out(self) -> dict[str, str]:
+        """Effects that others wrote and that failed in a fit -> how, with file and contract."""
+        return self.begun.left_out
 
     @property
     def block(self) -> int:
@@ -98,7 +107,7 @@ class Trials:
             hidden = {each.effect for each in self.shown_on(step, library) if each.why_not is not None}
             candidates = [each for each in missing(step.fit.model, library) if each.name not in hidden]
             if any(isinstance(each, HysteresisEffect) for each in candidates):
-                self.valves.seek_beside(step.fit)
+                self.begun.valves.seek_beside(step.fit)
             self._done[step.effects] = self.judged_on(step, self._worth_a_fit(step, candidates), candidates)
         return self._done[step.effects]
 
@@ -115,7 +124,7 @@ class Trials:
         events = {each.name for each in able if happens_once(each, facts)}
         anyway = LARGER_DYNAMICS if ran_out(step, facts) else ()
         hinted = worth_a_fit(able, step.predicts, events, anyway, self.run)
-        return gaining(self._begun(step, hinted), anyway)
+        return gaining(self.begun.of(step, hinted), anyway)
 
     def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
         """Return what the record can show of each effect that a model does not have; empty: not known."""
@@ -129,10 +138,10 @@ class Trials:
     def judged_on(self, step: Step, effects: Sequence[Effect], able: Sequence[Effect] = ()) -> AllTried:
         """Try these effects on top of a model; beside one that leaves something also the ``able`` ones."""
 
-        def also(found: Tried) -> list[Effect]:
+        def also(found: Optimum) -> list[Effect]:
             return self._hinted(found, able or effects)
 
-        def answering(found: Tried) -> list[Effect]:
+        def answering(found: Optimum) -> list[Effect]:
             facts = self.record.facts
             lasting = [
                 each for each in able or effects if acts_on_op(each, facts) and not happens_once(each, facts)
@@ -141,10 +150,10 @@ class Trials:
 
         event_p = dict(zip((each.name for each in effects), self.chances.of(step, effects), strict=True))
         models = self._tried(step, effects)
-        return judged(step, models, self.record, event_p, self._both, self.is_worse, also, answering)
+        return judged(step, models, self.record, event_p, self.begun.together, self.is_worse, also, answering)
 
-    def _hinted(self, found: Tried, able: Sequence[Effect]) -> list[Effect]:
-        """Return the effects that the innovations hint at most beside those of a model, none by chance."""
+    def _hinted(self, found: Optimum, able: Sequence[Effect]) -> list[Effect]:
+        """Return the effects that the innovations hint at most and that gain beside a model."""
         if found.predicts is None:
             return []
         families = {each.family for each in found.fit.model.effects}
@@ -156,7 +165,8 @@ class Trials:
         scores = scores_of(others, *found.predicts, self.run)
         others = sorted((each for each in others if each.name in scores), key=lambda each: -scores[each.name])
         chances = zip(others[:BESIDE], self.chances.of(found, others[:BESIDE]), strict=True)
-        return [each for each, p in chances if p < LEVEL]
+        trials = self.begun.of(found, [each for each, p in chances if p < LEVEL])
+        return [each.effect for each in trials if gains(each)]
 
     def both(self, smaller: Step, found: AllTried, name: str, rival: Effect) -> Tried | None:
         """Return the model with an effect and a rival, if each is confirmed beside the other.
@@ -168,7 +178,7 @@ class Trials:
         if {name, rival.name} & found.lowered:
             return None
         alone = found.models[name], found.models[rival.name]
-        larger = self._both(alone[0], rival)
+        larger = with_held_out(self.begun.together(alone[0], rival), self.record, self.folds)
         if any(self.is_worse(each.fit, larger.fit) for each in (smaller, *alone)):
             return None
         for each in alone:
@@ -190,17 +200,12 @@ class Trials:
         if not stems or found.predicts is None:
             return found
         self.progress("another valve", 0, 1)
-        points = with_valves(found.fit, stems[0], self._valves_beside(found.fit), self.record.facts)
+        points = with_valves(found.fit, stems[0], self.begun.valves_beside(found.fit), self.record.facts)
         if not len(points):
             return found
         predicts, at = found.predicts
         other = with_other_values(predicts, at, predicts.space.at(points))
         return found if other is None else self.predicted(other[0].fit(other[1]))
-
-    def _valves_beside(self, fitted: Fit) -> tuple[ValveStart, ...]:
-        """Return the valves that the quantifier finds in a record less the disturbances of a model."""
-        self.progress("sticking valves", 0, 1)
-        return self.valves.beside(fitted)
 
     def with_fewest_steps(self, found: Tried) -> Tried:
         """Return a model whose last effect is steps of a load with as many as the record needs."""
@@ -247,40 +252,10 @@ class Trials:
         other = self.validation
         return other is not None and rmse_on(larger, other) > rmse_on(smaller, other)
 
-    def _both(self, one: Step | Tried, other: Effect) -> Tried:
-        """Try an effect on top of one model alone."""
-        self.progress(" and ".join(each.name for each in (*one.fit.model.effects[-1:], other)), 0, 1)
-        return tried(self._trial(one, other))
-
-    def _trial(self, smaller: Step | Tried, effect: Effect) -> Trial:
-        valves = self._valves_beside(smaller.fit) if isinstance(effect, HysteresisEffect) else ()
-        return Trial(smaller.fit, effect, self.record, self.folds, smaller.predicts, valves)
-
-    def _instants(self, smaller: Step, effect: Effect) -> FloatArray | None:
-        if smaller.predicts is None or not happens_once(effect, self.record.facts):
-            return None
-        return instants_seen(*smaller.predicts, effect)
-
-    def _begun(self, smaller: Step, effects: Sequence[Effect]) -> list[Trial]:
-        """Return the trial of each effect with its first fit, made once; one that fails is left out."""
-        on = smaller.effects
-        new = [
-            replace(self._trial(smaller, each), instants=self._instants(smaller, each))
-            for each in effects
-            if (on, each.name) not in self._trials and each.name not in self.left_out
-        ]
-        for trial, first in zip(new, self.run(first_or_failed, new), strict=True):
-            if isinstance(first, EffectError):
-                self.left_out[trial.effect.name] = str(first)
-            else:
-                self._trials[on, trial.effect.name] = replace(trial, first=first)
-        begun = [(on, each.name) for each in effects if each.name not in self.left_out]
-        return [self._trials[each] for each in begun]
-
     def _tried(self, smaller: Step, effects: Sequence[Effect]) -> dict[str, Tried]:
         """Try effects, the most promising first; one that fails is left out from then on."""
         self.progress("a quick look at each", 0, len(effects))
-        trials, looks = self._begun(smaller, effects), []
+        trials, looks = self.begun.of(smaller, effects), []
         for trial, look in zip(trials, self.run(screened_or_failed, trials), strict=True):
             if isinstance(look, EffectError):
                 self.left_out[trial.effect.name] = str(look)

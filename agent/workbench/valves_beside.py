@@ -31,6 +31,13 @@ class ValvesBeside:
     _sought: dict[tuple[str, ...], Iterable[tuple[ValveStart, ...]]] = field(default_factory=dict)
     """The searches that have begun, each with one result, by the disturbances of the model."""
 
+    def with_hooks(self, run: Map) -> ValvesBeside:
+        """Return the same with another pool, and with what searches that have ended have found."""
+        ended: dict[tuple[str, ...], Iterable[tuple[ValveStart, ...]]] = {
+            names: found for names, found in self._sought.items() if isinstance(found, tuple)
+        }
+        return replace(self, run=run, _sought=ended)
+
     def seek_beside(self, fitted: Fit) -> tuple[str, ...]:
         """Begin to look for the valves beside a model; return the names of its disturbances."""
         names = tuple(each.name for each in fitted.model.effects if each.stage == "disturbance")

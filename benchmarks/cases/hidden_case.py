@@ -25,6 +25,8 @@ RecordKind = Literal["closed_loop", "steps", "bump", "prbs"]
 RECORD_KINDS: tuple[RecordKind, ...] = get_args(RecordKind)
 DECOYS = 2
 FAMILIES = {effect.name: effect.family for effect in EFFECTS}
+LAG_FAMILY = "extra_lag"
+LAGS = tuple(name for name, family in FAMILIES.items() if family == LAG_FAMILY)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +64,8 @@ class HiddenCase:
     record: RecordKind = "closed_loop"
     without_effect: str = ""
     """That this verdict names; empty where it names none."""
+    own_lag: bool = False
+    """Whether a lag was named whose interval holds that of the valve, which every simulated valve has."""
 
     @property
     def testable(self) -> bool:
@@ -91,8 +95,9 @@ class HiddenCase:
 
     @property
     def wrong(self) -> bool:
-        """Whether a family was named that the loop does not have."""
-        return bool(self.families - self.true_families)
+        """Whether a family was named that the loop does not have; the lag of its stem it has."""
+        own = {LAG_FAMILY} if self.own_lag else set()
+        return bool(self.families - self.true_families - own)
 
     @property
     def family_right(self) -> bool:
@@ -152,6 +157,7 @@ def judge(
         cpu_seconds=spent,
         record=record,
         without_effect=(without.effect if without else None) or "",
+        own_lag=any(covers({f"{name}.tau": (lag_of_valve(plant),) for name in LAGS}, last)),
     )
 
 
@@ -175,6 +181,12 @@ def parameters_of(plant: HiddenEffectPlant, record: RecordKind) -> dict[str, tup
         name: tuple(each + early for each in values) if name.endswith(".time") else values
         for name, values in plant.parameters.items()
     }
+
+
+def lag_of_valve(plant: HiddenEffectPlant) -> float:
+    """Return the time by which a stroke without friction lags behind OP, s: positioner and stem."""
+    valve = plant.scenario.valve
+    return valve.tau_ip + valve.damping
 
 
 def _untestable(truth: HiddenTruth, seed: int, record: RecordKind, samples: int, spent: float) -> HiddenCase:

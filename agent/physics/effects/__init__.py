@@ -24,6 +24,7 @@ from agent.physics.effects.sensor_deadband import SensorDeadband
 from agent.physics.effects.sensor_lag import SensorLag
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.split_range import SplitRange
+from agent.physics.effects.square_law import SquareLaw
 from agent.physics.effects.stiction import Stiction
 from agent.physics.effects.titration import Titration
 from agent.physics.effects.transport_delay import TransportDelay
@@ -39,6 +40,7 @@ EFFECTS: tuple[Effect, ...] = (
     Characteristic(),
     SplitRange(),
     PvGain(),
+    SquareLaw(),
     Titration(),
     RateLimit(),
     ActuatorLag(),

@@ -1,4 +1,4 @@
-"""Gain that depends on PV: an orifice whose root is not extracted, losses that grow with temperature."""
+"""Gain that depends on PV: losses that grow with temperature."""
 
 from __future__ import annotations
 
@@ -18,13 +18,16 @@ if TYPE_CHECKING:
 LEVELLED = ("fopdt", "sopdt", "oscillatory")
 """Bases whose response has the level of OP; an integrator's is counted from anywhere."""
 
+MOST_BENT = 100.0
+"""Curvature times response at most: one that integrates goes far beyond OP, and no square of it may overflow."""
+
 
 @dataclass(frozen=True, slots=True)
 class PvGain:
     """Slope from what the process does to what is measured, which grows or falls at a constant rate.
 
-    The curve lies behind the lags, that of a trim before them. Over the range of a record the square of a
-    flow, whose slope is proportional to the flow, and the losses of a hot vessel are nearly such curves.
+    The curve lies behind the lags, that of a trim before them. Over the range of a record the losses of a hot
+    vessel are nearly such a curve.
     """
 
     name: str = "pv_gain"
@@ -39,9 +42,12 @@ class PvGain:
         return (Parameter("curvature", "1/OP", -most, most, null=0.0),)
 
     def apply(self, pv: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
-        """Return the measured value; at the first response it is that, with a slope of one.
+        """Return the measured value; at OP 0 it has a slope of one.
 
-        Bent about any other level the curve is the same but for gain and level, which are solved for.
+        Bent about any other level the curve is the same but for gain and level; from there one curvature, and
+        one gain, mean the same in every record of the loop.
         """
-        curvature, first = float(values[0]), pv[:1]
-        return pv if curvature == 0.0 else np.asarray(first + np.expm1(curvature * (pv - first)) / curvature)
+        curvature = float(values[0])
+        if curvature == 0.0:
+            return pv
+        return np.asarray(np.expm1(np.minimum(curvature * pv, MOST_BENT)) / curvature)

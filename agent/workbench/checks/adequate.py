@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from agent.workbench.decision import Decision
     from agent.workbench.record import Record
     from agent.workbench.step import Step
-    from agent.workbench.trial import Tried
+    from agent.workbench.trial import Optimum, Tried
 
 NOT_IN_LIBRARY = "with it something remains that no effect of the library explains"
 
@@ -31,7 +31,7 @@ MOST_BESIDE = 2
 """Effects of the library that are tried beside it, one after the other: more in one loop are seldom."""
 
 
-def nothing_else(found: Tried) -> Iterable[Effect]:  # noqa: ARG001
+def nothing_else(found: Optimum) -> Iterable[Effect]:  # noqa: ARG001
     """Return that no other effect may be missing."""
     return ()
 
@@ -39,8 +39,8 @@ def nothing_else(found: Tried) -> Iterable[Effect]:  # noqa: ARG001
 def adequate(
     decision: Decision,
     models: Mapping[str, Tried],
-    also: Callable[[Tried], Iterable[Effect]],
-    together: Callable[[Step | Tried, Effect], Tried],
+    also: Callable[[Optimum], Iterable[Effect]],
+    together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
 ) -> Decision:
     """Return a decision that would be confirmed as it stands by what remains with its effect.
@@ -52,7 +52,7 @@ def adequate(
         together: Tries an effect on top of one of the models.
         record: What they were fitted to.
     """
-    model = models[str(decision.effect)]
+    model: Optimum = models[str(decision.effect)]
     once = happens_once(model.fit.model.effects[-1], record.facts)
     added: list[str] = []
     while not _is_noise(model):
@@ -69,12 +69,12 @@ def adequate(
 
 
 def _larger(
-    model: Tried,
+    model: Optimum,
     models: Mapping[str, Tried],
-    also: Callable[[Tried], Iterable[Effect]],
-    together: Callable[[Step | Tried, Effect], Tried],
+    also: Callable[[Optimum], Iterable[Effect]],
+    together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
-) -> Tried | None:
+) -> Optimum | None:
     """Return a model with one more effect that is needed beside the others; None: there is none."""
     for other in also(model):
         larger = together(model, other)
@@ -84,6 +84,6 @@ def _larger(
     return None
 
 
-def _is_noise(found: Tried) -> bool:
+def _is_noise(found: Optimum) -> bool:
     """Return whether nothing remains with a model that is very strongly supported; not known is yes."""
     return found.predicts is None or remainder(*found.predicts) <= VERY_STRONG

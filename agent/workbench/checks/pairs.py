@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from agent.workbench.evidence import Evidence
     from agent.workbench.record import Record
     from agent.workbench.step import Step
-    from agent.workbench.trial import Tried
+    from agent.workbench.trial import Optimum, Tried
 
 
 class Pair(NamedTuple):
@@ -33,8 +33,8 @@ class Pair(NamedTuple):
 def likeliest_pair(
     found: Mapping[str, Evidence],
     models: Mapping[str, Tried],
-    also: Callable[[Tried], Iterable[Effect]],
-    together: Callable[[Step | Tried, Effect], Tried],
+    also: Callable[[Optimum], Iterable[Effect]],
+    together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
 ) -> Pair | None:
     """Return the likeliest two effects that act on OP all the time; None where there are none.

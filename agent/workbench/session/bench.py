@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -99,7 +98,7 @@ class Bench:
     def use_hooks(self, run: Map, progress: Progress) -> None:
         """Work and report by other hooks from now on; what was tried is shared."""
         if self._trials is not None:
-            self._trials = replace(self._trials, run=run, progress=progress)
+            self._trials = self._trials.with_hooks(run, progress)
 
     @property
     def trials(self) -> Trials:

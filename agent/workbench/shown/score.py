@@ -46,6 +46,7 @@ SELDOM = frozenset(
     {
         "split_range",
         "pv_gain",
+        "square_law",
         "titration",
         "sensor_deadband",
         "transport_delay",

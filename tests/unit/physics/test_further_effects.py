@@ -15,6 +15,7 @@ from agent.physics.effects.process_friction import ProcessFriction
 from agent.physics.effects.pv_gain import PvGain
 from agent.physics.effects.sensor_deadband import SensorDeadband
 from agent.physics.effects.split_range import SplitRange
+from agent.physics.effects.square_law import SquareLaw
 from agent.physics.effects.titration import Titration
 from agent.physics.effects.transport_delay import TransportDelay
 from agent.physics.effects.wave import RepeatingWave
@@ -61,8 +62,59 @@ def test_what_travels_along_a_pipe_takes_its_volume_over_the_flow():
     for level, late in ((60.0, 4), (80.0, 2)):
         op = np.full(100, level)
         op[50:] += 1e-6
-        out = TransportDelay().apply(op, np.array([160.0, 20.0 if late == 4 else 0.0]), 1.0)
+        out = TransportDelay().apply(op, np.array([160.0, 20.0 if late == 4 else 0.0, 0.0]), 1.0)
         assert int(np.argmax(out > level + 5e-7)) - 50 == late
+
+
+@pytest.mark.parametrize(
+    ("curve", "values"), [(PvGain(), (0.05,)), (SquareLaw(), (20.0,)), (Titration(), (50.0, 5.0))]
+)
+def test_a_curve_has_the_same_slope_at_a_level_in_every_record(curve, values):
+    """Else the gain of one recording would be another one's where a model is validated."""
+    high = np.linspace(60.0, 80.0, 50)
+    whole = np.concatenate((np.linspace(30.0, 60.0, 50)[:-1], high))
+    one, other = (np.diff(curve.apply(each, np.array(values), 1.0))[-49:] for each in (high, whole))
+    np.testing.assert_allclose(one, other, rtol=1e-9)
+
+
+@pytest.mark.parametrize("spread", [0.02, 0.15, 0.4])
+def test_a_front_is_spread_by_a_part_of_its_time_in_the_pipe_and_comes_no_later(spread):
+    for level in (60.0, 100.0):
+        op = np.full(400, level)
+        op[200:] += 1e-6
+        late = 2000.0 / (level - 20.0)
+        arrives = np.diff(TransportDelay().apply(op, np.array([2000.0, 20.0, spread]), 1.0)) * 1e6
+        after = np.arange(1, 400) - 200.0
+        assert arrives.sum() == pytest.approx(1.0, abs=1e-4)
+        assert arrives @ after == pytest.approx(late, abs=1.01)  # each sample is held until the next
+        width = np.sqrt(arrives @ (after - arrives @ after) ** 2)
+        assert width == pytest.approx(spread * late, rel=0.05, abs=0.4)
+
+
+def test_stirred_cells_in_a_row_are_followed_through_changes_of_flow():
+    fine, cells, volume, no_flow = 20, 30, 400.0, 10.0
+    op = np.repeat([40.0, 60.0, 45.0, 70.0, 50.0], 60)
+    content, leaves = np.full(cells, op[0]), []
+    for flow in np.repeat(op, fine):
+        before = np.concatenate(([flow], content[:-1]))
+        content = content + cells * (flow - no_flow) / fine / volume * (before - content)
+        leaves.append(content[-1])
+    expected = np.array(leaves)[fine - 1 :: fine]
+
+    def off(spread):
+        out = TransportDelay().apply(op, np.array([volume, no_flow, spread]), 1.0)
+        return np.sqrt(np.mean((out - expected) ** 2))
+
+    assert off(1 / np.sqrt(cells)) < 0.5 * off(0.0)
+
+
+def test_the_square_of_a_flow_has_a_slope_that_is_the_flow():
+    squared = SquareLaw().apply(WAVE, np.array([30.0]), 1.0)
+    slopes = np.diff(squared) / np.diff(WAVE)
+    middles = 0.5 * (WAVE[1:] + WAVE[:-1])
+    np.testing.assert_allclose(slopes, (middles - 30.0) / 30.0, rtol=1e-9)
+    closing = SquareLaw().apply(WAVE, np.array([90.0]), 1.0)
+    np.testing.assert_allclose(np.diff(closing) / np.diff(WAVE), (90.0 - middles) / 90.0, rtol=1e-9)
 
 
 def test_a_wave_has_a_sinusoid_for_each_harmonic():

@@ -46,12 +46,12 @@ def test_the_true_effect_leaves_noise_and_the_model_without_it_and_a_wrong_one_d
 
 
 def test_a_trim_that_stands_for_a_curve_behind_the_lags_is_suggested():
-    record = open_record(62404, "steps", "titration")
+    record = open_record(91127, "steps", "pv_gain")
     decision = judged(record, "valve_characteristic")
     assert (decision.kind, decision.family) == ("suggested", "valve_characteristic")
     assert NOT_IN_LIBRARY in decision.lacks
     named = judged(record, "valve_characteristic", "pv_gain")
-    assert (named.kind, named.family, named.lacks) == ("confirmed", "pv_gain", ())
+    assert (named.kind, named.effect, named.lacks) == ("family", "square_law", ())
 
 
 def test_a_number_at_its_bound_leaves_a_remainder_so_that_a_wave_is_not_confirmed_for_an_integrator():

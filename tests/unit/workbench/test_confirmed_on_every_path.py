@@ -11,6 +11,7 @@ from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects import EFFECTS
 from agent.workbench import trials as tries
+from agent.workbench.begun import Begun
 from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
 from agent.workbench.hooks import silent
 from agent.workbench.session import Workbench
@@ -33,7 +34,7 @@ def two(monkeypatch):
     base = step_of(alone, found.record, None)
     tried = found.judged_on(base, [NAMED["deadband"], NAMED["sinusoid"]])
     monkeypatch.setattr(tries, "judge", lambda *_: SimpleNamespace(kind="confirmed"))
-    monkeypatch.setattr(tries.Trials, "_both", lambda *_: tried.models["deadband"])
+    monkeypatch.setattr(Begun, "together", lambda *_: tried.models["deadband"])
     return found, base, tried
 
 

@@ -42,7 +42,7 @@ def changed():
 
 def model_on(record):
     base = fit(LoopModel(Fopdt()), record, record.weight)
-    return Tried(base, blank(base), predictor(base, record))
+    return Tried(base, predictor(base, record), blank(base))
 
 
 def blank(model):
@@ -56,7 +56,7 @@ def evidence(effect, base, record):
 def with_effect(effect, base, record):
     model = nested_fit(base.fit, LoopModel(Fopdt(), (effect,)), record)
     first = first_fit(*base.predicts, effect, np.empty((0, len(effect.parameters(record.facts)))))
-    return Tried(model, blank(model), predictor(model, record, first.values))
+    return Tried(model, predictor(model, record, first.values), blank(model))
 
 
 def test_it_is_for_what_changed_and_not_for_what_stands_in_for_it(changed):

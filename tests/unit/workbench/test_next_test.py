@@ -45,7 +45,7 @@ def planned(plain, first, second):
         model = LoopModel(Fopdt(), (effect,))
         target = target_of(record, record.weight, linear=True)
         fitted = fit_at(model, record, target, np.array([DELAY, TAU, *own]))
-        models[effect.name] = Tried(fitted, alone.held_out, alone.predicts)
+        models[effect.name] = Tried(fitted, alone.predicts, alone.held_out)
     verdict = Verdict("suggested", first[0].name, "", (second[0].name,))
     return next_test(step_of(alone, record, None), verdict, models)
 
@@ -82,7 +82,7 @@ def test_no_test_distinguishes_a_lag_before_the_process_from_one_behind_it():
     models = {}
     for effect in (ActuatorLag(), SensorLag()):
         found = fit(LoopModel(Fopdt(), (effect,)), record, record.weight, np.array([[DELAY, TAU, 6.0]]))
-        models[effect.name] = Tried(found, alone.held_out, alone.predicts)
+        models[effect.name] = Tried(found, alone.predicts, alone.held_out)
     verdict = Verdict("family", "actuator_lag", "extra_lag", ("sensor_lag",))
     found = next_test(step_of(alone, record, None), verdict, models)
     assert found.plan is None

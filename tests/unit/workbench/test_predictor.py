@@ -42,7 +42,7 @@ def fitted(request):
 def test_its_intervals_hold_what_the_free_run_has_biased(fitted):
     model, record = fitted
     blank = HeldOut(np.zeros(0), np.zeros((0, len(model.values))), model.pv)
-    tried = Tried(model, blank, predictor(model, record))
+    tried = Tried(model, predictor(model, record), blank)
     found = {each.name: each for each in estimated(tried, record).parameters}
     for name, true in (("tau", TAU), ("deadband.s", BAND)):
         assert found[name].low <= true <= found[name].high
@@ -70,7 +70,7 @@ def test_what_the_law_of_friction_leaves_open_is_in_the_interval(fitted):
     blank = HeldOut(np.zeros(0), np.zeros((0, len(asked.values))), model.pv)
     found = {
         each.name: each
-        for each in estimated(Tried(asked, blank, predictor(asked, record)), record).parameters
+        for each in estimated(Tried(asked, predictor(asked, record), blank), record).parameters
     }
     s, j = found["stiction.s"], found["stiction.j_over_s"]
     assert s.low <= (1 - S_BY_LAW + 1e-6) * s.value
@@ -149,7 +149,7 @@ def test_of_ten_intervals_eight_hold_the_truth(monkeypatch):
         base = fit(LoopModel(Fopdt()), record, record.weight)
         model = nested_fit(base, LoopModel(Fopdt(), (Deadband(),)), record)
         blank = HeldOut(np.zeros(0), np.zeros((0, len(model.values))), model.pv)
-        found = estimated(Tried(model, blank, predictor(model, record)), record).parameters
+        found = estimated(Tried(model, predictor(model, record), blank), record).parameters
         band = next(each for each in found if each.name == "deadband.s")
         assert band.high - band.low < 0.2
         held += band.low <= S <= band.high
