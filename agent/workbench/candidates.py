@@ -12,12 +12,12 @@ from agent.workbench.checks.own_cycle import NO_LINE, is_no_line
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, likeliest_pair
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, beats, dynamics_on
 from agent.workbench.decision import Decision, judge
-from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
+from agent.workbench.doubts import ANSWERS, BY_CHANCE, SLOW, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.likeliest import comparable, likelier_otherwise
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.state_dependence import LEVEL as FOLLOWED
-from agent.workbench.residual.state_dependence import fails, resolves, state_dependence
+from agent.workbench.residual.state_dependence import fails, removed_by, resolves, state_dependence
 from agent.workbench.residual.very_strong import very_strong
 from agent.workbench.step import Step, Verdict
 
@@ -92,7 +92,8 @@ def judged(
         if not all(far_likelier(models[each], larger, record) for each in (name, other)):
             return False
         predicts = larger.predicts
-        return predicts is None or resolves(smaller.estimate.dependence, state_dependence(*predicts))
+        removed = removed_by(smaller.predicts, predicts)
+        return predicts is None or resolves(smaller.estimate.dependence, state_dependence(*predicts), removed)
 
     def beside_dynamics(name: str, other: str) -> bool:
         larger = together(models[name], models[other].fit.model.effects[-1])
@@ -147,7 +148,7 @@ def _at_once(found: Mapping[str, Evidence], event_p: Mapping[str, float]) -> dic
         if (each.once and each.by_chance >= 1) or event_p.get(name, 0.0) >= LEVEL:
             objections[name] = BY_CHANCE
         if not each.explains:
-            objections[name] = ANSWERS
+            objections[name] = ANSWERS if each.answers else SLOW
     return objections
 
 

@@ -14,7 +14,7 @@ from agent.workbench.checks.own_cycle import may_be_loops_own
 from agent.workbench.checks.pairs import as_likely_words, far_likelier_than, is_as_likely
 from agent.workbench.likeliest import less_likely
 from agent.workbench.other_event import is_another_gain, is_only_another_level
-from agent.workbench.residual.state_dependence import failing, state_dependence, still_fails
+from agent.workbench.residual.state_dependence import failing, removed_by, state_dependence, still_fails
 from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 
 ANSWERS = "the innovations do not fall: it repeats what the controller does"
+SLOW = "the innovations do not fall: what PV was just before says as much"
 UNLIKELY = "the record is far more likely with another effect"
 STANDS_FOR_ANOTHER = "with it the model still fails as before: it stands for another cause"
 BY_CHANCE = "the innovations show no such event: one as large appears by chance"
@@ -172,7 +173,8 @@ class Doubts:
 
     def _leaves(self, name: str) -> set[str]:
         """Return the axes on which what made the smaller model fail is still there, with an effect."""
-        return still_fails(self.smaller.estimate.dependence, self._dependence(name))
+        removed = removed_by(self.smaller.predicts, self.models[name].predicts)
+        return still_fails(self.smaller.estimate.dependence, self._dependence(name), removed)
 
     def _dependence(self, name: str) -> Mapping[str, Dependence]:
         """Return what each axis shows of the model with an effect, once; empty without predictions."""

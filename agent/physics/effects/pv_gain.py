@@ -19,7 +19,7 @@ LEVELLED = ("fopdt", "sopdt", "oscillatory")
 """Bases whose response has the level of OP; an integrator's is counted from anywhere."""
 
 MOST_BENT = 100.0
-"""Curvature times response at most: one that integrates goes far beyond OP, and no square of it may overflow."""
+"""Curvature times response at most: one that integrates goes far beyond OP, and its square must be finite."""
 
 
 @dataclass(frozen=True, slots=True)

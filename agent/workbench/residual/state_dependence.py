@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
 
+    Predictions = tuple[Predictor, FloatArray]
+
 PARTS = 5
 """Of level, speed and time."""
 TRAVELS = 4
@@ -92,31 +94,47 @@ def fails(found: Mapping[str, Dependence]) -> bool:
     return bool(failing(found))
 
 
-def resolves(before: Mapping[str, Dependence], after: Mapping[str, Dependence]) -> bool:
-    """Return whether a larger model removes most of the excess of the smaller one, on all axes.
+def resolves(before: Mapping[str, Dependence], after: Mapping[str, Dependence], removed: float) -> bool:
+    """Return whether a larger model removes most of what the smaller one failed by, on all axes.
 
     Where it does not, the added effect stands in for another one and explains only a part of it.
     """
-    return not still_fails(before, after)
+    return not still_fails(before, after, removed)
 
 
-def still_fails(before: Mapping[str, Dependence], after: Mapping[str, Dependence]) -> set[str]:
-    """Return the axes on which the excess of a smaller model remains in a larger one, or a new one appears.
+def still_fails(
+    before: Mapping[str, Dependence], after: Mapping[str, Dependence], removed: float
+) -> set[str]:
+    """Return the axes on which a larger model fails by much of what the smaller one failed by.
 
-    Much of it remains, or a part with a small p; empty where the smaller model cannot be tested, or does not
-    fail.
+    By much of it, or by a part with a small p; empty where the smaller model cannot be tested, or does not
+    fail. The smaller one failed by the most excess on an axis, or by what the larger one removes, if that is
+    more: behind a curve of the sensor the larger one sees on its axes what the smaller one does not.
+
+    Args:
+        before: Of the smaller model.
+        after: Of the larger one.
+        removed: By which the larger one lowers the squares of the innovations, PV units squared.
     """
     if not before or not after:
         return set()
     most = max(before.values(), key=lambda each: each.excess)
     if DOUBTED * most.p >= LEVEL:
         return set()
+    failed = max(most.excess, removed)
     return {
         axis
         for axis, each in after.items()
-        if (DOUBTED * each.p < LEVEL and each.excess >= MOST_LEFT * most.excess)
-        or (each.p < PLAINLY and each.excess >= PART_LEFT * most.excess)
+        if (DOUBTED * each.p < LEVEL and each.excess >= MOST_LEFT * failed)
+        or (each.p < PLAINLY and each.excess >= PART_LEFT * failed)
     }
+
+
+def removed_by(smaller: Predictions | None, larger: Predictions | None) -> float:
+    """Return by how much a larger model lowers the squares of the innovations, each at its best."""
+    if smaller is None or larger is None:
+        return 0.0
+    return smaller[0].error(smaller[1]) - larger[0].error(larger[1])
 
 
 def _known(predicts: Predictor, best: FloatArray) -> FloatArray:

@@ -21,7 +21,7 @@ from agent.workbench.decision import LEAST_PERCENT
 from agent.workbench.doubts import STANDS_FOR_ANOTHER
 from agent.workbench.library import happens_once, missing
 from agent.workbench.likeliest import less_likely
-from agent.workbench.residual.state_dependence import fails, state_dependence, still_fails
+from agent.workbench.residual.state_dependence import fails, removed_by, state_dependence, still_fails
 from agent.workbench.residual.very_strong import very_strong
 from agent.workbench.session import Workbench
 from agent.workbench.session.automatic import MOST_EFFECTS
@@ -251,8 +251,13 @@ class _Several:
         """Return whether what made the smaller model fail in a recording is still there."""
         rows = zip(self.benches, fitted.joint.predictors, fitted.joint.values(fitted.at), strict=True)
         return any(
-            still_fails(bench.step.estimate.dependence, state_dependence(predicts, predicts.space.at(values)))
+            still_fails(
+                bench.step.estimate.dependence,
+                state_dependence(*larger),
+                removed_by(bench.step.predicts, larger),
+            )
             for bench, predicts, values in rows
+            for larger in [(predicts, predicts.space.at(values))]
         )
 
 
