@@ -196,14 +196,14 @@ def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts) -> Decision:
 
 
 def _or_pair(decision: Decision, doubts: Doubts) -> Decision:
-    """Return the suggestion of two effects that are far likelier than an event, where neither stands alone.
+    """Return the suggestion of effects that are far likelier than an event, where none stands alone.
 
     Where each is confirmed beside the other, ``--auto`` adds both, as it does with rivals.
     """
     if decision.kind != "none" or doubts.likelier_pair is None:
         return decision
-    first, second = doubts.likelier_pair.names
-    beside = (second,) if second in doubts.models else ()
+    first, *others = doubts.likelier_pair.names
+    beside = tuple(each for each in others if each in doubts.models)
     family = doubts.found[first].family
     return replace(
         decision, kind="suggested", effect=first, family=family, indistinguishable=beside, rivals=beside

@@ -2,7 +2,8 @@
 
 Steps of a load have heights, instants and a lag of their own, so that they may take over what two effects do,
 where neither of these alone does as much. So an event is compared with the likeliest pair of effects that act
-on OP, as it is with each of them alone.
+on OP, as it is with each of them alone; and with the likeliest one where no other gains beside it, even if
+that stands for another cause: then this one acts on OP, and did not happen once.
 """
 
 from __future__ import annotations
@@ -24,10 +25,11 @@ if TYPE_CHECKING:
 
 
 class Pair(NamedTuple):
-    """Two effects, and how much likelier the record is with both: ``Evidence.criterion`` of one after one."""
+    """Two effects, or the one beside which none gains."""
 
-    names: tuple[str, str]
+    names: tuple[str, ...]
     criterion: float
+    """How much likelier the record is with them: ``Evidence.criterion`` of one after one."""
 
 
 def likeliest_pair(
@@ -37,7 +39,7 @@ def likeliest_pair(
     together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
 ) -> Pair | None:
-    """Return the likeliest two effects that act on OP all the time; None where there are none.
+    """Return the likeliest effects, two at most, that act on OP all the time; None where there are none.
 
     Args:
         found: What the innovations say of each effect on the smaller model.
@@ -56,7 +58,7 @@ def likeliest_pair(
         for name, each in larger.items()
         if (second := evidence_of(models[first], each, record, len(models))).answers and second.explains
     ]
-    return max(pairs, key=lambda each: each.criterion, default=None)
+    return max(pairs, key=lambda each: each.criterion, default=Pair((first,), found[first].criterion))
 
 
 def far_likelier_than(pair: Pair, event: Evidence) -> bool:
@@ -66,16 +68,18 @@ def far_likelier_than(pair: Pair, event: Evidence) -> bool:
 
 def far_likelier_words(pair: Pair) -> str:
     """Return in words that a pair rejects an event."""
-    one, other = (each.replace("_", " ") for each in pair.names)
-    return f"{one} and {other} together make the record far more likely than what happened once"
+    return f"with {_in_words(pair)} the record is far more likely than with what happened once"
 
 
 def as_likely_words(pair: Pair) -> str:
     """Return in words that a pair cannot be distinguished from an event."""
-    one, other = (each.replace("_", " ") for each in pair.names)
-    return f"{one} and {other} together make the record as likely"
+    return f"with {_in_words(pair)} the record is as likely"
 
 
 def is_as_likely(pair: Pair, event: Evidence) -> bool:
     """Return whether the record is not very much likelier with an event than with a pair."""
     return event.criterion - pair.criterion <= VERY_STRONG
+
+
+def _in_words(pair: Pair) -> str:
+    return " and ".join(each.replace("_", " ") for each in pair.names) + " together" * (len(pair.names) > 1)

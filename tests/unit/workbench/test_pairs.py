@@ -55,10 +55,15 @@ def test_a_pair_is_the_likeliest_that_acts_on_op_and_the_likeliest_beside_it(mon
     assert pair_of(monkeypatch, found, beside) == Pair(("slack", "rate"), 190.0)
 
 
-def test_there_is_no_pair_without_an_effect_that_acts_on_op_or_one_beside_it(monkeypatch):
+def test_an_effect_beside_which_none_gains_is_compared_alone(monkeypatch):
     step = evidence(180.0, "load", answers=False, once=True)
     assert pair_of(monkeypatch, {"step": step}, {}) is None
-    assert pair_of(monkeypatch, {"step": step, "slack": evidence(90.0)}, {}) is None
+    assert pair_of(monkeypatch, {"step": step, "slack": evidence(90.0)}, {}) == Pair(("slack",), 90.0)
+
+
+def test_what_is_compared_is_named_in_words():
+    assert "with rate limit and slack together the" in far_likelier_words(Pair(("rate_limit", "slack"), 1.0))
+    assert as_likely_words(Pair(("slack",), 1.0)) == "with slack the record is as likely"
 
 
 @pytest.fixture(scope="module")
