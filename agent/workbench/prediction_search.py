@@ -92,7 +92,12 @@ def predictor(
         if points is not None:
             found = min((found, *_from_best_of(found[0], points)), key=_variance)
         return found
-    return min((found, *_in_other_valleys(first, start, found, points)), key=_variance)
+    if points is not None:
+        return min((found, *_from_best_of(found[0], points)), key=_variance)
+    # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do; a first
+    # fit was sought behind that of the smaller model already.
+    others = [_elsewhere(*found), None if nested is not None else _elsewhere(first, start)]
+    return min((found, *(each for each in others if each is not None)), key=_variance)
 
 
 def with_other_values(
@@ -110,17 +115,6 @@ def _from_best_of(predicts: Predictor, points: FloatArray) -> list[tuple[Predict
     """Return where the predictions are best from each of the best of ``points`` (m, k)."""
     found = [_sought(predicts, each) for each in best_of(predicts.behind, points, BEST)]
     return [each for each in found if each is not None]
-
-
-def _in_other_valleys(
-    first: Predictor, start: FloatArray, found: tuple[Predictor, FloatArray], points: FloatArray | None
-) -> list[tuple[Predictor, FloatArray]]:
-    """Return where else the predictions are best, as far as other valleys are deeper."""
-    if points is not None:
-        return _from_best_of(found[0], points)
-    # Behind the autoregression of a wrong valley that valley looks deeper than it is, or others do.
-    others = [_elsewhere(first, start), _elsewhere(*found)]
-    return [each for each in others if each is not None]
 
 
 def _variance(found: tuple[Predictor, FloatArray]) -> float:
