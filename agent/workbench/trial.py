@@ -10,7 +10,7 @@ import numpy as np
 from agent.physics.effect import SpottedEffect
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.foreign import EffectError
-from agent.workbench.first_fit import FirstFit, first_fit
+from agent.workbench.first.first_fit import FirstFit, first_fit
 from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
 from agent.workbench.instant_order import largest_first

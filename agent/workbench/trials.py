@@ -11,14 +11,15 @@ import numpy as np
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.foreign import EffectError
-from agent.workbench.begun import Begun
 from agent.workbench.candidates import AllTried, judged, ran_out
-from agent.workbench.chances import Chances
 from agent.workbench.checks.lacking import LARGER_DYNAMICS
 from agent.workbench.decision import judge
 from agent.workbench.evidence import far_likelier
+from agent.workbench.first.begun import Begun
+from agent.workbench.first.chances import Chances
+from agent.workbench.first.gaining import gaining, gains
+from agent.workbench.first.valves_beside import ValvesBeside
 from agent.workbench.fit import fit
-from agent.workbench.gaining import gaining, gains
 from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.prediction_search import with_other_values
@@ -37,7 +38,6 @@ from agent.workbench.trial import (
 )
 from agent.workbench.validation import rmse_on
 from agent.workbench.valve_starts import with_valves
-from agent.workbench.valves_beside import ValvesBeside
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow

@@ -117,7 +117,9 @@ def test_each_direction_slips_by_its_own_static_friction(over, other, kinetic, d
     position = damped_stem_by_direction(op, *bands, 0.0, damping, 0.2, rest)
     small = by_direction_in_small_steps(op, *bands, 0.0, damping, 0.2, rest)
     np.testing.assert_allclose(position[:6], small[:6], rtol=0, atol=0.2)
-    assert sign * position[-1] >= sign * position[5], "the other direction has twice the friction"
+    # Where it still slides when the force turns, it may go back by a part of the last slide.
+    least = sign * position[5] - 1e-3 * f_s
+    assert sign * position[-1] >= least, "the other direction has twice the friction"
 
 
 @settings(deadline=None)

@@ -11,8 +11,8 @@ from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects import EFFECTS
 from agent.workbench import trials as tries
-from agent.workbench.begun import Begun
 from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
+from agent.workbench.first.begun import Begun
 from agent.workbench.hooks import silent
 from agent.workbench.session import Workbench
 from agent.workbench.session.opening import opened

@@ -17,9 +17,9 @@ from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
-from agent.workbench.first_fit import FirstFit, first_fit
+from agent.workbench.first.first_fit import FirstFit, first_fit
+from agent.workbench.first.gaining import gaining
 from agent.workbench.fit import fit
-from agent.workbench.gaining import gaining
 from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record

@@ -15,7 +15,7 @@ from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.evidence import VALVES, evidence_of
-from agent.workbench.first_fit import first_fit
+from agent.workbench.first.first_fit import first_fit
 from agent.workbench.fit import fit
 from agent.workbench.folds import HeldOut
 from agent.workbench.innovations import innovations, likelihood_ratio

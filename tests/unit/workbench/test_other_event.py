@@ -11,7 +11,7 @@ from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
-from agent.workbench.first_fit import first_fit
+from agent.workbench.first.first_fit import first_fit
 from agent.workbench.fit import fit
 from agent.workbench.other_event import is_another_gain, is_only_another_level
 from agent.workbench.prediction_search import predictor

@@ -17,7 +17,7 @@ from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
-from agent.workbench.first_fit import first_fit
+from agent.workbench.first.first_fit import first_fit
 from agent.workbench.fit import fit, fit_at
 from agent.workbench.folds import HeldOut, folds_of, held_out
 from agent.workbench.intervals import estimated

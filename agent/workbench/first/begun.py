@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
+    from agent.workbench.first.valves_beside import ValvesBeside
     from agent.workbench.fit import Fit
     from agent.workbench.folds import Folds
     from agent.workbench.hooks import Map, Progress
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from agent.workbench.step import Step
     from agent.workbench.trial import Optimum
     from agent.workbench.valve_starts import ValveStart
-    from agent.workbench.valves_beside import ValvesBeside
 
     Key = tuple[tuple[str, ...], bytes, str]
 
