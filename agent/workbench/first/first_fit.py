@@ -1,9 +1,11 @@
 """The first fit of an effect: from where the smaller model predicts best, by slopes alone.
 
-Behind the autoregression of the smaller model, from the best of many values of the effect, all free. A score
-says to first order whether the innovations go along with an effect, which may act in its own direction
-only; this says whether they do with the effect itself, at a fiftieth of what the whole search takes. The
-smaller model is nested in the larger one, so that from here a search predicts at least as well.
+From the best of many values of the effect, all free: first behind the autoregression of the smaller model,
+then behind its own. The former has learnt what the effect does: with it a dead band of twice a logarithm of
+35 seems to be worth -31 (``stiction`` 91127). A score says to first order whether the innovations go along
+with an effect, which may act in its own direction only; this says whether they do with the effect itself, at
+a small part of what the whole search takes. The smaller model is nested in the larger one, so that from here
+a search predicts at least as well.
 """
 
 from __future__ import annotations
@@ -15,19 +17,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.workbench.library import instants
-from agent.workbench.search import best_of, by_slopes, spread_about
+from agent.workbench.predictor import predictor_behind
+from agent.workbench.search import best_of, by_slopes, objective_of, spread_about
 from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
     from agent.workbench.predictor import Predictor
+    from agent.workbench.search import Whitened
 
 PLACES = 100
 """Values of the effect that are looked at, spread over its ranges, and as often with others of the model."""
 KEPT, LEFT = 3, 6
 """Of these and of those, from which slopes are followed. The latter leave the valley in which the model stood
 for the effect: for ``sensor_deadband`` 91118, PRBS, the criterion is 502 in place of -8."""
+FOLLOWED, TURNS = 2, 3
+"""Of their ends, which are followed behind autoregressions of their own, and how many of these."""
 MOVED = (-0.5, 0.3)
 """How far numbers of the model are moved, parts of a range: part of its dead time may be the new effect's."""
 
@@ -63,9 +69,36 @@ def first_fit(predicts: Predictor, best: FloatArray, effect: Effect, also: Float
         values = np.hstack((np.tile(predicts.space.values(best), (len(also), 1)), also))
         kept = np.vstack((space.at(values), kept))
     starts = (*best_of(larger, kept, KEPT), *best_of(larger, moved, LEFT))
-    end = min((by_slopes(larger, each) for each in starts), key=larger.error)
+    found, end = _behind_own_noise(predicts, larger, [by_slopes(larger, each) for each in starts])
     count = len(predicts.pv)
     columns = larger.columns(end).shape[1] - predicts.behind.columns(best).shape[1]
     numbers = len(space) - known + columns + instants(effect, record.facts)
-    likelier = count * math.log(predicts.error(best) / max(larger.error(end), np.finfo(float).tiny))
+    likelier = count * math.log(predicts.variance(best) / max(found.variance(end), np.finfo(float).tiny))
     return FirstFit(space.values(end), likelier - numbers * math.log(count))
+
+
+def _behind_own_noise(
+    predicts: Predictor, larger: Whitened, ends: list[FloatArray]
+) -> tuple[Predictor, FloatArray]:
+    """Return the predictions of a larger model behind an autoregression of its own, and where they are best.
+
+    Args:
+        predicts: Of the smaller model.
+        larger: The larger model behind the autoregression of the smaller one.
+        ends: Points of its unit cube, (k,), of which the best are followed.
+    """
+    objective = objective_of(larger.model, larger.record, predicts.objective.target)
+    found = [(replace(predicts, objective=objective, behind=larger), end) for end in ends]
+    for turn in range(TURNS):
+        owned = [each for each in map(_owned, found) if each is not None]
+        found = sorted(owned, key=lambda each: each[0].variance(each[1]))[:FOLLOWED] or found[:1]
+        if turn < TURNS - 1:
+            found = [(own, by_slopes(own.behind, end)) for own, end in found]
+    return found[0]
+
+
+def _owned(found: tuple[Predictor, FloatArray]) -> tuple[Predictor, FloatArray] | None:
+    """Return the same point with predictions behind the autoregression of its own free run."""
+    predicts, at = found
+    own = predictor_behind(predicts.objective, predicts.free_run(at))
+    return None if own is None else (own, at)
