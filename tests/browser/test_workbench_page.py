@@ -48,10 +48,16 @@ def errors(page):
     )
 
 
-def uploaded(page, workbench, recording):
+def shown(page, workbench, recording):
+    """Upload a recording and wait until its base is fitted."""
     page.goto(workbench)
     page.set_input_files("[data-testid=upload]", str(recording))
     page.wait_for_selector("[data-testid=staircase] [data-step='0']")
+
+
+def uploaded(page, workbench, recording):
+    """And until its effects are tried."""
+    shown(page, workbench, recording)
     page.wait_for_selector("[data-effect=deadband] input:not([disabled])")
 
 
@@ -116,7 +122,7 @@ def test_a_bad_file_gets_a_clear_line_and_the_next_one_is_taken(workbench, recor
     page.click("text=Read it by these columns")
     page.wait_for_selector("[data-testid=staircase] [data-step='0']")
     page.wait_for_selector("text=OP = u")
-    uploaded(page, workbench, recording)
+    shown(page, workbench, recording)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     assert serious(page) == []
 
