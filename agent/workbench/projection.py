@@ -127,7 +127,7 @@ def _by_sums(free: FloatArray, outside: FloatArray, target: ProjectedPv) -> tupl
     if not np.isfinite(gram).all():
         return np.zeros(len(gram)), -np.inf
     found = coefficients_and_lowered(products, gram, along, 0, VANISHES)
-    if found[0][0] * target.gain_sign < 0:
+    if target.gain_sign and found[0][0] * target.gain_sign < 0:
         found = coefficients_and_lowered(products, gram, along, 1, VANISHES)
     return found
 

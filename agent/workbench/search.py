@@ -147,7 +147,8 @@ class Pinned:
             return columns, target
         known = (columns[:, ~self.solved_for] @ self.coefficients[~self.solved_for]) * target.weight
         known -= target.basis @ (target.basis.T @ known)
-        return columns[:, self.solved_for], replace(target, pv=target.pv - known)
+        sign = target.gain_sign if self.solved_for[0] else 0  # else no column is the response
+        return columns[:, self.solved_for], replace(target, pv=target.pv - known, gain_sign=sign)
 
 
 def _error(columns: FloatArray, target: ProjectedPv) -> float:

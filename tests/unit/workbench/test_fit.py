@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from loops import DELAY, GAIN, TAU, S, made, nested_fit, slack
 
+from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.load_step import LoadStepEffect
@@ -67,6 +68,36 @@ def test_a_fit_that_does_not_see_a_step_keeps_when_and_how_high_it_was():
     assert (unseen.coefficients[0] != larger.coefficients[0]).all()
     missed = (record.pv - unseen.pv)[600:800]
     assert np.sqrt(np.mean(missed**2)) < 2 * 0.05
+
+
+@pytest.mark.parametrize("wave", [0.0, 0.7])
+def test_a_fit_that_does_not_see_the_only_bump_keeps_what_answers_to_op(wave):
+    """Else the gain is of hundred millions, and a wave that the rest shows has an absurd held-out error."""
+    time = np.arange(600.0)
+    op = 50 + 5.0 * ((time > 100) & (time < 200))
+    clean = LoopModel(Fopdt()).columns(op, np.array([3.0, 5.0]), bare_record(bumped(op, op)).facts)[:, 0]
+    load = wave * np.sin(2 * np.pi * 0.0127 * time)
+    pv = 1.2 * clean + load + np.random.default_rng(0).normal(0, 0.05, len(op))
+    record = bare_record(bumped(op, pv))
+    effects = (Sinusoid(),) if wave else ()
+    model = LoopModel(Fopdt(), effects)
+    target = target_of(record, record.weight, linear=True)
+    known = fit_at(model, record, target, np.array([3.0, 5.0, *([0.0125] if wave else [])]))
+    whole = refit(known, record, record.weight)
+    blind = record.weight.copy()
+    blind[80:320] = 0.0
+    found = refit(whole, record, blind)
+    assert found.coefficients[0] == whole.coefficients[0] == pytest.approx(1.2, abs=0.05)
+    np.testing.assert_array_equal(found.values[:2], whole.values[:2])
+    hidden = (record.pv - found.pv)[80:320]
+    assert np.sqrt(np.mean(hidden**2)) < 0.12
+    if wave:  # what the rest shows is fitted to it
+        assert found.values[2] == pytest.approx(0.0127, rel=0.01)
+        assert not np.array_equal(found.coefficients[1:], whole.coefficients[1:])
+
+
+def bumped(op, pv):
+    return LoopWindow("bump", 0.0, 1.0, op, pv)
 
 
 def test_every_block_is_held_out_once_and_guarded():
