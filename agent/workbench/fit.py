@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.record.recording import FloatArray
-    from agent.physics.loop_model import LoopModel
+    from agent.physics.loop_model import Layout, LoopModel
     from agent.workbench.innovations import Innovations
     from agent.workbench.projection import ProjectedPv, Solved
     from agent.workbench.record import Record
@@ -162,8 +162,7 @@ def refit(fitted: Fit, record: Record, weight: FloatArray, noise: Innovations | 
     owners = objective.layout.owners(record.op, fitted.values)
     at = objective.space.at(fitted.values)
     solved_for = np.array([each not in hidden for each in owners], dtype=np.bool_)
-    response = objective.layout.columns(record.op, fitted.values)[:, 0]
-    if model.base.linear and not _moves(response, record, weight):
+    if model.base.linear and not _moves(objective.layout, fitted.values, record, weight):
         solved_for[0] = False
         added = {each.name for each in model.effects if each.stage == "disturbance"}
         free = [each and name.partition(".")[0] in added for each, name in zip(free, names, strict=True)]
@@ -172,8 +171,9 @@ def refit(fitted: Fit, record: Record, weight: FloatArray, noise: Innovations | 
     return _fit_of(objective, objective.space.values(pinned.whole(found)), pinned.solved(found))
 
 
-def _moves(response: FloatArray, record: Record, weight: FloatArray) -> bool:
-    """Return whether a response, (n,), moves enough in samples of ``weight`` (n,) to be known from them."""
+def _moves(layout: Layout, values: FloatArray, record: Record, weight: FloatArray) -> bool:
+    """Return whether the response moves enough in samples of ``weight`` (n,) to be known from them."""
+    response = layout.columns(record.op, values)[:, 0]
     seen, whole = (float(np.var(response[each > 0]) * np.sum(each > 0)) for each in (weight, record.weight))
     return seen > SHOWN * whole
 

@@ -16,7 +16,7 @@ import numpy as np
 from agent.workbench.fit import SCAN
 from agent.workbench.instant_order import instants_of
 from agent.workbench.library import happens_once
-from agent.workbench.predictor import predictor_behind
+from agent.workbench.predictor import predictor_behind, renewed
 from agent.workbench.projection import target_of
 from agent.workbench.search import (
     best_of,
@@ -150,14 +150,14 @@ def _scanned(predicts: Predictor, at: FloatArray) -> FloatArray:
 
 def _sought(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
     """Return the point near ``at`` where the predictions are best, behind the autoregression of ``at``."""
-    there = predictor_behind(predicts.objective, predicts.free_run(at))
+    there = renewed(predicts, at)
     return None if there is None else _settled(there, at)
 
 
 def _settled(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
     """Return the point near ``at`` where the predictions are best, behind the autoregression of their own."""
     for turn in range(TURNS):
-        again = predictor_behind(predicts.objective, predicts.free_run(at)) if turn else predicts
+        again = renewed(predicts, at) if turn else predicts
         if again is None:
             return None
         predicts = again

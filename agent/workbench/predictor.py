@@ -147,3 +147,8 @@ def predictor_behind(objective: Objective, model_pv: FloatArray) -> Predictor | 
     kept = target.weight > 0
     behind = replace(behind, target=target)
     return Predictor(objective, behind, kept, target.pv[kept], target.basis[kept])
+
+
+def renewed(predicts: Predictor, at: FloatArray) -> Predictor | None:
+    """Return the predictions behind the autoregression of what the model leaves at a point; None as above."""
+    return predictor_behind(predicts.objective, predicts.free_run(at))

@@ -45,11 +45,11 @@ class SavedModel:
         Raises:
             ValueError: one is missing, and none does nothing.
         """
-        found = [self.values.get(name, each.null) for name, each in model.parameters(facts)]
-        for (name, _), value in zip(model.parameters(facts), found, strict=True):
+        found = {name: self.values.get(name, each.null) for name, each in model.parameters(facts)}
+        for name, value in found.items():
             if value is None:
                 raise ValueError(f"the saved model has no value of {name}")
-        return np.array(found)
+        return np.array([*found.values()])
 
 
 def saved(loop: str, model: LoopModel, parameters: Iterable[FittedParameter]) -> dict[str, object]:

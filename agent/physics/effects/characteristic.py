@@ -18,6 +18,8 @@ STEEPEST = 4.0
 """Log of the ratio of the slopes at both ends of OP: about the rangeability of 50 of a common trim."""
 REACH = 8.0
 """Largest |curvature x OP|: slopes at OP 0 and the farthest OP in a ratio of 3000, more than any trim."""
+MOST_BENT = 100.0
+"""Curvature times signal at most: a response that integrates goes far beyond OP, and its square is finite."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,13 +38,22 @@ class Characteristic:
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return the curvature."""
-        farthest = max(abs(facts.op_low), abs(facts.op_high))
-        most = min(STEEPEST / facts.op_span, REACH / farthest)
-        return (Parameter("curvature", "1/OP", -most, most, null=0.0),)
+        return (curvature_of(facts),)
 
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
         """Return the flow, in OP units of a trim that has its slope at OP 0 everywhere."""
-        curvature = float(values[0])
-        if curvature == 0.0:
-            return position
-        return np.expm1(curvature * position) / curvature
+        return bent(position, float(values[0]))
+
+
+def curvature_of(facts: Facts) -> Parameter:
+    """Return the curvature of a curve over OP."""
+    farthest = max(abs(facts.op_low), abs(facts.op_high))
+    most = min(STEEPEST / facts.op_span, REACH / farthest)
+    return Parameter("curvature", "1/OP", -most, most, null=0.0)
+
+
+def bent(signal: FloatArray, curvature: float) -> FloatArray:
+    """Return a signal (n,), OP units, behind a curve whose slope, one at OP 0, grows at a constant rate."""
+    if curvature == 0.0:
+        return signal
+    return np.asarray(np.expm1(np.minimum(curvature * signal, MOST_BENT)) / curvature)

@@ -62,8 +62,8 @@ class Begun:
         key = _key(one, other)
         if key not in self._together:
             self.progress(" and ".join(each.name for each in (*one.fit.model.effects[-1:], other)), 0, 1)
-            trial = next(iter(self.of(one, [other])), self._trial(one, other))
-            self._together[key] = optimum(trial)
+            begun = self.of(one, [other])
+            self._together[key] = optimum(begun[0] if begun else self._trial(one, other))
         return self._together[key]
 
     def valves_beside(self, fitted: Fit) -> tuple[ValveStart, ...]:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.workbench.library import instants
-from agent.workbench.predictor import predictor_behind
+from agent.workbench.predictor import renewed
 from agent.workbench.search import best_of, by_slopes, objective_of, spread_about
 from agent.workbench.space import space_of
 
@@ -100,5 +100,5 @@ def _behind_own_noise(
 def _owned(found: tuple[Predictor, FloatArray]) -> tuple[Predictor, FloatArray] | None:
     """Return the same point with predictions behind the autoregression of its own free run."""
     predicts, at = found
-    own = predictor_behind(predicts.objective, predicts.free_run(at))
+    own = renewed(predicts, at)
     return None if own is None else (own, at)
