@@ -32,6 +32,8 @@ PLACES = 100
 KEPT, LEFT = 3, 6
 """Of these and of those, from which slopes are followed. The latter leave the valley in which the model stood
 for the effect: for ``sensor_deadband`` 91118, PRBS, the criterion is 502 in place of -8."""
+SEEN = 3
+"""Of all, those that explain most in free run."""
 FOLLOWED, TURNS = 2, 3
 """Of their ends, which are followed behind autoregressions of their own, and how many of these."""
 MOVED = (-0.5, 0.3)
@@ -48,14 +50,16 @@ class FirstFit:
     """How much likelier the record is, twice a logarithm, each number paid by Schwarz's criterion."""
 
 
-def first_fit(predicts: Predictor, best: FloatArray, effect: Effect, also: FloatArray) -> FirstFit:
+def first_fit(
+    predicts: Predictor, best: FloatArray, effect: Effect, also: FloatArray | None = None
+) -> FirstFit:
     """Return the first fit of an effect on top of a model.
 
     Args:
         predicts: Of the smaller model.
         best: The point of the unit cube where its predictions are best, (k,).
         effect: That is added.
-        also: Values of the effect to begin from besides, own units, (m, j).
+        also: Values of the larger model to begin from besides, own units, (m, k + j); None: there are none.
     """
     record, known = predicts.objective.record, len(best)
     model = predicts.objective.model
@@ -65,11 +69,13 @@ def first_fit(predicts: Predictor, best: FloatArray, effect: Effect, also: Float
     new = np.arange(len(space)) >= known
     spread = spread_about(np.concatenate((best, np.zeros(len(space) - known))), new, MOVED, 2 * PLACES)
     kept, moved = spread[:PLACES], spread[PLACES:]
-    if len(also):
-        values = np.hstack((np.tile(predicts.space.values(best), (len(also), 1)), also))
-        kept = np.vstack((space.at(values), kept))
-    starts = (*best_of(larger, kept, KEPT), *best_of(larger, moved, LEFT))
-    found, end = _behind_own_noise(predicts, larger, [by_slopes(larger, each) for each in starts])
+    own = spread[:0] if also is None else space.at(also)
+    starts = (*best_of(larger, np.vstack((own, kept)), KEPT), *best_of(larger, moved, LEFT))
+    ends = [by_slopes(larger, each) for each in starts]
+    free_run = objective_of(model, record, predicts.objective.target)
+    seen = best_of(free_run, np.vstack((own, spread)), SEEN)
+    ends += [by_slopes(free_run, each) for each in seen]
+    found, end = _behind_own_noise(predicts, larger, ends)
     count = len(predicts.pv)
     columns = larger.columns(end).shape[1] - predicts.behind.columns(best).shape[1]
     numbers = len(space) - known + columns + instants(effect, record.facts)

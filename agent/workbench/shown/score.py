@@ -37,9 +37,6 @@ confirmed ones on the loops of docs/decisions/0072 the least has 9, the larger d
 MOST_GAIN = 10.0
 """What has a tenth of the best score cannot become the best: a fit gains some times more than the first order
 says (8 times for a sensor's dead band, the most that was named in 150 loops, docs/decisions/0105)."""
-DEAR, AMONG_BEST = "valve_hysteresis", 4
-"""Family whose search for valves takes as much as those of all others together, and among how many of the
-best by score it must be: it was so wherever it was confirmed (docs/decisions/0072)."""
 PREDICTED = "sinusoid"
 """Always fitted: an autoregression predicts a wave, so that the innovations hardly go along with it."""
 SELDOM = frozenset(
@@ -69,8 +66,8 @@ def worth_a_fit(
 ) -> list[Effect]:
     """Return the effects whose family the innovations hint at, in their order.
 
-    The best family always, a wave, and measured inputs, which somebody named. Where anything is very strong,
-    the larger dynamics as well, which dead time and lag of a smaller model hide to first order.
+    The best family always, events, a wave, and measured inputs, which somebody named. Where anything is
+    very strong, the larger dynamics as well, which dead time and lag of a smaller model hide to first order.
 
     Args:
         effects: That could be added.
@@ -122,9 +119,8 @@ def promising(
     least = most / MOST_GAIN
     anyway = {each.name for each in effects if each.name not in scores or isinstance(each, MeasuredInput)}
     anyway.add(PREDICTED)
-    anyway.update(name for name in events if scores.get(name, 0.0) >= least)
+    anyway.update(events)
     kept = {family for family in ranked if best[family] >= min(most, max(WORTH_A_FIT, least))}
-    kept -= {DEAR} & {*ranked[AMONG_BEST:]}
     if most > VERY_STRONG:
         anyway.update(LARGER_DYNAMICS)
     return [each for each in effects if each.family in kept or each.name in anyway]

@@ -25,8 +25,12 @@ from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 from agent.workbench.search import objective_of
+from agent.workbench.session import Workbench
 from agent.workbench.shown.score import WORTH_A_FIT
+from agent.workbench.trial import beside
 from simulators.draws.hidden_effects import hidden_effect_plant
+from simulators.draws.random_plants import random_draw
+from simulators.plant import simulate
 
 
 @pytest.fixture(scope="module")
@@ -40,9 +44,10 @@ def predicted(op, pv):
     return predictor(fit(LoopModel(Fopdt()), record, record.weight), record)
 
 
-def fitted(predictions, effect):
-    facts = predictions[0].objective.record.facts
-    return first_fit(*predictions, effect, np.empty((0, len(effect.parameters(facts)))))
+def fitted(predictions, effect, own=None):
+    predicts, best = predictions
+    also = None if own is None else beside(predicts.space.values(best), own)
+    return first_fit(predicts, best, effect, also)
 
 
 def test_the_slack_gains_and_what_is_not_there_does_not(slack):
@@ -58,7 +63,7 @@ def test_values_to_begin_from_are_used():
     op, pv = loop(1, slack=0.0)
     predictions = predicted(op, pv + np.where(np.arange(N) > 1003, 0.5, 0.0))
     event = LoadStepEffect(steps=1)
-    found = first_fit(*predictions, event, instants_seen(*predictions, event))
+    found = fitted(predictions, event, instants_seen(*predictions, event))
     assert found.values[2] == pytest.approx(1003, abs=3)
     assert found.criterion > fitted(predictions, event).criterion + 10
 
@@ -75,6 +80,16 @@ def test_an_effect_that_the_smaller_models_noise_has_learnt_gains_behind_its_own
     learnt = len(predictions[0].pv) * np.log(predictions[0].error(predictions[1]) / behind.error(at))
     assert learnt < 0
     assert found.criterion > WORTH_A_FIT
+
+
+def test_a_valve_begins_with_the_process_that_it_was_found_with():
+    """In a limit cycle a dead time stands for the valve: with that of the base it seemed to be worth -43."""
+    record = simulate(random_draw(88607, "stiction").scenario)
+    bench = Workbench(LoopWindow("loop", 0.0, 1.0, record.op[:800], record.pv[:800]))
+    (begun,) = bench.trials.begun.of(bench.step, [Stiction()])
+    predicts, best = bench.step.predicts
+    assert predicts.space.values(best)[0] > 2 * begun.valves[0].process["delay"]
+    assert begun.first.criterion > 400
 
 
 def trial(effect, criterion, instants=None):

@@ -55,7 +55,7 @@ def evidence(effect, base, record):
 
 def with_effect(effect, base, record):
     model = nested_fit(base.fit, LoopModel(Fopdt(), (effect,)), record)
-    first = first_fit(*base.predicts, effect, np.empty((0, len(effect.parameters(record.facts)))))
+    first = first_fit(*base.predicts, effect)
     return Tried(model, predictor(model, record, first.values), blank(model))
 
 

@@ -27,8 +27,8 @@ def told(effect, op, pv):
     base = fit(LoopModel(Fopdt()), record, record.weight)
     larger = nested_fit(base, LoopModel(Fopdt(), (effect,)), record)
     smaller = predictor(base, record)
-    values, seen = smaller[0].space.values(smaller[1]), instants_seen(*smaller, effect)
-    return predictor(larger, record, first_fit(*smaller, effect, seen).values, beside(values, seen))
+    seen = beside(smaller[0].space.values(smaller[1]), instants_seen(*smaller, effect))
+    return predictor(larger, record, first_fit(*smaller, effect, seen).values, seen)
 
 
 def open_loop(levels):

@@ -101,9 +101,9 @@ def test_a_load_that_steps_is_sought_where_the_innovations_show_it():
     target = target_of(record, record.weight, linear=True)
     wrong = fit_at(LoopModel(Fopdt(), (effect,)), record, target, slow)
     smaller = predictor(fit(LoopModel(Fopdt()), record, record.weight), record)
-    values, seen = smaller[0].space.values(smaller[1]), instants_seen(*smaller, effect)
+    seen = beside(smaller[0].space.values(smaller[1]), instants_seen(*smaller, effect))
     nested = first_fit(*smaller, effect, seen).values
-    predicts, best = predictor(wrong, record, nested, beside(values, seen))
+    predicts, best = predictor(wrong, record, nested, seen)
     found = np.sort(predicts.space.values(best)[2:5])
     assert np.allclose(found, plant.parameters["load_step.time"], atol=2.0)
 
