@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -18,13 +18,23 @@ from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
+    from agent.workbench.fit import Fit
     from agent.workbench.innovations import Innovations
     from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
-    from agent.workbench.step import Step
-    from agent.workbench.trial import Optimum
 
-    Model = Step | Optimum
+
+class ModelAtBest(Protocol):
+    """A model where it is best."""
+
+    @property
+    def fit(self) -> Fit:
+        """With the least error in free run."""
+
+    @property
+    def predicts(self) -> tuple[Predictor, FloatArray] | None:
+        """Where it predicts best; None where it has no predictions."""
+
 
 VALVES = 16000
 """That a search for a sticking valve looks at, in round numbers: each counts as a try."""
@@ -53,7 +63,7 @@ class Evidence:
     slow, in all blocks (C. Granger and P. Newbold, "Spurious regressions in econometrics", 1974)."""
 
 
-def evidence_of(smaller: Model, larger: Model, record: Record, candidates: int) -> Evidence:
+def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candidates: int) -> Evidence:
     """Return what the innovations say of the last effect, each model where it predicts best.
 
     At the values of the free run the larger model may be the one that answers to the disturbance, and the
@@ -101,7 +111,7 @@ def _scanned(effect: Effect, record: Record) -> int:
     return int(SCAN ** max(1, instants(effect, record.facts)))
 
 
-def far_likelier(smaller: Model, larger: Model, record: Record) -> bool:
+def far_likelier(smaller: ModelAtBest, larger: ModelAtBest, record: Record) -> bool:
     """Return whether the record is very much likelier with a larger model, each where it predicts best."""
     before, after = (_least_innovations(each, record) for each in (smaller, larger))
     if before is None or after is None:
@@ -128,7 +138,7 @@ def _price(predicts: Predictor, best: FloatArray) -> float:
     return float(np.sum(np.log(np.maximum(sharpness / (2 * np.pi), 1.0))))
 
 
-def _priced(smaller: Model, larger: Model, record: Record) -> int:
+def _priced(smaller: ModelAtBest, larger: ModelAtBest, record: Record) -> int:
     """Return how often more a larger model pays the logarithm of the number of samples.
 
     Once for each number, and once more for each instant: a record shows an instant to a sample of all, where
@@ -142,11 +152,11 @@ def _priced(smaller: Model, larger: Model, record: Record) -> int:
     return other - one
 
 
-def _numbers(model: Model) -> int:
+def _numbers(model: ModelAtBest) -> int:
     return len(model.fit.values) + len(model.fit.coefficients)
 
 
-def _least_innovations(model: Model, record: Record) -> Innovations | None:
+def _least_innovations(model: ModelAtBest, record: Record) -> Innovations | None:
     if model.predicts is None:
         return innovations(residual_of(model.fit, record))
     predicts, best = model.predicts

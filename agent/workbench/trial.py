@@ -9,12 +9,15 @@ import numpy as np
 
 from agent.physics.effect import SpottedEffect
 from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.foreign import EffectError
+from agent.workbench.evidence import far_likelier
 from agent.workbench.first.first_fit import FirstFit, first_fit
 from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
 from agent.workbench.instant_order import largest_first
 from agent.workbench.prediction_search import predictor
+from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.valve_starts import ValveStart, with_valve
 
 if TYPE_CHECKING:
@@ -85,7 +88,11 @@ def first_of(trial: Trial) -> FirstFit | None:
     if trial.predicts is None:
         return None
     predicts, best = trial.predicts
-    return first_fit(predicts, best, trial.effect, _own_starts(trial, predicts.left(best)))
+    valves = _valves(trial)
+    also = (
+        beside(predicts.space.values(best), _spots(trial, predicts.left(best))) if valves is None else valves
+    )
+    return first_fit(predicts, best, trial.effect, also)
 
 
 def first_or_failed(trial: Trial) -> FirstFit | EffectError | None:
@@ -128,7 +135,23 @@ def optimum(trial: Trial) -> Optimum:
     screen, first = trial.screen or screened(trial), trial.first or first_of(trial)
     fitted = fit_from(_larger(trial), trial.record, screen.points)
     nested = None if first is None else first.values
-    return _optimum(fitted, trial.record, nested, _where_it_predicts(trial))
+    found = _optimum(fitted, trial.record, nested, _where_it_predicts(trial))
+    return _with_fewest_steps(found, trial.record)
+
+
+def _with_fewest_steps(found: Optimum, record: Record) -> Optimum:
+    """Return a model whose last effect is steps of a load with as many as the record needs.
+
+    A load that steps once is judged by the numbers of one step: two more would cost it 40 of twice a
+    logarithm.
+    """
+    effect = found.fit.model.effects[-1]
+    if isinstance(effect, LoadStepEffect):
+        for steps in range(1, effect.steps):
+            fewer = _optimum(with_steps(found.fit, record, steps), record)
+            if not far_likelier(fewer, found, record):
+                return fewer
+    return found
 
 
 def predicted(fitted: Fit, record: Record, folds: Folds) -> Tried:
@@ -191,12 +214,6 @@ def _spots(trial: Trial, residual: FloatArray) -> FloatArray:
     if isinstance(effect, SpottedEffect):
         spots.append(effect.spotted(residual, trial.record.facts))
     return np.vstack(spots)
-
-
-def _own_starts(trial: Trial, residual: FloatArray) -> FloatArray:
-    """Return values of the effect to begin from, own units, (m, j): what a residual shows, or valves."""
-    valves = _valves(trial)
-    return _spots(trial, residual) if valves is None else valves[:, len(trial.smaller.values) :]
 
 
 def _valves(trial: Trial) -> FloatArray | None:

@@ -1,29 +1,43 @@
-"""A load that steps once is one step: the model with the largest of its steps alone."""
+"""A load that steps once is one step: the model with some of its steps alone."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from agent.physics.effects.load_step import LoadStepEffect
-from agent.workbench.fit import refit_from
+from agent.workbench.fit import fit_at, refit_from
+from agent.workbench.projection import target_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from agent.workbench.fit import Fit
     from agent.workbench.record import Record
 
 
 def with_steps(fitted: Fit, record: Record, steps: int) -> Fit:
-    """Return a model whose last effect is steps of a load with so many of them, the highest, fitted again."""
+    """Return a model whose last effect is steps of a load with so many of them, fitted again.
+
+    It begins with those that leave least: of two that nearly cancel each other both are high.
+    """
     effect = fitted.model.effects[-1]
     if not isinstance(effect, LoadStepEffect):
         raise TypeError(f"{effect.name} has no steps")
-    own = effect.steps + 1  # instants and lag
-    heights = np.abs(fitted.coefficients[-effect.steps :])
-    kept = np.sort(np.argsort(-heights)[:steps])
-    instants = fitted.values[-own:-1][kept]
-    values = np.concatenate((fitted.values[:-own], instants, fitted.values[-1:]))
+    target = target_of(record, record.weight, linear=fitted.model.base.linear)
     model = replace(fitted.model, effects=(*fitted.model.effects[:-1], replace(effect, steps=steps)))
-    return refit_from(model, record, values)
+    tried = [
+        fit_at(model, record, target, _values_of(fitted, effect.steps, kept))
+        for kept in combinations(range(effect.steps), steps)
+    ]
+    return refit_from(model, record, min(tried, key=lambda each: each.error).values)
+
+
+def _values_of(fitted: Fit, steps: int, kept: Sequence[int]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Return the values of a model with some of the steps of its last effect, own units."""
+    own = steps + 1  # instants and lag
+    instants = fitted.values[-own:-1][list(kept)]
+    return np.concatenate((fitted.values[:-own], instants, fitted.values[-1:]))

@@ -55,11 +55,11 @@ def test_two_effects_are_not_confirmed_where_validation_is_worse(monkeypatch, tw
 
 
 def test_the_model_that_is_taken_is_no_worse_on_the_other_recording(monkeypatch):
-    """After the verdict a model gets fewer steps, or another valve: what it was confirmed with stays."""
+    """After the verdict a model gets another valve: what it was confirmed with stays."""
     bench = Workbench(slack(), without=[each.family for each in EFFECTS if each.name != "deadband"])
     bench.trials.validation = bench.record
     monkeypatch.setattr(
-        tries.Trials, "with_fewest_steps", lambda _, found: replace(found, fit=replace(found.fit, error=-1.0))
+        tries.Trials, "with_valve_anew", lambda _, found: replace(found, fit=replace(found.fit, error=-1.0))
     )
     monkeypatch.setattr(tries, "rmse_on", lambda fitted, _: 2.0 if fitted.error < 0 else 1.0)
     assert bench.add("deadband").fit.error > 0
