@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate, nothing_else
+from agent.workbench.checks.hidden_rival import against_hidden_rivals
 from agent.workbench.checks.own_cycle import NO_LINE, is_no_line
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, likeliest_pair
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, beats, dynamics_on
@@ -68,6 +69,7 @@ def judged(
     worse: Callable[[Fit, Fit], bool] = no_other_record,
     also: Callable[[Optimum], Iterable[Effect]] = nothing_else,
     answering: Callable[[Optimum], Iterable[Effect]] = nothing_else,
+    hidden_rivals: Iterable[Effect] = (),
 ) -> AllTried:
     """Judge effects by their held-out errors, and by what the innovations say of each.
 
@@ -85,6 +87,7 @@ def judged(
         worse: Whether a larger model, the second, follows another recording less well than a smaller one.
         also: What of the library the innovations hint at beside an effect, the best first.
         answering: The same of what acts on OP all the time.
+        hidden_rivals: Effects that may be there, but that the record cannot show.
     """
 
     def both_needed(name: str, other: str) -> bool:
@@ -136,6 +139,7 @@ def judged(
     decision = _lowered(decision, doubts, smaller, models, worse)
     if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
         decision = _against_unnamed(decision, smaller, found, together, record)
+        decision = against_hidden_rivals(decision, smaller, found, hidden_rivals, together, record)
     if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
         decision = adequate(decision, models, also, together, record)
     return AllTried(decision, models, frozenset(doubts.lowered))

@@ -151,7 +151,7 @@ def judge(
         decided = _of_set(best, inside + outside, families, tuple(ranked))
         return decided if inside else replace(decided, kind="suggested")
     for each in large:
-        if adjusted[each.effect] < SUGGESTED:
+        if adjusted[each.effect] < SUGGESTED and each.objection is None:
             return Decision("suggested", each.effect, each.family, (), (), tuple(ranked))
     return Decision("none", None, None, (), (), tuple(ranked))
 

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.checks.lacking import DYNAMICS, dominates, lacks_words, larger_dynamics
+from agent.workbench.checks.lacking import (
+    DYNAMICS,
+    NEARLY_ALL,
+    is_likeliest_by_far,
+    lacks_words,
+    larger_dynamics,
+)
 from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
 from agent.workbench.checks.own_cycle import may_be_loops_own
 from agent.workbench.checks.pairs import as_likely_words, far_likelier_than, is_as_likely
@@ -119,17 +125,19 @@ class Doubts:
         self.lacks[name] = lacks_words(left)
         if not evidence.once and not self.smaller.fit.model.base.linear:
             return False  # the law of a balance is a guess: what remains is named, and may be its own
-        if any(self._is_missing_too(other, name) for other in self.models):
+        if self._another_is_missing_too(name):
             return False
         if left <= DYNAMICS and any(
             self.beside_dynamics(name, other) for other in self._larger_dynamics(name)
         ):
             return False
+        words = self.lacks.pop(name)
+        if not is_likeliest_by_far(name, self.found):
+            return True
         base, own = self.smaller.held_out.losses, self.models[name].held_out.losses
-        if dominates(name, self.found, 1 - float(np.nansum(own) / np.nansum(base))):
-            return False
-        del self.lacks[name]
-        return True
+        plain = 1 - float(np.nansum(own) / np.nansum(base)) >= NEARLY_ALL
+        (self.lacks if plain else self.lowered)[name] = words
+        return False
 
     def _larger_dynamics(self, name: str) -> tuple[str, ...]:
         family = self.found[name].family
@@ -155,11 +163,22 @@ class Doubts:
             if each.answers and not each.once and most - each.criterion > VERY_STRONG
         ]
 
-    def _is_missing_too(self, name: str, beside: str) -> bool:
-        """Whether an effect is another that is missing: strong, and what makes the smaller model fail.
+    def _another_is_missing_too(self, beside: str) -> bool:
+        """Whether another effect is needed as much beside one, which else may stand for it.
 
-        And needed as much with the one ``beside`` it, which else may stand for it.
+        Of each family the likeliest that may be is tried.
         """
+        tried: set[str] = set()
+        for name in sorted(self.models, key=lambda each: -self.found[each].criterion):
+            family = self.found[name].family
+            if family not in tried and self._may_be_missing_too(name, beside):
+                tried.add(family)
+                if self.both_needed(name, beside):
+                    return True
+        return False
+
+    def _may_be_missing_too(self, name: str, beside: str) -> bool:
+        """Whether an effect is of another family, strong, and what makes the smaller model fail."""
         own = self.found[name]
         return (
             own.family != self.found[beside].family
@@ -168,7 +187,6 @@ class Doubts:
             and own.explains
             and very_strong(own.criterion, len(self.models))
             and not self._leaves(name) & self._leaves(beside)
-            and self.both_needed(name, beside)
         )
 
     def _leaves(self, name: str) -> set[str]:

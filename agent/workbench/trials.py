@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.physics.effects import EFFECTS
 from agent.physics.effects.hysteresis import HysteresisEffect
-from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.foreign import EffectError
 from agent.workbench.candidates import AllTried, judged, ran_out
 from agent.workbench.checks.lacking import LARGER_DYNAMICS
@@ -24,9 +24,9 @@ from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.residual.holm import LEVEL
+from agent.workbench.shown.excitation import excitation_of, is_hidden_rival
 from agent.workbench.shown.information import Shown, shown_by
 from agent.workbench.shown.score import scores_of, worth_a_fit
-from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.solved.more_harmonics import with_more_harmonics
 from agent.workbench.trial import (
     Optimum,
@@ -149,8 +149,15 @@ class Trials:
             return self._hinted(found, lasting)
 
         event_p = dict(zip((each.name for each in effects), self.chances.of(step, effects), strict=True))
-        models = self._tried(step, effects)
-        return judged(step, models, self.record, event_p, self.begun.together, self.is_worse, also, answering)
+        models, together = self._tried(step, effects), self.begun.together
+        hidden = self._hidden_rivals(step, able or effects)
+        return judged(step, models, self.record, event_p, together, self.is_worse, also, answering, hidden)
+
+    def _hidden_rivals(self, step: Step, tried: Sequence[Effect]) -> list[Effect]:
+        """Return the simplest effect of each family that may be there, but that the record cannot show."""
+        did, families = excitation_of(self.record.op), {each.family for each in tried}
+        hidden = [each for each in missing(step.fit.model, EFFECTS) if is_hidden_rival(each.family, did)]
+        return list({each.family: each for each in hidden[::-1] if each.family not in families}.values())
 
     def _hinted(self, found: Optimum, able: Sequence[Effect]) -> list[Effect]:
         """Return the effects that the innovations hint at most and that gain beside a model."""
@@ -191,8 +198,8 @@ class Trials:
         return larger if all(p < LEVEL for (p,) in chances) else None
 
     def refined(self, found: Tried) -> Tried:
-        """Return a model whose last effect was added: with the valve, steps and harmonics that it needs."""
-        return self.with_all_harmonics(self.with_fewest_steps(self.with_valve_anew(found)))
+        """Return a model whose last effect was added: with the valve and the harmonics that it needs."""
+        return self.with_all_harmonics(self.with_valve_anew(found))
 
     def with_valve_anew(self, found: Tried) -> Tried:
         """Return a model with its valve sought again beside what was added since, if that predicts better."""
@@ -206,18 +213,6 @@ class Trials:
         predicts, at = found.predicts
         other = with_other_values(predicts, at, predicts.space.at(points))
         return found if other is None else self.predicted(other[0].fit(other[1]))
-
-    def with_fewest_steps(self, found: Tried) -> Tried:
-        """Return a model whose last effect is steps of a load with as many as the record needs."""
-        effect = found.fit.model.effects[-1]
-        if not isinstance(effect, LoadStepEffect):
-            return found
-        for steps in range(1, effect.steps):
-            self.progress(f"{steps} step{'s' * (steps > 1)} of a load", 0, 1)
-            fewer = self.predicted(with_steps(found.fit, self.record, steps))
-            if not far_likelier(fewer, found, self.record):
-                return fewer
-        return found
 
     def with_all_harmonics(self, found: Tried) -> Tried:
         """Return a model with as many harmonics of its wave, if it has one, as the record needs."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from agent.workbench.residual.very_strong import VERY_STRONG
+from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -26,19 +26,18 @@ NEARLY_ALL = 0.95
 with less a neighbour of the true cause may do as much (docs/decisions/0062)."""
 
 
-def dominates(name: str, found: Mapping[str, Evidence], explained: float) -> bool:
-    """Return whether an effect explains nearly all and every effect of another family is far less likely.
+def is_likeliest_by_far(name: str, found: Mapping[str, Evidence]) -> bool:
+    """Return whether an effect that answers to OP makes every one of another family far less likely.
 
     Args:
         name: Of the effect.
         found: What the innovations say of all candidates.
-        explained: Part of the held-out squared error of the smaller model.
     """
     own = found[name]
     return (
         own.answers
         and not own.once
-        and explained >= NEARLY_ALL
+        and very_strong(own.criterion, len(found))
         and all(
             own.criterion - each.criterion > VERY_STRONG
             for each in found.values()

@@ -56,6 +56,15 @@ def not_excited(family: str, did: Excitation) -> str | None:
     return None
 
 
+def is_hidden_rival(family: str, did: Excitation) -> bool:
+    """Return whether a family moves PV in a record that cannot show it, so that another cause looks alike.
+
+    After one turn of OP a stem that sticks is off where it was before, as after a step of the load. What OP
+    does not excite at all moves nothing.
+    """
+    return family == "valve_hysteresis" and 0 < did.turns < ONE_TURN
+
+
 def _levels(op: FloatArray, apart: float) -> int:
     """Return how many levels OP has that are ``apart``, at most one more than ``FEW_LEVELS``."""
     left, count = op, 0

@@ -9,7 +9,7 @@ from agent.analysis.record.recording import LoopWindow
 from agent.physics.effect import Parameter
 from agent.physics.effects import EFFECTS
 from agent.workbench import trials
-from agent.workbench.checks.lacking import dominates, lacks_words, larger_dynamics
+from agent.workbench.checks.lacking import is_likeliest_by_far, lacks_words, larger_dynamics
 from agent.workbench.checks.own_cycle import NO_LINE, keeps_time_of_loop
 from agent.workbench.checks.unnamed import AS_LIKELY
 from agent.workbench.session import Workbench
@@ -49,15 +49,15 @@ def evidence(family, criterion, **other):
     )
 
 
-def test_only_the_likeliest_by_far_that_explains_nearly_all_dominates():
+def test_which_effect_is_the_likeliest_by_far():
     found = {"trim": evidence("trim", 900.0), "stop": evidence("stop", 500.0), "wave": evidence("w", 895.0)}
-    assert not dominates("trim", found, 0.975)
+    assert not is_likeliest_by_far("trim", found)
     del found["wave"]
-    assert dominates("trim", found, 0.975)
-    assert not dominates("trim", found, 0.9)
-    assert not dominates("stop", found, 0.99)
+    assert is_likeliest_by_far("trim", found)
+    assert not is_likeliest_by_far("stop", found)
     found["trim"] = evidence("trim", 900.0, once=True)
-    assert not dominates("trim", found, 0.99)
+    assert not is_likeliest_by_far("trim", found)
+    assert not is_likeliest_by_far("trim", {"trim": evidence("trim", 9.0), "stop": evidence("stop", -9.0)})
     assert larger_dynamics({"second_order": None, "stiction": None}, {"second_order"}) == ()
     assert lacks_words({"op_rate"}) == "with it the model still fails with op rate"
 

@@ -1,0 +1,41 @@
+"""What a record cannot show may be the cause of what another effect explains."""
+
+import numpy as np
+import pytest
+
+from agent.analysis.record.recording import LoopWindow
+from agent.workbench.session import Workbench
+from agent.workbench.shown.excitation import excitation_of, is_hidden_rival
+from simulators.draws.open_records import open_record
+
+TIME = np.arange(400.0)
+BUMP = 50 + 5 * ((TIME > 100) & (TIME < 250))
+FAMILIES = {"gain", "pv_gain", "process_dynamics", "extra_lag", "process_delay", "sensor_hysteresis"}
+
+
+@pytest.mark.parametrize(
+    ("op", "family", "hidden"),
+    [
+        (BUMP, "valve_hysteresis", True),
+        (BUMP, "valve_limits", False),
+        (50 + 5 * (TIME > 100), "valve_hysteresis", False),
+        (50 + 5 * np.sin(TIME / 9), "valve_hysteresis", False),
+    ],
+)
+def test_a_stem_that_sticks_is_a_hidden_rival_where_op_turns_back_once(op, family, hidden):
+    assert is_hidden_rival(family, excitation_of(op)) is hidden
+
+
+def test_a_load_step_is_no_more_than_suggested_where_a_dead_band_makes_a_bump_test_as_likely():
+    record = open_record(91158, "bump", "deadband")
+    window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
+    decision = Workbench(window, without=FAMILIES).candidates()
+    assert (decision.kind, decision.effect) == ("suggested", "load_step")
+    assert decision.lacks[-1] == "deadband, which this record cannot show, makes it as likely"
+
+
+def test_a_load_step_that_no_dead_band_explains_is_confirmed():
+    record = open_record(91142, "bump", "load_step")
+    window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
+    decision = Workbench(window, without=FAMILIES).candidates()
+    assert (decision.kind, decision.effect) == ("confirmed", "load_step")
