@@ -137,9 +137,10 @@ class Trials:
 
     def judged_on(self, step: Step, effects: Sequence[Effect], able: Sequence[Effect] = ()) -> AllTried:
         """Try these effects on top of a model; beside one that leaves something also the ``able`` ones."""
+        hidden = self._hidden_rivals(step, able or effects)
 
         def also(found: Optimum) -> list[Effect]:
-            return self._hinted(found, able or effects)
+            return [*self._hinted(found, able or effects), *missing(found.fit.model, hidden)]
 
         def answering(found: Optimum) -> list[Effect]:
             facts = self.record.facts
@@ -150,7 +151,6 @@ class Trials:
 
         event_p = dict(zip((each.name for each in effects), self.chances.of(step, effects), strict=True))
         models, together = self._tried(step, effects), self.begun.together
-        hidden = self._hidden_rivals(step, able or effects)
         return judged(step, models, self.record, event_p, together, self.is_worse, also, answering, hidden)
 
     def _hidden_rivals(self, step: Step, tried: Sequence[Effect]) -> list[Effect]:

@@ -41,6 +41,9 @@ def against_hidden_rivals(
         together: Tries an effect on top of the smaller model.
         record: What all are fitted to.
     """
+    own = found[str(decision.effect)]
+    if not (own.answers or own.once):
+        return decision  # a wave: an autoregression predicts it, so that likelihoods do not compare it
     alike = (str(decision.effect), *decision.indistinguishable)
     likeliest = max(found[each].criterion for each in alike)
     for effect in hidden_rivals:

@@ -39,3 +39,11 @@ def test_a_load_step_that_no_dead_band_explains_is_confirmed():
     window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
     decision = Workbench(window, without=FAMILIES).candidates()
     assert (decision.kind, decision.effect) == ("confirmed", "load_step")
+
+
+def test_a_wave_beside_which_a_dead_band_explains_what_remains_is_confirmed():
+    record = open_record(91162, "bump", "stiction_sinusoid")
+    window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
+    decision = Workbench(window, without=FAMILIES).candidates()
+    assert (decision.kind, decision.effect) == ("confirmed", "sinusoid")
+    assert "deadband" in decision.lacks[-1]
