@@ -150,9 +150,10 @@ def judge(
             best = next(each for each in confirmed if each.effect in inside)
         decided = _of_set(best, inside + outside, families, tuple(ranked))
         return decided if inside else replace(decided, kind="suggested")
-    for each in large:
-        if adjusted[each.effect] < SUGGESTED and each.objection is None:
-            return Decision("suggested", each.effect, each.family, (), (), tuple(ranked))
+    able = [each for each in large if each.objection is None and adjusted[each.effect] < SUGGESTED]
+    if able:
+        best = min(able, key=lambda each: each.p)
+        return Decision("suggested", best.effect, best.family, (), (), tuple(ranked))
     return Decision("none", None, None, (), (), tuple(ranked))
 
 

@@ -68,7 +68,7 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
 
     At the values of the free run the larger model may be the one that answers to the disturbance, and the
     true effect not yet what it is. What goes on all the time and knows nothing of OP pays for what was solved
-    for as well, for slow noise goes along with any slow cause; of what happened once the instant decides.
+    for as well, for slow noise goes along with any slow cause; what happened once pays twice for instants.
 
     Args:
         smaller: The model without the effect.
@@ -94,8 +94,7 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
     if answers or not blind or very_strong(criterion, candidates):
         chance = by_chance(before, after, added, candidates * _scanned(effect, record))
-    lasting = 0 if once else added
-    explains = lowers_innovations(before, after, searched if answers else lasting)
+    explains = criterion > 0.0 if once else lowers_innovations(before, after, searched if answers else added)
     return Evidence(explains, chance, criterion, effect.family, answers, once, blind)
 
 
