@@ -65,7 +65,7 @@ class HiddenCase:
     without_effect: str = ""
     """That this verdict names; empty where it names none."""
     own_lag: bool = False
-    """Whether a lag was named whose interval holds that of the valve, which every simulated valve has."""
+    """Whether a lag was named whose interval holds one of the valve, which every simulated valve has."""
 
     @property
     def testable(self) -> bool:
@@ -157,7 +157,7 @@ def judge(
         cpu_seconds=spent,
         record=record,
         without_effect=(without.effect if without else None) or "",
-        own_lag=any(covers({f"{name}.tau": (lag_of_valve(plant),) for name in LAGS}, last)),
+        own_lag=any(covers({f"{name}.tau": lags_of_valve(plant) for name in LAGS}, last)),
     )
 
 
@@ -183,10 +183,13 @@ def parameters_of(plant: HiddenEffectPlant, record: RecordKind) -> dict[str, tup
     }
 
 
-def lag_of_valve(plant: HiddenEffectPlant) -> float:
-    """Return the time by which a stroke without friction lags behind OP, s: positioner and stem."""
+def lags_of_valve(plant: HiddenEffectPlant) -> tuple[float, ...]:
+    """Return lags of a stroke without friction behind OP, s: of the stem, and with the positioner.
+
+    The shorter lag of the positioner may be a part of the dead time.
+    """
     valve = plant.scenario.valve
-    return valve.tau_ip + valve.damping
+    return valve.damping, valve.tau_ip + valve.damping
 
 
 def _untestable(truth: HiddenTruth, seed: int, record: RecordKind, samples: int, spent: float) -> HiddenCase:
