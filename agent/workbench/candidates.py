@@ -8,10 +8,10 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate, nothing_else
-from agent.workbench.checks.hidden_rival import against_hidden_rivals
 from agent.workbench.checks.own_cycle import NO_LINE, is_no_line
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, likeliest_pair
-from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, beats, dynamics_on
+from agent.workbench.checks.rivals import against_rivals, hidden_words
+from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, SLOW, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
@@ -138,8 +138,8 @@ def judged(
         decision = replace(decision, kind="suggested")
     decision = _lowered(decision, doubts, smaller, models, worse)
     if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
-        decision = _against_unnamed(decision, smaller, found, together, record)
-        decision = against_hidden_rivals(decision, smaller, found, hidden_rivals, together, record)
+        rivals = (*_unnamed(decision, smaller), *((each, hidden_words(each)) for each in hidden_rivals))
+        decision = against_rivals(decision, smaller, found, rivals, together, record)
     if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
         decision = adequate(decision, models, also, together, record)
     return AllTried(decision, models, frozenset(doubts.lowered))
@@ -156,26 +156,9 @@ def _at_once(found: Mapping[str, Evidence], event_p: Mapping[str, float]) -> dic
     return objections
 
 
-def _against_unnamed(
-    decision: Decision,
-    smaller: Step,
-    found: Mapping[str, Evidence],
-    together: Callable[[Step | Optimum, Effect], Optimum],
-    record: Record,
-) -> Decision:
-    """Return a decision as it stands against linear dynamics without a name in the place of the effect.
-
-    They could stand behind whatever acts on OP or happened once; a wave is no answer to OP.
-    """
-    effect = str(decision.effect)
-    if decision.family in LINEAR or not (found[effect].answers or found[effect].once):
-        return decision
-    dynamics = dynamics_on(smaller.fit.model.base)
-    rival = evidence_of(smaller, together(smaller, dynamics), record, len(found)).criterion
-    alike = (effect, *decision.indistinguishable)
-    if beats(max(found[each].criterion for each in alike), rival):
-        return decision
-    return replace(decision, kind="suggested", lacks=(*decision.lacks, AS_LIKELY))
+def _unnamed(decision: Decision, smaller: Step) -> tuple[tuple[Effect, str], ...]:
+    """Return linear dynamics without a name as a rival; none of an effect that is a part of them."""
+    return () if decision.family in LINEAR else ((dynamics_on(smaller.fit.model.base), AS_LIKELY),)
 
 
 def _is_weak(decision: Decision, found: Mapping[str, Evidence]) -> bool:

@@ -122,22 +122,27 @@ class Doubts:
             left = failing(self._dependence(name))
         if not left:
             return False
-        self.lacks[name] = lacks_words(left)
-        if not evidence.once and not self.smaller.fit.model.base.linear:
-            return False  # the law of a balance is a guess: what remains is named, and may be its own
-        if self._another_is_missing_too(name):
-            return False
-        if left <= DYNAMICS and any(
-            self.beside_dynamics(name, other) for other in self._larger_dynamics(name)
-        ):
-            return False
-        words = self.lacks.pop(name)
-        if not is_likeliest_by_far(name, self.found):
+        explained = self._is_explained(name, left)
+        if not explained and not is_likeliest_by_far(name, self.found):
             return True
-        base, own = self.smaller.held_out.losses, self.models[name].held_out.losses
-        plain = 1 - float(np.nansum(own) / np.nansum(base)) >= NEARLY_ALL
-        (self.lacks if plain else self.lowered)[name] = words
+        plain = explained or self._part_explained(name) >= NEARLY_ALL
+        (self.lacks if plain else self.lowered)[name] = lacks_words(left)
         return False
+
+    def _is_explained(self, name: str, left: set[str]) -> bool:
+        """Whether what an effect leaves on some axes has another cause."""
+        if not self.found[name].once and not self.smaller.fit.model.base.linear:
+            return True  # the law of a balance is a guess: what remains is named, and may be its own
+        if self._another_is_missing_too(name):
+            return True
+        return left <= DYNAMICS and any(
+            self.beside_dynamics(name, other) for other in self._larger_dynamics(name)
+        )
+
+    def _part_explained(self, name: str) -> float:
+        """Return the part of the held-out squared error of the smaller model that an effect explains."""
+        base, own = self.smaller.held_out.losses, self.models[name].held_out.losses
+        return 1 - float(np.nansum(own) / np.nansum(base))
 
     def _larger_dynamics(self, name: str) -> tuple[str, ...]:
         family = self.found[name].family

@@ -88,11 +88,8 @@ def first_of(trial: Trial) -> FirstFit | None:
     if trial.predicts is None:
         return None
     predicts, best = trial.predicts
-    valves = _valves(trial)
-    also = (
-        beside(predicts.space.values(best), _spots(trial, predicts.left(best))) if valves is None else valves
-    )
-    return first_fit(predicts, best, trial.effect, also)
+    starts = _starts(trial, predicts.space.values(best), predicts.left(best))
+    return first_fit(predicts, best, trial.effect, starts)
 
 
 def first_or_failed(trial: Trial) -> FirstFit | EffectError | None:
@@ -105,7 +102,8 @@ def first_or_failed(trial: Trial) -> FirstFit | EffectError | None:
 
 def screened(trial: Trial) -> Screen:
     """Scan the values of the effect; it tells which effects to try first, and where each should begin."""
-    points, error = nested_scan(trial.smaller, _larger(trial), trial.record, _starts(trial))
+    starts = _starts(trial, trial.smaller.values, residual_of(trial.smaller, trial.record))
+    points, error = nested_scan(trial.smaller, _larger(trial), trial.record, starts)
     return Screen(points, error)
 
 
@@ -200,9 +198,16 @@ def _where_it_predicts(trial: Trial) -> FloatArray | None:
     return beside(predicts.space.values(best), trial.instants)
 
 
-def _starts(trial: Trial) -> FloatArray | None:
-    own = _spots(trial, residual_of(trial.smaller, trial.record))
-    return beside(trial.smaller.values, own) if len(own) else _valves(trial)
+def _starts(trial: Trial, values: FloatArray, residual: FloatArray) -> FloatArray | None:
+    """Return values of the larger model to begin from, (m, k + j), own units; None: there are none.
+
+    Args:
+        trial: What to try.
+        values: Of the smaller model, (k,), beside what the residual shows; valves have their own processes.
+        residual: That these values leave, PV units, (n,).
+    """
+    own = _spots(trial, residual)
+    return beside(values, own) if len(own) else _valves(trial)
 
 
 def _spots(trial: Trial, residual: FloatArray) -> FloatArray:

@@ -137,16 +137,15 @@ class Trials:
 
     def judged_on(self, step: Step, effects: Sequence[Effect], able: Sequence[Effect] = ()) -> AllTried:
         """Try these effects on top of a model; beside one that leaves something also the ``able`` ones."""
-        hidden = self._hidden_rivals(step, able or effects)
+        able = able or effects
+        hidden = self._hidden_rivals(step, able)
 
         def also(found: Optimum) -> list[Effect]:
-            return [*self._hinted(found, able or effects), *missing(found.fit.model, hidden)]
+            return [*self._hinted(found, able), *missing(found.fit.model, hidden)]
 
         def answering(found: Optimum) -> list[Effect]:
             facts = self.record.facts
-            lasting = [
-                each for each in able or effects if acts_on_op(each, facts) and not happens_once(each, facts)
-            ]
+            lasting = [each for each in able if acts_on_op(each, facts) and not happens_once(each, facts)]
             return self._hinted(found, lasting)
 
         event_p = dict(zip((each.name for each in effects), self.chances.of(step, effects), strict=True))
@@ -156,8 +155,11 @@ class Trials:
     def _hidden_rivals(self, step: Step, tried: Sequence[Effect]) -> list[Effect]:
         """Return the simplest effect of each family that may be there, but that the record cannot show."""
         did, families = excitation_of(self.record.op), {each.family for each in tried}
-        hidden = [each for each in missing(step.fit.model, EFFECTS) if is_hidden_rival(each.family, did)]
-        return list({each.family: each for each in hidden[::-1] if each.family not in families}.values())
+        simplest: dict[str, Effect] = {}
+        for each in missing(step.fit.model, EFFECTS):
+            if each.family not in families and is_hidden_rival(each.family, did):
+                simplest.setdefault(each.family, each)
+        return [*simplest.values()]
 
     def _hinted(self, found: Optimum, able: Sequence[Effect]) -> list[Effect]:
         """Return the effects that the innovations hint at most and that gain beside a model."""

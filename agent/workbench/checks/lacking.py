@@ -1,8 +1,8 @@
-"""What a model still lacks with an effect that the record plainly shows: it lowers no verdict.
+"""What a model still lacks with an effect that the record plainly shows: it rejects no such effect.
 
 Where the effect explains nearly all of the error and every other cause is far less likely, a remainder on an
-axis is another effect, not a sign that the first is not there. Where only the dynamics object, larger
-dynamics are tried beside it first.
+axis is another effect, not a sign that the first is not there; where it explains less, it is suggested. Where
+only the dynamics object, larger dynamics are tried beside it first.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 A true cause need not be in the library. What is there then often goes along with it: a rate limit with a
 missing lag, a load step with a first move the wrong way. So an effect must also beat a rival without a name:
 two lags and a zero, each number paid by Schwarz's criterion. Effects that are linear dynamics are parts of
-the rival and have none in it. What remains beside an effect: ``remainder.py``.
+the rival and have none in it (``rivals.py``). What remains beside an effect: ``remainder.py``.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ import numpy as np
 from agent.physics.bases.linear_process import lagged
 from agent.physics.effect import Facts, Parameter, Stage
 from agent.physics.effects.inverse_response import MOST_LEAD
-from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -82,13 +81,3 @@ def _numbers(facts: Facts) -> tuple[Parameter, ...]:
         Parameter("second", "s", 0.0, facts.period, null=0.0),
         Parameter("lead", "s", 0.0, MOST_LEAD * facts.period, null=0.0),
     )
-
-
-def beats(criterion: float, unnamed: float) -> bool:
-    """Return whether the record is very much likelier with an effect than with the rival without a name.
-
-    Args:
-        criterion: ``Evidence.criterion`` of the effect.
-        unnamed: Of ``LinearDynamics`` on the same model.
-    """
-    return criterion - unnamed > VERY_STRONG

@@ -19,13 +19,11 @@ import numpy as np
 from agent.workbench.library import instants
 from agent.workbench.predictor import renewed
 from agent.workbench.search import best_of, by_slopes, objective_of, spread_about
-from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
     from agent.workbench.predictor import Predictor
-    from agent.workbench.search import Whitened
 
 PLACES = 100
 """Values of the effect that are looked at, spread over its ranges, and as often with others of the model."""
@@ -64,18 +62,18 @@ def first_fit(
     record, known = predicts.objective.record, len(best)
     model = predicts.objective.model
     model = replace(model, effects=(*model.effects, effect))
-    space = space_of(model, record.facts)
-    larger = replace(predicts.behind, model=model, layout=model.layout(record.facts), space=space)
+    free_run = objective_of(model, record, predicts.objective.target)
+    space = free_run.space
+    larger = replace(predicts.behind, model=model, layout=free_run.layout, space=space)
     new = np.arange(len(space)) >= known
     spread = spread_about(np.concatenate((best, np.zeros(len(space) - known))), new, MOVED, 2 * PLACES)
     kept, moved = spread[:PLACES], spread[PLACES:]
     own = spread[:0] if also is None else space.at(also)
     starts = (*best_of(larger, np.vstack((own, kept)), KEPT), *best_of(larger, moved, LEFT))
     ends = [by_slopes(larger, each) for each in starts]
-    free_run = objective_of(model, record, predicts.objective.target)
     seen = best_of(free_run, np.vstack((own, spread)), SEEN)
     ends += [by_slopes(free_run, each) for each in seen]
-    found, end = _behind_own_noise(predicts, larger, ends)
+    found, end = _behind_own_noise(replace(predicts, objective=free_run, behind=larger), ends)
     count = len(predicts.pv)
     columns = larger.columns(end).shape[1] - predicts.behind.columns(best).shape[1]
     numbers = len(space) - known + columns + instants(effect, record.facts)
@@ -83,18 +81,14 @@ def first_fit(
     return FirstFit(space.values(end), likelier - numbers * math.log(count))
 
 
-def _behind_own_noise(
-    predicts: Predictor, larger: Whitened, ends: list[FloatArray]
-) -> tuple[Predictor, FloatArray]:
+def _behind_own_noise(predicts: Predictor, ends: list[FloatArray]) -> tuple[Predictor, FloatArray]:
     """Return the predictions of a larger model behind an autoregression of its own, and where they are best.
 
     Args:
-        predicts: Of the smaller model.
-        larger: The larger model behind the autoregression of the smaller one.
+        predicts: Of the larger model, behind the autoregression of the smaller one.
         ends: Points of its unit cube, (k,), of which the best are followed.
     """
-    objective = objective_of(larger.model, larger.record, predicts.objective.target)
-    found = [(replace(predicts, objective=objective, behind=larger), end) for end in ends]
+    found = [(predicts, end) for end in ends]
     for turn in range(TURNS):
         owned = [each for each in map(_owned, found) if each is not None]
         found = sorted(owned, key=lambda each: each[0].variance(each[1]))[:FOLLOWED] or found[:1]

@@ -15,6 +15,7 @@ from agent.workbench.projection import target_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from agent.analysis.record.recording import FloatArray
     from agent.workbench.fit import Fit
     from agent.workbench.record import Record
 
@@ -36,7 +37,7 @@ def with_steps(fitted: Fit, record: Record, steps: int) -> Fit:
     return refit_from(model, record, min(tried, key=lambda each: each.error).values)
 
 
-def _values_of(fitted: Fit, steps: int, kept: Sequence[int]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _values_of(fitted: Fit, steps: int, kept: Sequence[int]) -> FloatArray:
     """Return the values of a model with some of the steps of its last effect, own units."""
     own = steps + 1  # instants and lag
     instants = fitted.values[-own:-1][list(kept)]

@@ -26,24 +26,25 @@ def test_a_stem_that_sticks_is_a_hidden_rival_where_op_turns_back_once(op, famil
     assert is_hidden_rival(family, excitation_of(op)) is hidden
 
 
-def test_a_load_step_is_no_more_than_suggested_where_a_dead_band_makes_a_bump_test_as_likely():
-    record = open_record(91158, "bump", "deadband")
+def decision_on(seed, truth):
+    """On a bump test of a loop that hides it."""
+    record = open_record(seed, "bump", truth)
     window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
-    decision = Workbench(window, without=FAMILIES).candidates()
+    return Workbench(window, without=FAMILIES).candidates()
+
+
+def test_a_load_step_is_no_more_than_suggested_where_a_dead_band_makes_a_bump_test_as_likely():
+    decision = decision_on(91158, "deadband")
     assert (decision.kind, decision.effect) == ("suggested", "load_step")
     assert decision.lacks[-1] == "deadband, which this record cannot show, makes it as likely"
 
 
 def test_a_load_step_that_no_dead_band_explains_is_confirmed():
-    record = open_record(91142, "bump", "load_step")
-    window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
-    decision = Workbench(window, without=FAMILIES).candidates()
+    decision = decision_on(91142, "load_step")
     assert (decision.kind, decision.effect) == ("confirmed", "load_step")
 
 
 def test_a_wave_beside_which_a_dead_band_explains_what_remains_is_confirmed():
-    record = open_record(91162, "bump", "stiction_sinusoid")
-    window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
-    decision = Workbench(window, without=FAMILIES).candidates()
+    decision = decision_on(91162, "stiction_sinusoid")
     assert (decision.kind, decision.effect) == ("confirmed", "sinusoid")
     assert "deadband" in decision.lacks[-1]

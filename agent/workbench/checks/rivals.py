@@ -1,7 +1,8 @@
-"""A cause that the record cannot show may still be the one: what is confirmed must be far likelier.
+"""What would be confirmed must be far likelier than rivals that no decision names.
 
-In a bump test OP turns back once, and a valve that sticks does not come back to where it was. That is no
-proof of stiction, for a step of the load does the same; so it is none of a step of the load either.
+One has no name: linear dynamics that no effect is (``unnamed.py``). Others the record cannot show: in a bump
+test OP turns back once, and a valve that sticks does not come back to where it was. That is no proof of
+stiction, for a step of the load does the same; so it is none of a step of the load either.
 """
 
 from __future__ import annotations
@@ -23,32 +24,35 @@ if TYPE_CHECKING:
     from agent.workbench.trial import Optimum
 
 
-def against_hidden_rivals(
+def hidden_words(effect: Effect) -> str:
+    """Return what an effect that the record cannot show makes of a decision, in words."""
+    return f"{effect.name.replace('_', ' ')}, which this record cannot show, makes it as likely"
+
+
+def against_rivals(
     decision: Decision,
     smaller: Step,
     found: Mapping[str, Evidence],
-    hidden_rivals: Iterable[Effect],
+    rivals: Iterable[tuple[Effect, str]],
     together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
 ) -> Decision:
-    """Return a decision that would be confirmed as it stands against effects that the record cannot show.
+    """Return a decision that would be confirmed as it stands against rivals in the place of its effect.
 
     Args:
         decision: On what was tried.
         smaller: The model without any effect of ``found``.
         found: What the innovations say of what was tried.
-        hidden_rivals: Effects that move PV and that the record cannot show.
+        rivals: Effects, and what to say where one makes the record as likely.
         together: Tries an effect on top of the smaller model.
         record: What all are fitted to.
     """
     own = found[str(decision.effect)]
     if not (own.answers or own.once):
         return decision  # a wave: an autoregression predicts it, so that likelihoods do not compare it
-    alike = (str(decision.effect), *decision.indistinguishable)
-    likeliest = max(found[each].criterion for each in alike)
-    for effect in hidden_rivals:
+    likeliest = max(found[each].criterion for each in (str(decision.effect), *decision.indistinguishable))
+    for effect, words in rivals:
         rival = evidence_of(smaller, together(smaller, effect), record, len(found)).criterion
         if likeliest - rival <= VERY_STRONG:
-            words = f"{effect.name.replace('_', ' ')}, which this record cannot show, makes it as likely"
-            return replace(decision, kind="suggested", lacks=(*decision.lacks, words))
+            decision = replace(decision, kind="suggested", lacks=(*decision.lacks, words))
     return decision
