@@ -8,12 +8,12 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate, nothing_else
-from agent.workbench.checks.own_cycle import NO_LINE, is_no_line
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, likeliest_pair
 from agent.workbench.checks.rivals import against_rivals, hidden_words
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
+from agent.workbench.checks.wave_lines import wave_objections
 from agent.workbench.decision import Decision, judge
-from agent.workbench.doubts import ANSWERS, BY_CHANCE, SLOW, UNLIKELY, Doubts
+from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.likeliest import comparable, likelier_otherwise
 from agent.workbench.residual.holm import LEVEL
@@ -113,10 +113,7 @@ def judged(
 
     doubts = Doubts(smaller, models, found, both_needed, beside_dynamics, pair)
     by_chance = {name: each.by_chance for name, each in found.items()}
-    no_line = [
-        name for name, each in models.items() if is_no_line(smaller.predicts, each.fit, found[name].by_chance)
-    ]
-    doubts.objections.update(dict.fromkeys(no_line, NO_LINE))
+    doubts.objections.update(wave_objections(smaller.predicts, models, found))
     doubts.objections.update(_at_once(found, event_p))
     if smaller.predicts is not None:
         doubts.objections.update(dict.fromkeys(likelier_otherwise(found), UNLIKELY))
@@ -146,13 +143,13 @@ def judged(
 
 
 def _at_once(found: Mapping[str, Evidence], event_p: Mapping[str, float]) -> dict[str, str]:
-    """Return what rejects effects by themselves, in words."""
+    """Return what rejects effects by themselves, in words; waves apart."""
     objections = {}
     for name, each in found.items():
-        if (each.once and each.by_chance >= 1) or event_p.get(name, 0.0) >= LEVEL:
+        if event_p.get(name, 0.0) >= LEVEL or (each.once and not each.explains):
             objections[name] = BY_CHANCE
-        if not each.explains:
-            objections[name] = ANSWERS if each.answers else SLOW
+        elif each.answers and not each.explains:
+            objections[name] = ANSWERS
     return objections
 
 

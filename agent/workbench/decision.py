@@ -135,12 +135,18 @@ def judge(
         numbers = found.percent, found.low, found.high, p_all
         ranked.append(Candidate(effect, families[effect], *numbers, objection))
     ranked.sort(key=lambda each: -each.error_reduction_percent)
-    large = [each for each in ranked if _is_large(each.error_reduction_percent, each.low)]
+    shown = {effect for effect, chance in (by_chance or {}).items() if chance < LEVEL}
+    large = [
+        each
+        for each in ranked
+        if each.error_reduction_percent >= LEAST_PERCENT and (each.low > 0 or each.effect in shown)
+    ]
     confirmed = [each for each in large if each.p < LEVEL and each.objection is None]
     if confirmed:
         likely = likelier or {}
         best = _likeliest([each for each in confirmed if each.effect in comparable], confirmed[0], likely)
-        alike = _as_good(best, large, own, likely, comparable, once, draws)
+        sure = [each for each in large if each.low > 0 or best.low <= 0]
+        alike = _as_good(best, sure, own, likely, comparable, once, draws)
         kin = {each for each in alike & likely.keys() if families[each] == best.family}
         poor = less_likely({each: likely[each] for each in kin})
         ordered = sorted((effect for effect in own if effect in alike), key=poor.__contains__)

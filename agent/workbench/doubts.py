@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
 
 ANSWERS = "the innovations do not fall: it repeats what the controller does"
-SLOW = "the innovations do not fall: what PV was just before says as much"
 UNLIKELY = "the record is far more likely with another effect"
 STANDS_FOR_ANOTHER = "with it the model still fails as before: it stands for another cause"
 BY_CHANCE = "the innovations show no such event: one as large appears by chance"

@@ -147,7 +147,8 @@ def _folds(block: NDArray[np.int64], record: Record, base: Fit) -> Folds | str:
 
 def memory(base: Fit, record: Record) -> float:
     """Return how long OP affects PV, samples: delay and three time constants, one period where unknown."""
-    process = base.model.base.process(base.values)
+    own = len(base.model.base.parameters(record.facts))
+    process = base.model.base.process(base.values[:own])
     if not isinstance(process, LinearProcess) or process.integrates:
         return record.period
     return (process.delay + process.settling) / record.facts.ts

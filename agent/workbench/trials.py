@@ -119,11 +119,9 @@ class Trials:
         """
         self.progress("a score of each", 0, 1)
         facts = self.record.facts
-        chances = zip(effects, self.chances.of(step, effects), strict=True)
-        able = [each for each, p in chances if isinstance(each, MeasuredInput) or p < LEVEL]
-        events = {each.name for each in able if happens_once(each, facts)}
+        events = {each.name for each in effects if happens_once(each, facts)}
         anyway = LARGER_DYNAMICS if ran_out(step, facts) else ()
-        hinted = worth_a_fit(able, step.predicts, events, anyway, self.run)
+        hinted = worth_a_fit(effects, step.predicts, events, anyway, self.run)
         return gaining(self.begun.of(step, hinted), anyway)
 
     def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
@@ -197,7 +195,11 @@ class Trials:
         pairs = (alone, alone[::-1])
         last = (each.fit.model.effects[-1] for _, each in pairs)
         chances = (self.chances.of(one, [effect]) for (one, _), effect in zip(pairs, last, strict=True))
-        return larger if all(p < LEVEL for (p,) in chances) else None
+        if not all(p < LEVEL for (p,) in chances):
+            return None
+        facts = self.record.facts
+        events = [one for one, other in pairs if happens_once(other.fit.model.effects[-1], facts)]
+        return larger if all(far_likelier(one, larger, self.record) for one in events) else None
 
     def refined(self, found: Tried) -> Tried:
         """Return a model whose last effect was added: with the valve and the harmonics that it needs."""

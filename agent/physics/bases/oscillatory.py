@@ -50,14 +50,16 @@ class RingingProcess(LinearProcess):
     def respond(self, position: FloatArray, ts: float) -> FloatArray:
         """Return the deviation of PV for gain one, OP units, (n,), from rest at the first position.
 
-        A held position is taken for the line through the middles of its steps, which is exact to the third
-        order of the sampling time over T.
+        Exact for a position that is held between samples; lags use straight lines from sample to sample.
         """
-        driven = self._late(position, ts)
+        late = max(self.delay / ts, 1.0) - 1.0
+        whole = int(late)
+        top, bottom = second_order(self.tau / ts, self.damping, self.zero, late - whole)
+        moved = np.zeros_like(position)
+        moved[whole + 1 :] = (position - position[0])[: max(len(position) - whole - 1, 0)]
+        response = position[0] + lfilter(top, bottom, moved)
         for lag in self.lags:
-            driven = lagged(driven, lag / ts)
-        top, bottom = second_order(self.tau / ts, self.damping, self.zero)
-        response = driven[0] + lfilter(top, bottom, driven - driven[0])
+            response = lagged(response, lag / ts)
         if self.lead > 0.0:
             response = response - self.lead / ts * np.gradient(response)
         if self.creep > 0.0:
@@ -67,11 +69,6 @@ class RingingProcess(LinearProcess):
     def counted_from(self, position: FloatArray) -> float:  # noqa: ARG002
         """Return 0: the response has the level of OP."""
         return 0.0
-
-    def _late(self, position: FloatArray, ts: float) -> FloatArray:
-        """Return the position after the dead time, of which half a sample is the hold's, (n,)."""
-        at = np.arange(len(position), dtype=np.float64)
-        return np.asarray(np.interp(at - (max(self.delay / ts, 1.0) - 0.5), at, position), dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,21 +93,28 @@ class Oscillatory:
         return RingingProcess(delay=delay, tau=tau, damping=damping, zero=zero)
 
 
-def second_order(tau: float, damping: float, zero: float) -> tuple[FloatArray, FloatArray]:
-    """Return numerator and denominator of the filter, first-order hold; ``tau`` in samples.
+def second_order(
+    tau: float, damping: float, zero: float, late: float = 0.0
+) -> tuple[FloatArray, FloatArray]:
+    """Return numerator and denominator of the filter of a held input, from the sample before on.
 
-    By partial fractions: each pole p, with its residue r, turns straight lines from sample to sample exactly
-    into e^p, r phi_2(p) and r (phi_1(p) - phi_2(p)), phi_1 = (e^p - 1) / p, phi_2 = (e^p - 1 - p) / p^2.
+    By partial fractions: a pole p with its residue r turns an input that is held for a part of a sample, and
+    ends at another part s before its end, into r e^(p s) (e^(p part) - 1) / p.
+
+    Args:
+        tau: Samples.
+        damping: Of the poles.
+        zero: Its time constant over ``tau``.
+        late: Part of a sample by which the input comes late, for which the one before it still counts.
     """
     away = damping if abs(damping - 1.0) > DOUBLE else 1.0 + DOUBLE
     root = np.sqrt(complex(away * away - 1.0))
     poles = (-away + np.array([root, -root])) / tau
     residues = (1.0 + zero * tau * poles) / (tau * tau * (poles - poles[::-1]))
-    grown = np.exp(poles)
-    once = np.expm1(poles) / poles
-    twice = (np.expm1(poles) - poles) / poles**2
-    own = np.stack((residues * twice, residues * (once - twice)), axis=1)
-    other = np.stack((np.ones(2), -grown[::-1]), axis=1)
+    new = residues * np.expm1(poles * (1.0 - late)) / poles
+    old = residues * np.exp(poles * (1.0 - late)) * np.expm1(poles * late) / poles
+    own = np.stack((new, old), axis=1)
+    other = np.stack((np.ones(2), -np.exp(poles[::-1])), axis=1)
     top = np.convolve(own[0], other[0]) + np.convolve(own[1], other[1])
-    bottom = np.convolve(other[0], other[1])
+    bottom = np.convolve(other[0], np.array([1.0, -np.exp(poles[0])]))
     return np.ascontiguousarray(top.real), np.ascontiguousarray(bottom.real)

@@ -1,7 +1,4 @@
-"""Is a wave a line of the residual, and does it keep the time of OP's own cycle?
-
-Of many frequencies one goes along with slow noise over a whole record, held-out blocks as well: what a search
-found is a wave only where the spectrum has a line that noise does not explain.
+"""Does a wave keep the time of OP's own cycle?
 
 In the time of OP's cycle the loop may make a wave itself. A valve or a mass that sticks makes a wave at OP's
 cycle and at its harmonics, and so does a load that drives the loop: OP then takes the load's time. Two things
@@ -17,10 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effects.sinusoid import Sinusoid
-from agent.physics.effects.wave import HARMONICS as MULTIPLES
-from agent.physics.effects.wave import RepeatingWave
-from agent.workbench.residual.holm import LEVEL
-from agent.workbench.residual.line_spectrum import CERTAIN_CYCLES, line_spectrum
+from agent.workbench.residual.line_spectrum import line_spectrum
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -29,39 +23,12 @@ if TYPE_CHECKING:
     from agent.workbench.residual.line_spectrum import Line
 
 WORDS = "it keeps the time of OP's own cycle, as a wave that the loop makes itself would"
-NO_LINE = "the residual has no line there: slow noise goes along with some wave"
 NEAR = 2.0
 """Lines of the record's spectrum within which a wave and a line are one."""
 HARMONICS = (3, 5)
 PURE = 1 / 30
 """Amplitude of any harmonic over the wave's, below which it is pure. A band behind one lag leaves 1/9 at the
 third, behind two 1/27."""
-
-
-def is_no_line(smaller: tuple[Predictor, FloatArray] | None, larger: Fit, by_chance: float = 1.0) -> bool:
-    """Return whether the last effect of a fit is a wave where the residual without it has no certain line.
-
-    One of the harmonics of a wave is enough. Between two lines of the spectrum a wave is lower than on one:
-    where it is not slow, the innovations may show it as well.
-
-    Args:
-        smaller: As of ``may_be_loops_own``, like ``larger``.
-        larger: The model with it.
-        by_chance: How likely the innovations fall as far without a wave, all frequencies paid for.
-    """
-    wave = larger.model.effects[-1]
-    if smaller is None or not isinstance(wave, Sinusoid):
-        return False
-    predicts, best = smaller
-    record = predicts.objective.record
-    frequency, duration = float(larger.values[-1]), record.facts.duration
-    if frequency * duration >= CERTAIN_CYCLES and by_chance < LEVEL:
-        return False
-    found = line_spectrum(predicts.left(best), record.op, record.facts.ts)
-    if found is None:
-        return False  # not known: there are gaps
-    multiples = range(1, 1 + (MULTIPLES if isinstance(wave, RepeatingWave) else 1))
-    return not any(_near(found.certain, multiple * frequency, duration) for multiple in multiples)
 
 
 def may_be_loops_own(smaller: tuple[Predictor, FloatArray] | None, larger: Fit) -> bool:
@@ -88,13 +55,13 @@ def keeps_time_of_loop(residual: FloatArray, op: FloatArray, frequency: float, t
         ts: s.
     """
     found = line_spectrum(residual, op, ts)
-    at = [] if found is None else _near(found.lines, frequency, len(op) * ts)
+    at = [] if found is None else near(found.lines, frequency, len(op) * ts)
     if not at or at[0].harmonic is None or at[0].kind == "coherent":
         return False
     return at[0].harmonic > 1 or not _is_pure(residual, at[0].frequency * ts)
 
 
-def _near(lines: tuple[Line, ...], frequency: float, duration: float) -> list[Line]:
+def near(lines: tuple[Line, ...], frequency: float, duration: float) -> list[Line]:
     """Return the lines that are one with a wave of ``frequency``, 1/s, in a record of ``duration``, s."""
     return [each for each in lines if abs(each.frequency - frequency) * duration < NEAR]
 

@@ -53,6 +53,4 @@ def _chance_of(task: tuple[tuple[Predictor, FloatArray] | None, Effect, Facts]) 
         return 0.0
     if isinstance(effect, MeasuredInput):
         return min(1.0, effect.inputs * course_p(*predictions, effect))
-    if happens_once(effect, facts):
-        return min(1.0, STEPS_AND_EVENTS * instant_p(*predictions, effect))
     return 0.0

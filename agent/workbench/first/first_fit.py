@@ -18,6 +18,7 @@ import numpy as np
 
 from agent.workbench.library import instants
 from agent.workbench.predictor import renewed
+from agent.workbench.solved.fewest_steps import NUMBERS_OF_A_STEP, variances_with_fewer
 from agent.workbench.search import best_of, by_slopes, objective_of, spread_about
 
 if TYPE_CHECKING:
@@ -77,8 +78,12 @@ def first_fit(
     count = len(predicts.pv)
     columns = larger.columns(end).shape[1] - predicts.behind.columns(best).shape[1]
     numbers = len(space) - known + columns + instants(effect, record.facts)
-    likelier = count * math.log(predicts.variance(best) / max(found.variance(end), np.finfo(float).tiny))
-    return FirstFit(space.values(end), likelier - numbers * math.log(count))
+    criterion = max(
+        count * math.log(predicts.variance(best) / max(variance, np.finfo(float).tiny))
+        - (numbers - fewer * NUMBERS_OF_A_STEP) * math.log(count)
+        for fewer, variance in enumerate(variances_with_fewer(found, end))
+    )
+    return FirstFit(space.values(end), criterion)
 
 
 def _behind_own_noise(predicts: Predictor, ends: list[FloatArray]) -> tuple[Predictor, FloatArray]:

@@ -46,4 +46,4 @@ def _criterion(trial: Trial) -> float:
 
 
 def _is_not_known(trial: Trial) -> bool:
-    return trial.instants is not None or isinstance(trial.effect, Sinusoid | MeasuredInput)
+    return isinstance(trial.effect, Sinusoid | MeasuredInput)

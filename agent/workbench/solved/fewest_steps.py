@@ -17,7 +17,35 @@ if TYPE_CHECKING:
 
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.fit import Fit
+    from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
+
+NUMBERS_OF_A_STEP = 3
+"""By how many logarithms of the samples a step costs more: its height, and its instant twice."""
+
+
+def variances_with_fewer(predicts: Predictor, at: FloatArray) -> list[float]:
+    """Return the least mean square of the innovations with all columns of the last effect, and with fewer.
+
+    PV units squared; one by one fewer down to one step of a load; of every other effect with all alone.
+    Nothing but heights is solved for anew.
+    """
+    effect = predicts.objective.model.effects[-1]
+    found = [predicts.variance(at)]
+    if isinstance(effect, LoadStepEffect) and np.isfinite(found[0]):
+        columns = predicts.objective.columns(at)
+        white = predicts.whitened(columns)
+        rest = columns.shape[1] - effect.steps
+        for steps in range(effect.steps - 1, 0, -1):
+            tried = []
+            for kept in combinations(range(effect.steps), steps):
+                some = white[:, [*range(rest), *(rest + each for each in kept)]]
+                free = predicts.solved_for(some)
+                left = predicts.pv - some[:, : some.shape[1] - free.shape[1]].sum(axis=1)
+                left = left - free @ np.linalg.lstsq(free, left, rcond=None)[0]
+                tried.append(float(left @ left) / len(left))
+            found.append(min(tried))
+    return found
 
 
 def with_steps(fitted: Fit, record: Record, steps: int) -> Fit:

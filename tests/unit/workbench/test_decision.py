@@ -99,12 +99,23 @@ def test_of_two_alike_the_far_likelier_is_named():
         assert (found.kind, found.effect, found.indistinguishable) == ("family", named, (other,))
 
 
-def test_an_interval_that_holds_zero_confirms_nothing():
+def test_an_interval_that_holds_zero_confirms_nothing_but_with_what_the_innovations_show():
+    """Few blocks of a load that wanders scatter more than what an effect does in them."""
     base = np.ones(14)
     losses = {"stiction": np.where(np.arange(14) < 2, 0.2, 1.02)}
-    found = judged(base, losses, by_chance={"stiction": 1e-6})
+    found = judged(base, losses)
     assert found.candidates[0].low <= 0
     assert found.kind == "none"
+    assert judged(base, losses, by_chance={"stiction": 1e-6}).kind == "confirmed"
+    small = {"stiction": np.where(np.arange(14) < 2, 0.8, 1.0)}
+    assert judged(base, small, by_chance={"stiction": 1e-6}).kind == "none"  # of 3 % of the error
+
+
+def test_what_hardly_lowers_the_error_is_not_as_good_as_what_surely_does():
+    base = np.ones(14)
+    losses = {"sinusoid": np.full(14, 0.2), "stiction": np.where(np.arange(14) < 2, 0.0, 1.02)}
+    found = judged(base, losses, by_chance={"stiction": 1e-6, "sinusoid": 1e-6})
+    assert (found.kind, found.effect, found.indistinguishable) == ("confirmed", "sinusoid", ())
 
 
 def test_models_that_are_alike_have_p_one_and_no_reduction():

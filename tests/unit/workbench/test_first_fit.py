@@ -92,9 +92,9 @@ def test_a_valve_begins_with_the_process_that_it_was_found_with():
     assert begun.first.criterion > 400
 
 
-def trial(effect, criterion, instants=None):
+def trial(effect, criterion):
     first = None if criterion is None else FirstFit(np.zeros(0), criterion)
-    return SimpleNamespace(effect=effect, first=first, instants=instants)
+    return SimpleNamespace(effect=effect, first=first)
 
 
 def test_what_gains_is_fitted_with_its_kin_and_that_of_which_it_says_nothing():
@@ -106,10 +106,10 @@ def test_what_gains_is_fitted_with_its_kin_and_that_of_which_it_says_nothing():
         trial(RateLimit(), -1.0),
         trial(Sinusoid(), -30.0),
         trial(measured, -30.0),
-        trial(LoadStepEffect(), -30.0, np.zeros((1, 4))),
+        trial(LoadStepEffect(), -30.0),
     ]
     named = [each.name for each in gaining(trials)]
-    assert named == ["deadband", "stiction", "sinusoid", "FEED", "load_step"]
+    assert named == ["deadband", "stiction", "sinusoid", "FEED"]
     assert gaining(trials[2:4]) == [trials[2].effect]  # the best, so that there is something to see
     dynamics = trial(SecondOrder(), -1.0)
     assert gaining([dynamics, *trials])[0].name == "second_order"  # beside what gains

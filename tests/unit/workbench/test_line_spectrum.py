@@ -1,6 +1,7 @@
 """Lines of a residual: the loop's own, or from outside."""
 
 import numpy as np
+from scipy.signal import lfilter
 import pytest
 from scipy import signal
 
@@ -74,11 +75,13 @@ def test_gaps_and_what_has_no_spectrum():
     assert line_spectrum(np.full(N, np.nan), np.zeros(N), 1.0) is None
 
 
-def test_a_slow_wave_is_certain_where_it_is_most_of_what_is_left():
+def test_a_slow_wave_is_certain_where_it_is_most_of_what_is_slow():
+    """White noise says nothing against it, slow noise does, which makes such lines by itself."""
     rng = np.random.default_rng(5)
     op, noise = triangle(wandering(rng)), rng.normal(size=N)
-    for height, certain in ((3.0, True), (0.5, False)):
-        found = line_spectrum(height * np.sin(2 * np.pi * 9 * np.arange(N) / N) + noise, op, 1.0)
+    wave, slow = np.sin(2 * np.pi * 9 * np.arange(N) / N), lfilter([1.0], [1.0, -0.99], noise)
+    for residual, certain in ((3.0 * wave + noise, True), (12.0 * wave + slow, False), (40.0 * wave + slow, True)):
+        found = line_spectrum(residual, op, 1.0)
         assert [round(line.frequency * N) for line in found.lines] == [9]
         assert bool(found.certain) == certain
 

@@ -1,0 +1,94 @@
+"""What rejects a wave: the residual without it has no line there, or its harmonics gain nothing.
+
+Of many frequencies one goes along with slow noise over a whole record, held-out blocks as well: what a search
+found is a wave only where the spectrum has a line that noise does not explain. An autoregression predicts a
+slow wave, so that the innovations hardly fall with it: where there is a line they say nothing against it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from agent.physics.effects.sinusoid import Sinusoid
+from agent.physics.effects.wave import HARMONICS as MULTIPLES
+from agent.physics.effects.wave import RepeatingWave
+from agent.workbench.checks.own_cycle import near
+from agent.workbench.residual.holm import LEVEL
+from agent.workbench.residual.line_spectrum import CERTAIN_CYCLES, line_spectrum
+from agent.workbench.residual.very_strong import VERY_STRONG
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from agent.analysis.record.recording import FloatArray
+    from agent.workbench.evidence import Evidence
+    from agent.workbench.fit import Fit
+    from agent.workbench.predictor import Predictor
+    from agent.workbench.trial import Optimum
+
+SLOW = "the innovations do not fall: what PV was just before says as much"
+NO_LINE = "the residual has no line there: slow noise goes along with some wave"
+NO_HARMONICS = "its harmonics gain nothing: it is a sinusoid"
+
+
+def wave_objections(
+    smaller: tuple[Predictor, FloatArray] | None,
+    models: Mapping[str, Optimum],
+    found: Mapping[str, Evidence],
+) -> dict[str, str]:
+    """Return what rejects effects that know nothing of OP and go on all the time, in words.
+
+    Args:
+        smaller: Predictions of the model without them, and where they are best; None: not known.
+        models: With each effect.
+        found: What the innovations say of each.
+    """
+    objections = {}
+    waves = {name: each.fit for name, each in models.items() if is_wave(each.fit)}
+    pure = [found[name].criterion for name, each in waves.items() if not _has_harmonics(each)]
+    for name, each in found.items():
+        line = has_line(smaller, waves[name], each.by_chance) if name in waves else None
+        harmonics = name in waves and _has_harmonics(waves[name])
+        if line is False:
+            objections[name] = NO_LINE
+        elif harmonics and pure and each.criterion - pure[0] <= VERY_STRONG:
+            objections[name] = NO_HARMONICS
+        elif not (each.explains or each.answers or each.once) and (line is None or harmonics):
+            objections[name] = SLOW
+    return objections
+
+
+def is_wave(larger: Fit) -> bool:
+    """Return whether the last effect of a fit is a wave."""
+    return isinstance(larger.model.effects[-1], Sinusoid)
+
+
+def has_line(
+    smaller: tuple[Predictor, FloatArray] | None, larger: Fit, by_chance: float = 1.0
+) -> bool | None:
+    """Return whether the residual without a wave has a certain line there; None: not known.
+
+    One of the harmonics of a wave is enough. Between two lines of the spectrum a wave is lower than on one:
+    where it is not slow, the innovations may show it as well.
+
+    Args:
+        smaller: Predictions of the model without the wave, and where they are best; None: not known.
+        larger: The model with it.
+        by_chance: How likely the innovations fall as far without a wave, all frequencies paid for.
+    """
+    if smaller is None or not is_wave(larger):
+        return None
+    predicts, best = smaller
+    record = predicts.objective.record
+    frequency, duration = float(larger.values[-1]), record.facts.duration
+    if frequency * duration >= CERTAIN_CYCLES and by_chance < LEVEL:
+        return True
+    found = line_spectrum(predicts.left(best), record.op, record.facts.ts)
+    if found is None:
+        return None  # there are gaps
+    multiples = range(1, 1 + (MULTIPLES if _has_harmonics(larger) else 1))
+    return any(near(found.certain, multiple * frequency, duration) for multiple in multiples)
+
+
+def _has_harmonics(larger: Fit) -> bool:
+    return isinstance(larger.model.effects[-1], RepeatingWave)
