@@ -137,7 +137,8 @@ def verdict_words(verdict: Verdict, found: Comparison) -> str:
         shown = f"an effect of {found.smallest_percent:.0f} % of the squared error would have been confirmed"
     if verdict.kind == "none_of_the_known":
         return (
-            f"something is missing that none of the known effects explains: {_where(verdict, found)}; {shown}"
+            "something is missing that none of the known effects explains: "
+            f"{_where(verdict, found)}; {shown}{lacks}"
         )
     return f"no failure is visible; {shown}"
 

@@ -11,7 +11,7 @@ from agent.workbench.checks.adequate import adequate, nothing_else
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, likeliest_pair
 from agent.workbench.checks.rivals import against_rivals, hidden_words
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
-from agent.workbench.checks.wave_lines import wave_objections
+from agent.workbench.checks.wave_lines import or_slow_wave, wave_objections
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
@@ -64,7 +64,7 @@ def judged(
     smaller: Step,
     models: Mapping[str, Tried],
     record: Record,
-    event_p: Mapping[str, float],
+    input_p: Mapping[str, float],
     together: Callable[[Step | Optimum, Effect], Optimum],
     worse: Callable[[Fit, Fit], bool] = no_other_record,
     also: Callable[[Optimum], Iterable[Effect]] = nothing_else,
@@ -81,8 +81,7 @@ def judged(
         smaller: The model without any of them.
         models: With each, the simplest of a family first.
         record: What they were fitted to.
-        event_p: Of those that happened once, and of measured inputs: how likely as much is explained where
-            nothing happened.
+        input_p: Of measured inputs: how likely one explains as much where it does not act.
         together: Tries an effect on top of one of the models, or of the smaller one.
         worse: Whether a larger model, the second, follows another recording less well than a smaller one.
         also: What of the library the innovations hint at beside an effect, the best first.
@@ -114,7 +113,7 @@ def judged(
     doubts = Doubts(smaller, models, found, both_needed, beside_dynamics, pair)
     by_chance = {name: each.by_chance for name, each in found.items()}
     doubts.objections.update(wave_objections(smaller.predicts, models, found))
-    doubts.objections.update(_at_once(found, event_p))
+    doubts.objections.update(_at_once(found, input_p))
     if smaller.predicts is not None:
         doubts.objections.update(dict.fromkeys(likelier_otherwise(found), UNLIKELY))
     judge_by = partial(
@@ -124,13 +123,13 @@ def judged(
         {name: each.family for name, each in found.items()},
         at_bound=[name for name, each in models.items() if own_at_bound(each.fit)],
         by_chance=by_chance,
-        event_p=event_p,
+        input_p=input_p,
         once={name for name, each in found.items() if each.once},
         seen={name for name, each in found.items() if not each.blind},
         likelier={name: each.criterion for name, each in found.items()},
         comparable=() if smaller.predicts is None else comparable(found),
     )
-    decision = _or_pair(_undoubted(judge_by, doubts), doubts)
+    decision = or_slow_wave(_or_pair(_undoubted(judge_by, doubts), doubts), found)
     if smaller.predicts is not None and _is_weak(decision, found):
         decision = replace(decision, kind="suggested")
     decision = _lowered(decision, doubts, smaller, models, worse)
@@ -142,11 +141,11 @@ def judged(
     return AllTried(decision, models, frozenset(doubts.lowered))
 
 
-def _at_once(found: Mapping[str, Evidence], event_p: Mapping[str, float]) -> dict[str, str]:
+def _at_once(found: Mapping[str, Evidence], input_p: Mapping[str, float]) -> dict[str, str]:
     """Return what rejects effects by themselves, in words; waves apart."""
     objections = {}
     for name, each in found.items():
-        if event_p.get(name, 0.0) >= LEVEL or (each.once and not each.explains):
+        if input_p.get(name, 0.0) >= LEVEL or (each.once and not each.explains):
             objections[name] = BY_CHANCE
         elif each.answers and not each.explains:
             objections[name] = ANSWERS
@@ -212,6 +211,7 @@ def _lowered(
     if pair is not None and effect == pair.names[0] and far_likelier_than(pair, doubts.found[effect]):
         together = far_likelier_words(pair)
     lacks = tuple(each for each in (words, together, doubts.lacks.get(effect)) if each is not None)
+    lacks = (*decision.lacks, *lacks)
     return replace(decision, kind=decision.kind if words is None else "suggested", lacks=lacks)
 
 

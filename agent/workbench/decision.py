@@ -42,7 +42,7 @@ class Candidate:
     """Lower end of its 90 % interval."""
     high: float
     p: float
-    """That it reduces nothing: adjusted for all candidates, and of an event not below that by chance."""
+    """That it reduces nothing: adjusted for all candidates, and of an input not below that by chance."""
     objection: str | None = None
     """In words what rejects it, however small ``p`` is; None where nothing does."""
 
@@ -81,7 +81,7 @@ def judge(
     at_bound: Collection[str] = (),
     *,
     by_chance: Mapping[str, float] | None = None,
-    event_p: Mapping[str, float] | None = None,
+    input_p: Mapping[str, float] | None = None,
     once: Collection[str] = (),
     seen: Collection[str] = (),
     likelier: Mapping[str, float] | None = None,
@@ -91,10 +91,11 @@ def judge(
 ) -> Decision:
     """Judge candidates by their held-out errors.
 
-    An effect is confirmed where it reduces the error by at least ``LEAST_PERCENT``, the interval of the
-    reduction is above zero, and p, adjusted by Holm, is below ``LEVEL``. The best is that with the least
-    error, or, where it is comparable, the likeliest that is. Another differs from the best by the same rule:
-    where the best reduces its error by as much, as significantly, and the record is not likelier with it.
+    An effect is confirmed where it reduces the error by at least ``LEAST_PERCENT``, and p, adjusted by Holm,
+    is below ``LEVEL``: by the blocks, where the interval of the reduction is above zero too, or by chance.
+    The best is that with the least error, or, where it is comparable, the likeliest that is. Another differs
+    from the best by the same rule: where the best reduces its error by as much, as significantly, and the
+    record is not likelier with it.
 
     Args:
         losses_base: Squared error of each held-out block without any of the candidates, (b,), b >= 2, one of
@@ -105,9 +106,10 @@ def judge(
             they are named for, or the record does not show how much of them there is. None is confirmed.
         by_chance: How likely an effect lowers the innovations as far where it is not there, all candidates
             paid for. Where that is less than the p of the held-out blocks it counts instead: an effect that
-            acts in few blocks cannot be significant by their signs, however plain it is there.
-        event_p: Of candidates that happened once: how likely as much is explained where nothing happened. It
-            must be below ``LEVEL`` as well.
+            acts in few blocks cannot be significant by their signs, however plain it is there, and under a
+            load that wanders blocks scatter more than what an effect does in them.
+        input_p: Of measured inputs: how likely one explains as much where it does not act. It must be below
+            ``LEVEL`` as well.
         once: Candidates of what happened once.
         seen: Candidates of which blocks are not blind (``Evidence.blind``): p of their signs does not count,
             only ``by_chance``.
@@ -128,10 +130,10 @@ def judge(
     adjusted.update(dict.fromkeys(seen, 1.0))
     for effect, chance in (by_chance or {}).items():
         adjusted[effect] = min(adjusted[effect], chance)
-    ranked, rejected, events = [], objections or {}, event_p or {}
+    ranked, rejected, inputs = [], objections or {}, input_p or {}
     for effect, mine in own.items():
         found, objection = reduction(base, mine, draws), rejected.get(effect)
-        p_all = max(adjusted[effect], events.get(effect, 0.0))
+        p_all = max(adjusted[effect], inputs.get(effect, 0.0))
         numbers = found.percent, found.low, found.high, p_all
         ranked.append(Candidate(effect, families[effect], *numbers, objection))
     ranked.sort(key=lambda each: -each.error_reduction_percent)

@@ -94,7 +94,11 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
     if answers or not blind or very_strong(criterion, candidates):
         chance = by_chance(before, after, added, candidates * _scanned(effect, record))
-    explains = very_strong(criterion, candidates) if once else lowers_innovations(before, after, searched if answers else added)
+    explains = (
+        very_strong(criterion, candidates)
+        if once
+        else lowers_innovations(before, after, searched if answers else added)
+    )
     return Evidence(explains, chance, criterion, effect.family, answers, once, blind)
 
 

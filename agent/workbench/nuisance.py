@@ -13,12 +13,20 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from agent.workbench.record import Record
+
     FloatArray = NDArray[np.float64]
 
 SLOWEST = 5.0
 """Drift is slower than so many dominant periods."""
 MOST_WAVES = 6
 """More would follow every load step."""
+
+
+def nuisance_of(record: Record) -> FloatArray:
+    """Return the columns of ``nuisance`` and those of OP before the record, (n, k)."""
+    columns = nuisance(len(record), record.period)
+    return columns if record.start is None else np.column_stack((columns, record.start))
 
 
 def nuisance(samples: int, period: float) -> FloatArray:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.workbench.normal_equations import coefficients_and_lowered
-from agent.workbench.nuisance import nuisance
+from agent.workbench.nuisance import nuisance_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -58,7 +58,7 @@ def target_of(record: Record, weight: FloatArray, *, linear: bool) -> ProjectedP
     """Return what models of ``record`` are fitted to; ``weight`` (n,) says which samples count."""
     if not linear:
         return target_itself(record.pv, weight, record.facts.gain_sign)
-    return target_behind(record.pv, nuisance(len(record), record.period), weight, record.facts.gain_sign)
+    return target_behind(record.pv, nuisance_of(record), weight, record.facts.gain_sign)
 
 
 def target_itself(pv: FloatArray, weight: FloatArray, gain_sign: int) -> ProjectedPv:
@@ -148,7 +148,7 @@ def _least_squares(columns: FloatArray, values: FloatArray, squares: FloatArray)
 
 def nuisance_part(record: Record, explained: FloatArray, weight: FloatArray) -> FloatArray:
     """Return level and drift, PV units, (n,), that are left of PV beside what is ``explained``, (n,)."""
-    columns = nuisance(len(record), record.period)
+    columns = nuisance_of(record)
     counts = weight > 0
     coefficients, *_ = np.linalg.lstsq(columns[counts], (record.pv - explained)[counts], rcond=VANISHES)
     return np.asarray(columns @ coefficients, dtype=np.float64)

@@ -52,6 +52,8 @@ class Record:
     weight: FloatArray
     """1 where PV counts; 0 in gaps, after them and at the start, where PV responds to an unknown OP."""
     facts: Facts
+    start: FloatArray | None = None
+    """What a process may still answer to OP before the record, columns, (n, k); None: nothing is seen."""
 
     def __len__(self) -> int:
         return len(self.op)

@@ -14,7 +14,7 @@ from scipy.stats.qmc import LatinHypercube
 
 from agent.workbench.gauss_newton import lowest
 from agent.workbench.library import instants
-from agent.workbench.nuisance import nuisance
+from agent.workbench.nuisance import nuisance_of
 from agent.workbench.projection import ProjectedPv, Solved, least_error, solve, target_behind, target_itself
 from agent.workbench.simplex import lowered_by_simplex
 from agent.workbench.space import Space, space_of
@@ -170,7 +170,7 @@ def whitened(objective: Objective, noise: Innovations) -> Whitened:
     if objective.target.fixed_gain:
         target = target_itself(pv, weight, sign)
     else:
-        drift = noise.filtered(nuisance(len(record), record.period))
+        drift = noise.filtered(nuisance_of(record))
         drift[:order] = 0.0
         # An autoregression nearly takes a level off, yet what is left of it counts as any other.
         drift /= np.linalg.norm(drift, axis=0)

@@ -16,11 +16,10 @@ from agent.workbench.checks.lacking import LARGER_DYNAMICS
 from agent.workbench.decision import judge
 from agent.workbench.evidence import far_likelier
 from agent.workbench.first.begun import Begun
-from agent.workbench.first.chances import Chances
 from agent.workbench.first.gaining import gaining, gains
+from agent.workbench.first.input_chances import InputChances
 from agent.workbench.first.valves_beside import ValvesBeside
 from agent.workbench.fit import fit
-from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.residual.holm import LEVEL
@@ -67,14 +66,13 @@ class Trials:
     """Another recording of the loop, to which nothing is fitted."""
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
     _shown: dict[tuple[str, ...], tuple[Shown, ...]] = field(default_factory=dict)
-    chances: Chances = field(init=False)
-    """Of what happened once, and of measured inputs."""
+    chances: InputChances = field(init=False)
     begun: Begun = field(init=False)
     """Trials with their first fits."""
 
     def __post_init__(self) -> None:
         """Prepare what is looked for once."""
-        self.chances = Chances(self.record.facts, self.run)
+        self.chances = InputChances(self.run)
         valves = ValvesBeside(self.window, self.record, self.run)
         self.begun = Begun(self.record, self.folds, self.run, self.progress, valves)
 
@@ -112,10 +110,10 @@ class Trials:
         return self._done[step.effects]
 
     def _worth_a_fit(self, step: Step, effects: Sequence[Effect]) -> list[Effect]:
-        """Return the effects that the innovations hint at, and no event that is as large by chance.
+        """Return the effects that the innovations hint at, by a score or by a first fit.
 
-        An event that is not has passed a test of its own. And where a lag is best at the end of its search,
-        the larger dynamics are fitted: it stands for an integrator, which to first order adds nothing to it.
+        And where a lag is best at the end of its search, the larger dynamics are fitted: it stands for an
+        integrator, which to first order adds nothing to it.
         """
         self.progress("a score of each", 0, 1)
         facts = self.record.facts
@@ -146,9 +144,9 @@ class Trials:
             lasting = [each for each in able if acts_on_op(each, facts) and not happens_once(each, facts)]
             return self._hinted(found, lasting)
 
-        event_p = dict(zip((each.name for each in effects), self.chances.of(step, effects), strict=True))
+        input_p = self.chances.of(step, effects)
         models, together = self._tried(step, effects), self.begun.together
-        return judged(step, models, self.record, event_p, together, self.is_worse, also, answering, hidden)
+        return judged(step, models, self.record, input_p, together, self.is_worse, also, answering, hidden)
 
     def _hidden_rivals(self, step: Step, tried: Sequence[Effect]) -> list[Effect]:
         """Return the simplest effect of each family that may be there, but that the record cannot show."""
@@ -171,16 +169,19 @@ class Trials:
         ]
         scores = scores_of(others, *found.predicts, self.run)
         others = sorted((each for each in others if each.name in scores), key=lambda each: -scores[each.name])
-        chances = zip(others[:BESIDE], self.chances.of(found, others[:BESIDE]), strict=True)
-        trials = self.begun.of(found, [each for each, p in chances if p < LEVEL])
+        chances = self.chances.of(found, others[:BESIDE])
+        trials = self.begun.of(
+            found, [each for each in others[:BESIDE] if chances.get(each.name, 0.0) < LEVEL]
+        )
         return [each.effect for each in trials if gains(each)]
 
     def both(self, smaller: Step, found: AllTried, name: str, rival: Effect) -> Tried | None:
         """Return the model with an effect and a rival, if each is confirmed beside the other.
 
         Each must lower the held-out error beside the other as an effect must lower that of a model, and an
-        event more than by chance; else either explains what the other does, and None is returned. As one
-        effect, two are not confirmed where a check lowers either, or where validation is worse with them.
+        event make the record far likelier; else either explains what the other does, and None is returned.
+        As one effect, two are not confirmed where a check lowers either, or where validation is worse with
+        them.
         """
         if {name, rival.name} & found.lowered:
             return None
@@ -192,14 +193,13 @@ class Trials:
             decision = judge(each.held_out.losses, {"both": larger.held_out.losses}, {"both": "both"})
             if decision.kind != "confirmed":
                 return None
-        pairs = (alone, alone[::-1])
-        last = (each.fit.model.effects[-1] for _, each in pairs)
-        chances = (self.chances.of(one, [effect]) for (one, _), effect in zip(pairs, last, strict=True))
-        if not all(p < LEVEL for (p,) in chances):
-            return None
-        facts = self.record.facts
-        events = [one for one, other in pairs if happens_once(other.fit.model.effects[-1], facts)]
-        return larger if all(far_likelier(one, larger, self.record) for one in events) else None
+        for one, other in (alone, alone[::-1]):
+            effect = other.fit.model.effects[-1]
+            by_chance = any(p >= LEVEL for p in self.chances.of(one, [effect]).values())
+            once = happens_once(effect, self.record.facts)
+            if by_chance or (once and not far_likelier(one, larger, self.record)):
+                return None
+        return larger
 
     def refined(self, found: Tried) -> Tried:
         """Return a model whose last effect was added: with the valve and the harmonics that it needs."""

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import minimize
 
-from agent.workbench.checks.unnamed import LINEAR
 from agent.workbench.inputs.measured_input import MeasuredInput, elsewhere
 from agent.workbench.nuisance import nuisance
 from agent.workbench.search import hypercube
+from agent.workbench.solved.from_before import from_before
 from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 OPENING = 0.1
 """First part of the other recording, from which its initial state is estimated, at least two periods."""
-PAST = 10
-"""Parts into which OP before the recording is divided, each half as long as the one before it."""
 SCAN = 100
 """Starts that are tried."""
 
@@ -49,27 +47,8 @@ def free_run_on(fitted: Fit, other: Record) -> FloatArray:
     values = _started(fitted, other)
     own = None
     if fitted.model.base.linear:
-        own = np.column_stack((nuisance(len(other), other.period), _from_before(fitted, other, values)))
+        own = np.column_stack((nuisance(len(other), other.period), from_before(fitted.model, values, other)))
     return _run(fitted, other, values, own, other.weight > 0)
-
-
-def _from_before(fitted: Fit, other: Record, values: FloatArray) -> FloatArray:
-    """Return what PV still answers to OP before a recording, moves of height one, (n, k).
-
-    Each is held for a part of the time for which the process remembers, the shorter the later. They go
-    through the lags of the valve, and through no friction: where the valve was is not known either.
-    """
-    layout = fitted.model.layout(other.facts)
-    longest = len(other)
-    edges = np.unique([0, *(longest * 0.5 ** np.arange(PAST)).round().astype(int)])
-    ago = longest - np.arange(longest + len(other))[:, np.newaxis]
-    moves = ((ago > edges[:-1]) & (ago <= edges[1:])).astype(np.float64)
-    for effect, own, _ in layout.valve:
-        if effect.family in LINEAR:
-            moves = np.column_stack([effect.apply(each, values[own], layout.ts) for each in moves.T])
-    position = layout.position(other.op, values)
-    before = np.concatenate((np.full(longest, position[0]), position))
-    return layout.answers(before, moves, values)[longest:]
 
 
 def _started(fitted: Fit, other: Record) -> FloatArray:

@@ -93,9 +93,7 @@ class Oscillatory:
         return RingingProcess(delay=delay, tau=tau, damping=damping, zero=zero)
 
 
-def second_order(
-    tau: float, damping: float, zero: float, late: float = 0.0
-) -> tuple[FloatArray, FloatArray]:
+def second_order(tau: float, damping: float, zero: float, late: float = 0.0) -> tuple[FloatArray, FloatArray]:
     """Return numerator and denominator of the filter of a held input, from the sample before on.
 
     By partial fractions: a pole p with its residue r turns an input that is held for a part of a sample, and

@@ -7,12 +7,14 @@ slow wave, so that the innovations hardly fall with it: where there is a line th
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
 
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.wave import HARMONICS as MULTIPLES
 from agent.physics.effects.wave import RepeatingWave
 from agent.workbench.checks.own_cycle import near
+from agent.workbench.decision import SUGGESTED
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.line_spectrum import CERTAIN_CYCLES, line_spectrum
 from agent.workbench.residual.very_strong import VERY_STRONG
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from agent.analysis.record.recording import FloatArray
+    from agent.workbench.decision import Decision
     from agent.workbench.evidence import Evidence
     from agent.workbench.fit import Fit
     from agent.workbench.predictor import Predictor
@@ -28,7 +31,12 @@ if TYPE_CHECKING:
 
 SLOW = "the innovations do not fall: what PV was just before says as much"
 NO_LINE = "the residual has no line there: slow noise goes along with some wave"
+SLOW_LINE = "slow noise makes such a line as well"
 NO_HARMONICS = "its harmonics gain nothing: it is a sinusoid"
+
+WaveLine = Literal["certain", "slow", "none"]
+"""``slow``: slow noise may have made it."""
+UNCERTAIN: frozenset[WaveLine | None] = frozenset({"slow", "none"})
 
 
 def wave_objections(
@@ -47,10 +55,10 @@ def wave_objections(
     waves = {name: each.fit for name, each in models.items() if is_wave(each.fit)}
     pure = [found[name].criterion for name, each in waves.items() if not _has_harmonics(each)]
     for name, each in found.items():
-        line = has_line(smaller, waves[name], each.by_chance) if name in waves else None
+        line = line_of(smaller, waves[name], each.by_chance) if name in waves else None
         harmonics = name in waves and _has_harmonics(waves[name])
-        if line is False:
-            objections[name] = NO_LINE
+        if line in UNCERTAIN:
+            objections[name] = SLOW_LINE if line == "slow" else NO_LINE
         elif harmonics and pure and each.criterion - pure[0] <= VERY_STRONG:
             objections[name] = NO_HARMONICS
         elif not (each.explains or each.answers or each.once) and (line is None or harmonics):
@@ -63,10 +71,10 @@ def is_wave(larger: Fit) -> bool:
     return isinstance(larger.model.effects[-1], Sinusoid)
 
 
-def has_line(
+def line_of(
     smaller: tuple[Predictor, FloatArray] | None, larger: Fit, by_chance: float = 1.0
-) -> bool | None:
-    """Return whether the residual without a wave has a certain line there; None: not known.
+) -> WaveLine | None:
+    """Return which line the residual without a wave has there; None: not known.
 
     One of the harmonics of a wave is enough. Between two lines of the spectrum a wave is lower than on one:
     where it is not slow, the innovations may show it as well.
@@ -82,12 +90,29 @@ def has_line(
     record = predicts.objective.record
     frequency, duration = float(larger.values[-1]), record.facts.duration
     if frequency * duration >= CERTAIN_CYCLES and by_chance < LEVEL:
-        return True
+        return "certain"
     found = line_spectrum(predicts.left(best), record.op, record.facts.ts)
     if found is None:
         return None  # there are gaps
     multiples = range(1, 1 + (MULTIPLES if _has_harmonics(larger) else 1))
-    return any(near(found.certain, multiple * frequency, duration) for multiple in multiples)
+    if any(near(found.certain, multiple * frequency, duration) for multiple in multiples):
+        return "certain"
+    return "slow" if near(found.lines, frequency, duration) else "none"
+
+
+def or_slow_wave(decision: Decision, found: Mapping[str, Evidence]) -> Decision:
+    """Return the suggestion of a wave that slow noise may have made, where nothing else can be named."""
+    able = [
+        each
+        for each in decision.candidates
+        if each.objection == SLOW_LINE and each.low > 0 and each.p < SUGGESTED
+    ]
+    if decision.kind != "none" or not able:
+        return decision
+    best = min(able, key=lambda each: each.p)
+    return replace(
+        decision, kind="suggested", effect=best.effect, family=found[best.effect].family, lacks=(SLOW_LINE,)
+    )
 
 
 def _has_harmonics(larger: Fit) -> bool:

@@ -1,1 +1,1 @@
-"""What is done with an effect before its whole search, each once: first fits, chances, valves beside it."""
+"""What is done with an effect before its whole search, each once: first fits, inputs by chance, valves."""

@@ -18,8 +18,8 @@ import numpy as np
 
 from agent.workbench.library import instants
 from agent.workbench.predictor import renewed
-from agent.workbench.solved.fewest_steps import NUMBERS_OF_A_STEP, variances_with_fewer
 from agent.workbench.search import best_of, by_slopes, objective_of, spread_about
+from agent.workbench.solved.fewest_steps import NUMBERS_OF_A_STEP, variances_with_fewer
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -46,7 +46,8 @@ class FirstFit:
     values: FloatArray
     """Of the larger model, own units, (k + j,)."""
     criterion: float
-    """How much likelier the record is, twice a logarithm, each number paid by Schwarz's criterion."""
+    """How much likelier the record is, twice a logarithm, each number paid by Schwarz's criterion: of a load
+    with as few steps as are worth it."""
 
 
 def first_fit(

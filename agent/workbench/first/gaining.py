@@ -21,10 +21,9 @@ if TYPE_CHECKING:
 def gaining(trials: Sequence[Trial], anyway: Collection[str] = ()) -> list[Effect]:
     """Return the effects of whose family a first fit gains what is worth a whole one, and the best of all.
 
-    And those of which it does not say: a wave, which an autoregression predicts; an event, which passed a
-    test of its own and whose instants have no slope; a measured input, which somebody named; those named in
-    ``anyway``; all where there are no predictions; and beside what gains the larger dynamics, with which a
-    check may explain what remains.
+    And those of which it does not say: a wave, which an autoregression predicts; a measured input, which
+    somebody named; those named in ``anyway``; all where there are no predictions; and beside what gains the
+    larger dynamics, with which a check may explain what remains.
     """
     found = {each.effect.name: _criterion(each) for each in trials}
     families = {each.effect.family for each in trials if found[each.effect.name] > WORTH_A_FIT}

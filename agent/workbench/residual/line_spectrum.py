@@ -201,7 +201,7 @@ def _line(values: FloatArray, cycles: FloatArray, frequency: float, ts: float, p
 
 
 def _alone(values: FloatArray, frequency: float) -> float:
-    """Return which part of what is slow in a residual (n,) a wave of about a frequency, 1/sample, explains."""
+    """Return which part of a slow residual, (n,), a wave of about a frequency, 1/sample, explains."""
     along = fft.dct(values, norm="ortho")
     along[2 * SLOW_CYCLES :] = 0.0
     slow = fft.idct(along, norm="ortho")

@@ -22,6 +22,7 @@ from agent.workbench.session.opening import opened
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.bases import Base
+    from agent.workbench.evidence import ModelAtBest
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.trial import Tried
     from agent.workbench.trials import Trials
@@ -68,7 +69,7 @@ class Predicted:
     """That it has, searched and solved for."""
 
 
-def predicted_by(alone: Tried) -> Predicted | None:
+def predicted_by(alone: ModelAtBest) -> Predicted | None:
     """Return how a model predicts its record, where it does so best; None where that is not known."""
     if alone.predicts is None:
         return None

@@ -16,6 +16,7 @@ from agent.workbench.saved_model import saved
 from agent.workbench.session import views
 from agent.workbench.session.auto_base import based
 from agent.workbench.session.opening import validation
+from agent.workbench.session.other_base import other_base
 from agent.workbench.step import Step, Verdict, step_of
 
 if TYPE_CHECKING:
@@ -79,6 +80,7 @@ class Bench:
         self._steps: list[Step] = []
         self._made: dict[tuple[object, ...], Step] = {}
         self._failures: dict[tuple[object, ...], tuple[Failure, ...]] = {}
+        self._other_bases: dict[tuple[object, ...], tuple[str, ...]] = {}
         self._trials: Trials | None = None
         self._validation, self.not_validated = validation(validate, self.base)
         lacking = [name for name in inputs if name not in other_inputs]
@@ -155,6 +157,13 @@ class Bench:
         if key not in self._failures:
             self._failures[key] = views.failures(step, self.trials)
         return self._failures[key]
+
+    def other_base(self) -> tuple[str, ...]:
+        """Return in words that another base does far better than the newest model, or nothing; once each."""
+        key = self.step.effects, self.step.rmse_fit
+        if key not in self._other_bases:
+            self._other_bases[key] = other_base(self.window, self.base, self.step)
+        return self._other_bases[key]
 
     def lines(self) -> LineSpectrum | None:
         """Return the spectrum of the residual of the newest model, with its lines; None where it has none."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
     from agent.workbench.session.bench import Bench
     from agent.workbench.shown.information import Shown
 
+FAILS = frozenset({"none_of_the_known", "suggested"})
+"""Verdicts with which the model still fails."""
+
 
 def compared(bench: Bench) -> Comparison:
     """Return the staircase of a session, and the verdict on its newest model."""
@@ -38,6 +42,8 @@ def compared(bench: Bench) -> Comparison:
         best = tried.models[candidates[0].effect].held_out.losses
         smallest = smallest_reduction(losses, best, len(candidates), rng)
     verdict = verdict_of(bench.step, tried, fails, spectrum, bench.record.facts)
+    if verdict.kind in FAILS:
+        verdict = replace(verdict, lacks=(*verdict.lacks, *bench.other_base()))
     explained, reason = explained_by_op(bench.step, bench.trials), None
     waves = spectrum is not None and bool(spectrum.certain)
     if verdict.effect is None and not waves and not is_informative(explained, fails):

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import fit
+from agent.workbench.fit import fit, refit_from
 from agent.workbench.folds import folds_of
 from agent.workbench.record import Record, bare_record, closed_by, record_of
+from agent.workbench.solved.from_before import begun_in_motion
 from agent.workbench.trials import Trials
 
 if TYPE_CHECKING:
@@ -24,6 +25,9 @@ def opened(window: LoopWindow, base: Base, run: Map, progress: Progress) -> tupl
         return record
     progress(base.name, 0, 1)
     fitted = fit(LoopModel(base), record, record.weight)
+    if base.linear:
+        record = begun_in_motion(fitted, record)
+        fitted = refit_from(fitted.model, record, fitted.values)
     folds = folds_of(record, fitted)
     if isinstance(folds, str):
         return folds

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.workbench.candidates import WORSE_ELSEWHERE
-from agent.workbench.checks.own_cycle import may_be_loops_own
-from agent.workbench.checks.wave_lines import NO_LINE, has_line
 from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
+from agent.workbench.checks.own_cycle import may_be_loops_own
+from agent.workbench.checks.wave_lines import NO_LINE, UNCERTAIN, line_of
 from agent.workbench.decision import LEAST_PERCENT
 from agent.workbench.doubts import STANDS_FOR_ANOTHER
 from agent.workbench.library import happens_once, missing
@@ -199,7 +199,7 @@ class _Several:
         if verdict.effect is None:
             return verdict
         rows = list(zip(self.benches, tried[verdict.effect].alone, strict=True))
-        if all(has_line(bench.step.predicts, alone.fit) is False for bench, alone in rows):
+        if all(line_of(bench.step.predicts, alone.fit) in UNCERTAIN for bench, alone in rows):
             return replace(verdict, kind="suggested", lacks=(NO_LINE,))
         if any(may_be_loops_own(bench.step.predicts, alone.fit) for bench, alone in rows):
             return replace(verdict, kind="suggested", lacks=(OWN_CYCLE,))

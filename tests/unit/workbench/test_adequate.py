@@ -11,7 +11,7 @@ from agent.physics.bases import Fopdt
 from agent.physics.effects import EFFECTS
 from agent.workbench.checks.adequate import NOT_IN_LIBRARY
 from agent.workbench.checks.remainder import remainder
-from agent.workbench.checks.wave_lines import NO_LINE
+from agent.workbench.checks.wave_lines import SLOW_LINE
 from agent.workbench.hooks import silent
 from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.session import Workbench
@@ -55,7 +55,7 @@ def test_a_trim_that_stands_for_a_curve_behind_the_lags_is_suggested():
     assert (named.kind, named.effect, named.lacks) == ("family", "square_law", ())
 
 
-def test_a_wave_that_stands_for_an_integrator_has_no_line_and_a_number_at_its_bound_leaves_a_remainder():
+def test_a_slow_wave_may_stand_for_an_integrator_and_a_number_at_its_bound_leaves_a_remainder():
     record = open_record(62409, "prbs", "integrating")
     quiet = record.scenario.model_copy(update={"wander": Wander(), "drift": Drift()})
     noise = np.random.default_rng(62409).normal(0, quiet.noise.std, len(record.op))
@@ -63,7 +63,7 @@ def test_a_wave_that_stands_for_an_integrator_has_no_line_and_a_number_at_its_bo
     window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
     bench = Workbench(window, without={each.family for each in EFFECTS} - {"disturbance"})
     wave = next(each for each in bench.candidates().candidates if each.effect == "sinusoid")
-    assert wave.objection == NO_LINE
+    assert wave.objection == SLOW_LINE
     assert remainder(*bench.trials.known(bench.step).models["sinusoid"].predicts) > VERY_STRONG
     named = judged(record, "disturbance", "process_dynamics")
     assert (named.kind, named.effect) == ("confirmed", "integrating")

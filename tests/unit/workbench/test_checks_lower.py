@@ -11,8 +11,8 @@ from agent.physics.effects import EFFECTS
 from agent.workbench import trials
 from agent.workbench.checks.lacking import is_likeliest_by_far, lacks_words, larger_dynamics
 from agent.workbench.checks.own_cycle import keeps_time_of_loop
-from agent.workbench.checks.wave_lines import NO_LINE
 from agent.workbench.checks.unnamed import AS_LIKELY
+from agent.workbench.checks.wave_lines import NO_LINE
 from agent.workbench.session import Workbench
 from agent.workbench.space import Space
 from simulators.draws.open_records import open_record

@@ -209,8 +209,8 @@ def test_chance_must_exclude_an_event():
     rng = np.random.default_rng(5)
     base = base_losses(rng)
     losses = {"sinusoid": less(rng, base, 60)}
-    assert judged(base, losses, event_p={"sinusoid": 0.005}).kind == "confirmed"
-    found = judged(base, losses, event_p={"sinusoid": 0.3})
+    assert judged(base, losses, input_p={"sinusoid": 0.005}).kind == "confirmed"
+    found = judged(base, losses, input_p={"sinusoid": 0.3})
     assert found.candidates[0].p == 0.3
     assert found.kind == "suggested"
 

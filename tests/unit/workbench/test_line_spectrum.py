@@ -1,7 +1,6 @@
 """Lines of a residual: the loop's own, or from outside."""
 
 import numpy as np
-from scipy.signal import lfilter
 import pytest
 from scipy import signal
 
@@ -79,9 +78,9 @@ def test_a_slow_wave_is_certain_where_it_is_most_of_what_is_slow():
     """White noise says nothing against it, slow noise does, which makes such lines by itself."""
     rng = np.random.default_rng(5)
     op, noise = triangle(wandering(rng)), rng.normal(size=N)
-    wave, slow = np.sin(2 * np.pi * 9 * np.arange(N) / N), lfilter([1.0], [1.0, -0.99], noise)
-    for residual, certain in ((3.0 * wave + noise, True), (12.0 * wave + slow, False), (40.0 * wave + slow, True)):
-        found = line_spectrum(residual, op, 1.0)
+    wave, slow = np.sin(2 * np.pi * 9 * np.arange(N) / N), signal.lfilter([1.0], [1.0, -0.99], noise)
+    for height, noisy, certain in ((3.0, noise, True), (12.0, slow, False), (40.0, slow, True)):
+        found = line_spectrum(height * wave + noisy, op, 1.0)
         assert [round(line.frequency * N) for line in found.lines] == [9]
         assert bool(found.certain) == certain
 

@@ -1,0 +1,41 @@
+"""What the residual's spectrum says of a wave, where an autoregression hides it from the innovations."""
+
+from agent.analysis.record.recording import LoopWindow
+from agent.physics.effects import EFFECTS
+from agent.workbench.checks.wave_lines import NO_HARMONICS, SLOW_LINE
+from agent.workbench.session import Workbench
+from simulators.draws.open_records import open_record
+
+OTHERS = {each.family for each in EFFECTS} - {"disturbance"}
+
+
+def decision_on(seed, truth, kind="bump"):
+    record = open_record(seed, kind, truth)
+    window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
+    return Workbench(window, without=OTHERS).candidates()
+
+
+def test_a_slow_wave_with_a_certain_line_is_confirmed_though_the_innovations_hardly_fall():
+    """Eight cycles in a bump test, 91 % of the residual: the verdict was *none of the known effects*."""
+    decision = decision_on(91159, "sinusoid")
+    assert (decision.kind, decision.effect, decision.indistinguishable) == ("confirmed", "sinusoid", ())
+
+
+def test_a_slow_line_that_noise_may_have_made_confirms_nothing():
+    """Three cycles in a bump test of a load that wanders, and no such wave in the loop."""
+    decision = decision_on(91160, "pv_gain")
+    assert (decision.kind, decision.effect) == ("suggested", "sinusoid")
+    assert next(each for each in decision.candidates if each.effect == "sinusoid").objection == SLOW_LINE
+
+
+def test_where_nothing_else_can_be_named_such_a_line_is_suggested_and_the_verdict_says_why():
+    decision = decision_on(91291, "sinusoid")
+    assert (decision.kind, decision.family) == ("suggested", "disturbance")
+    assert decision.lacks == (SLOW_LINE,)
+
+
+def test_a_wave_with_harmonics_that_gain_nothing_is_a_sinusoid():
+    decision = decision_on(91162, "stiction_sinusoid")
+    assert decision.effect == "sinusoid"
+    objections = {each.effect: each.objection for each in decision.candidates}
+    assert objections["wave"] == NO_HARMONICS
