@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.trial import Tried
 
+BEGINS = 2
+"""How often what is from before a record is computed: of a base that had to explain it, then of one that
+had not. A third changes the error of 18 rigs (``simulators.balances.linear_rigs``) by less than 0.1 %."""
+
 
 def opened(window: LoopWindow, base: Base, run: Map, progress: Progress) -> tuple[Trials, Tried] | str:
     """Return what can be tested on a recording and its base fitted, or in plain words why nothing can be."""
@@ -25,7 +29,7 @@ def opened(window: LoopWindow, base: Base, run: Map, progress: Progress) -> tupl
         return record
     progress(base.name, 0, 1)
     fitted = fit(LoopModel(base), record, record.weight)
-    if base.linear:
+    for _ in range(BEGINS * base.linear):
         record = begun_in_motion(fitted, record)
         fitted = refit_from(fitted.model, record, fitted.values)
     folds = folds_of(record, fitted)
