@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import fit, refit_from
+from agent.workbench.fit import Fit, fit, refit_from, residual_of
 from agent.workbench.folds import folds_of
+from agent.workbench.innovations import innovations, likelihood_ratio
 from agent.workbench.record import Record, bare_record, closed_by, record_of
+from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.solved.from_before import begun_in_motion
 from agent.workbench.trials import Trials
 
@@ -17,10 +20,6 @@ if TYPE_CHECKING:
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.trial import Tried
 
-BEGINS = 2
-"""How often what is from before a record is computed: of a base that had to explain it, then of one that
-had not. A third changes the error of 18 rigs (``simulators.balances.linear_rigs``) by less than 0.1 %."""
-
 
 def opened(window: LoopWindow, base: Base, run: Map, progress: Progress) -> tuple[Trials, Tried] | str:
     """Return what can be tested on a recording and its base fitted, or in plain words why nothing can be."""
@@ -29,14 +28,31 @@ def opened(window: LoopWindow, base: Base, run: Map, progress: Progress) -> tupl
         return record
     progress(base.name, 0, 1)
     fitted = fit(LoopModel(base), record, record.weight)
-    for _ in range(BEGINS * base.linear):
-        record = begun_in_motion(fitted, record)
-        fitted = refit_from(fitted.model, record, fitted.values)
+    if base.linear:
+        record, fitted = _begun(record, fitted)
     folds = folds_of(record, fitted)
     if isinstance(folds, str):
         return folds
     trials = Trials(window, record, folds, run, progress)
     return trials, trials.predicted(fitted)
+
+
+def _begun(record: Record, fitted: Fit) -> tuple[Record, Fit]:
+    """Return a record and its base with what is from before it, where that makes the record far likelier.
+
+    It is computed twice: of a base that had to explain it, then of one that had not. A third time changes
+    the error of 18 rigs (``simulators.balances.linear_rigs``) by less than 0.1 %.
+    """
+    moving = begun_in_motion(fitted, record)
+    if moving.start is None:
+        return record, fitted
+    again = refit_from(fitted.model, moving, fitted.values)
+    before, after = (innovations(residual_of(each, record), longest=True) for each in (fitted, again))
+    price = moving.start.shape[1] * math.log(len(record))
+    if before is None or after is None or likelihood_ratio(before, after) - price <= VERY_STRONG:
+        return record, fitted
+    moving = begun_in_motion(again, moving)
+    return moving, refit_from(again.model, moving, again.values)
 
 
 def other_record(window: LoopWindow, base: Base) -> Record:
