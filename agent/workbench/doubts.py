@@ -20,7 +20,7 @@ from agent.workbench.checks.own_cycle import may_be_loops_own
 from agent.workbench.checks.pairs import as_likely_words, far_likelier_than, is_as_likely
 from agent.workbench.likeliest import less_likely
 from agent.workbench.other_event import is_another_gain, is_only_another_level
-from agent.workbench.residual.state_dependence import much_left, removed_by, state_dependence, still_fails
+from agent.workbench.residual.state_dependence import failing, removed_by, state_dependence, still_fails
 from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
 if TYPE_CHECKING:
@@ -113,12 +113,12 @@ class Doubts:
         """Whether what made the smaller model fail is still there with an effect, and no other explains it.
 
         A wave that goes on all the time is seen by itself, whatever else is missing. What happened once and
-        knows nothing of OP must leave little of what it explains that hangs on OP.
+        knows nothing of OP must leave nothing that hangs on OP.
         """
         evidence = self.found[name]
         left = self._leaves(name) if evidence.answers else set()
         if evidence.once and not evidence.answers:
-            left = much_left(self._dependence(name), self._removed(name))
+            left = failing(self._dependence(name))
         if not left:
             return False
         explained = self._is_explained(name, left)
@@ -195,11 +195,8 @@ class Doubts:
 
     def _leaves(self, name: str) -> set[str]:
         """Return the axes on which what made the smaller model fail is still there, with an effect."""
-        return still_fails(self.smaller.estimate.dependence, self._dependence(name), self._removed(name))
-
-    def _removed(self, name: str) -> float:
-        """Return by how much an effect lowers the squares of the innovations, PV units squared."""
-        return removed_by(self.smaller.predicts, self.models[name].predicts)
+        removed = removed_by(self.smaller.predicts, self.models[name].predicts)
+        return still_fails(self.smaller.estimate.dependence, self._dependence(name), removed)
 
     def _dependence(self, name: str) -> Mapping[str, Dependence]:
         """Return what each axis shows of the model with an effect, once; empty without predictions."""

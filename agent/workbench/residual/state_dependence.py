@@ -84,9 +84,14 @@ def state_dependence(predicts: Predictor, best: FloatArray) -> dict[str, Depende
     return {axis: replace(each, p=min(1.0, len(found) * each.p)) for axis, each in found.items()}
 
 
+def failing(found: Mapping[str, Dependence]) -> set[str]:
+    """Return the axes on which a model fails."""
+    return {axis for axis, each in found.items() if DOUBTED * each.p < LEVEL}
+
+
 def fails(found: Mapping[str, Dependence]) -> bool:
     """Return whether a model fails on any axis."""
-    return any(DOUBTED * each.p < LEVEL for each in found.values())
+    return bool(failing(found))
 
 
 def resolves(before: Mapping[str, Dependence], after: Mapping[str, Dependence], removed: float) -> bool:
@@ -116,14 +121,7 @@ def still_fails(
     most = max(before.values(), key=lambda each: each.excess)
     if DOUBTED * most.p >= LEVEL:
         return set()
-    return much_left(after, max(most.excess, removed))
-
-
-def much_left(after: Mapping[str, Dependence], failed: float) -> set[str]:
-    """Return the axes on which a model fails by much of ``failed``, or by a part of it with a small p.
-
-    ``failed``: squares of the innovations, PV units squared.
-    """
+    failed = max(most.excess, removed)
     return {
         axis
         for axis, each in after.items()
