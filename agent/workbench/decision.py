@@ -92,7 +92,8 @@ def judge(
     """Judge candidates by their held-out errors.
 
     An effect is confirmed where it reduces the error by at least ``LEAST_PERCENT``, and p, adjusted by Holm,
-    is below ``LEVEL``: by the blocks, where the interval of the reduction is above zero too, or by chance.
+    is below ``LEVEL``: by the blocks or by chance. The interval of the reduction must be above zero but for
+    what lasts and is shown by chance.
     The best is that with the least error, or, where it is comparable, the likeliest that is. Another differs
     from the best by the same rule: where the best reduces its error by as much, as significantly, and the
     record is not likelier with it.
@@ -137,7 +138,7 @@ def judge(
         numbers = found.percent, found.low, found.high, p_all
         ranked.append(Candidate(effect, families[effect], *numbers, objection))
     ranked.sort(key=lambda each: -each.error_reduction_percent)
-    shown = {effect for effect, chance in (by_chance or {}).items() if chance < LEVEL}
+    shown = {each for each, chance in (by_chance or {}).items() if chance < LEVEL and each not in once}
     large = [
         each
         for each in ranked
