@@ -46,6 +46,8 @@ _HEAD = struct.Struct("<BBH q I I B i BB B")
 _PLAIN_TYPE, _RESPONSE, _NO_TYPE = (1, 0), 829, (0, 0)
 """A node id of four bytes in namespace 0; that of PublishResponse; a null one."""
 _INT = struct.Struct("<i")
+_NO_ARRAY = -1
+"""Length of an array that is null; a lower one is no length."""
 _RESULT = struct.Struct("<B I q i")
 """More notifications, sequence number, time of publishing, count of notifications."""
 _OBJECT = struct.Struct("<BBH B i")
@@ -256,7 +258,9 @@ def _block(body: bytes, at: int, left: int) -> tuple[ValueBlock, int] | None:
 
 
 def _numbers(data: bytes, at: int) -> tuple[list[int], int]:
-    """Return an array of 32 bits each, and where it ends."""
+    """Return an array of 32 bits each, and where it ends. Raises struct.error."""
     (count,) = _INT.unpack_from(data, at)
+    if count < _NO_ARRAY:
+        raise struct.error(f"an array has {count} numbers")
     count = max(count, 0)
     return list(struct.unpack_from(f"<{count}I", data, at + 4)), at + 4 + 4 * count
