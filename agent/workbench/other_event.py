@@ -105,10 +105,7 @@ class _Event:
 
         Less a constant.
         """
-        pv, white = self.predicts.pv, self.predicts.whitened(np.hstack((self.rest, columns)))
-        free = self.predicts.solved_for(white)
-        rest = pv - white[:, : white.shape[1] - free.shape[1]].sum(axis=1)
-        left = rest - free @ np.linalg.lstsq(free, rest, rcond=None)[0]
+        left = self.predicts.left_by(self.predicts.whitened(np.hstack((self.rest, columns))))
         return float(len(left) * math.log(left @ left))
 
     def gains(self, beside: FloatArray, columns: FloatArray) -> bool:

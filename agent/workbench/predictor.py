@@ -91,6 +91,12 @@ class Predictor:
         """Return which of the model's columns, (n, k), have free amounts: all but a response that is PV."""
         return columns[:, int(self.objective.target.fixed_gain) :]
 
+    def left_by(self, white: FloatArray) -> FloatArray:
+        """Return the innovations that whitened columns, (m, k), leave with their best amounts, (m,)."""
+        free = self.solved_for(white)
+        rest = self.pv - white[:, : white.shape[1] - free.shape[1]].sum(axis=1)
+        return np.asarray(rest - free @ np.linalg.lstsq(free, rest, rcond=None)[0], dtype=np.float64)
+
     def derivative(self, at: FloatArray) -> FloatArray:
         """Return the derivatives of the innovations by the coordinates, PV units, (m, k)."""
         columns = np.empty((len(self.pv), len(at)))

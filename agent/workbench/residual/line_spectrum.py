@@ -75,10 +75,9 @@ class Line:
     """``locked``: stays in phase with the reversals of OP. ``coherent``: keeps its own frequency over the
     record, so it comes from outside. ``either``: OP's cycle is so even that the record cannot distinguish the
     two."""
-    part: float
-    """Of the power of the whole spectrum, with its surroundings."""
     alone: float
-    """Part of the slow residual (``SLOW_CYCLES``) that a wave of about this frequency explains."""
+    """Part of the slow residual (``SLOW_CYCLES``) that a wave of about this frequency explains; 1 where it
+    has so many cycles that slow noise makes no such line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,16 +95,12 @@ class LineSpectrum:
     @property
     def certain(self) -> tuple[Line, ...]:
         """Lines that are certain: slow noise may make slow ones as well, except nearly all of it."""
-        return tuple(each for each in self.lines if not self._is_slow(each))
+        return tuple(each for each in self.lines if each.alone > CERTAIN_PART)
 
     @property
     def from_outside(self) -> tuple[Line, ...]:
         """The certain lines that certainly come from outside."""
         return tuple(each for each in self.certain if each.kind == "coherent")
-
-    def _is_slow(self, line: Line) -> bool:
-        least = CERTAIN_CYCLES / FEWEST_CYCLES * float(self.frequency[0])
-        return line.frequency < least and line.alone <= CERTAIN_PART
 
 
 def line_spectrum(residual: FloatArray, op: FloatArray, ts: float) -> LineSpectrum | None:
@@ -126,9 +121,8 @@ def line_spectrum(residual: FloatArray, op: FloatArray, ts: float) -> LineSpectr
     frequency, power = found.frequency[FEWEST_CYCLES:-1], found.power[FEWEST_CYCLES:-1]
     threshold = -np.log1p(-((1 - FALSE_ALARM) ** (1 / len(power)))) * _noise(power)
     cycles = cycles_of(op)
-    lines = tuple(
-        _line(whole, cycles, frequency[at], ts, _part(power, at)) for at in _peaks(power / threshold)
-    )
+    slow = CERTAIN_CYCLES / FEWEST_CYCLES * float(frequency[0])
+    lines = tuple(_line(whole, cycles, frequency[at], ts, slow) for at in _peaks(power / threshold))
     return LineSpectrum(frequency / ts, power, threshold, lines)
 
 
@@ -170,13 +164,8 @@ def _peaks(ratio: FloatArray) -> Iterator[int]:
         rest[max(at - beside, 0) : at + beside + 1] = 0.0
 
 
-def _part(power: FloatArray, at: int) -> float:
-    """Return the share of all power (m,) in a line and its surroundings."""
-    return float(power[max(at - BESIDE, 0) : at + BESIDE + 1].sum() / power.sum())
-
-
-def _line(values: FloatArray, cycles: FloatArray, frequency: float, ts: float, part: float) -> Line:
-    """Return the line at ``frequency``, cycles a sample, with its kind."""
+def _line(values: FloatArray, cycles: FloatArray, frequency: float, ts: float, slow: float) -> Line:
+    """Return the line at ``frequency``, cycles a sample; below ``slow`` noise may have made it."""
     known = np.isfinite(cycles)
     harmonic = _harmonic(frequency, cycles[known])
     if harmonic is None:
@@ -197,7 +186,8 @@ def _line(values: FloatArray, cycles: FloatArray, frequency: float, ts: float, p
         kind = "locked" if locked > CLEARLY * coherent else "either"
         clearly = CLEARLY if harmonic == 1 else CLEARLY_OUTSIDE
         kind = "coherent" if coherent > clearly * locked else kind
-    return Line(float(own.x) / ts, harmonic, kind, part, _alone(values, float(own.x)))
+    alone = _alone(values, float(own.x)) if own.x < slow else 1.0
+    return Line(float(own.x) / ts, harmonic, kind, alone)
 
 
 def _alone(values: FloatArray, frequency: float) -> float:

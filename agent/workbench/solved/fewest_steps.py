@@ -39,10 +39,7 @@ def variances_with_fewer(predicts: Predictor, at: FloatArray) -> list[float]:
         for steps in range(effect.steps - 1, 0, -1):
             tried = []
             for kept in combinations(range(effect.steps), steps):
-                some = white[:, [*range(rest), *(rest + each for each in kept)]]
-                free = predicts.solved_for(some)
-                left = predicts.pv - some[:, : some.shape[1] - free.shape[1]].sum(axis=1)
-                left = left - free @ np.linalg.lstsq(free, left, rcond=None)[0]
+                left = predicts.left_by(white[:, [*range(rest), *(rest + each for each in kept)]])
                 tried.append(float(left @ left) / len(left))
             found.append(min(tried))
     return found
