@@ -2,7 +2,7 @@
 
 Real ones are read from the folder that SLIPJUMP_RIGS names, a CSV file each with OP and PV: the first half of
 it is for the models, the second half for their validation, or all of it and `NAME.validation.csv`. Without
-the folder simulated ones alone: `simulators.balances.linear_rigs` and `simulators.balances`.
+the folder simulated ones alone: those of `simulators.balances`.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from benchmarks.cases.options import Options
 from benchmarks.cases.third_order import output_error
 from benchmarks.tables.markdown import table
 from connectors.recording import read_recording
+from simulators.balances.laboratory_rigs import LABORATORY_RIGS, laboratory_rig
 from simulators.balances.linear_rigs import LINEAR_RIGS, linear_rig
 from simulators.balances.nonlinear_plants import NONLINEAR, nonlinear_record
 
@@ -87,6 +88,10 @@ def simulated(seeds: Sequence[int]) -> Iterator[Rig]:
         for name in LINEAR_RIGS:
             rig = linear_rig(seed, name)
             yield in_halves(f"{name} {seed}", LoopWindow(name, 0.0, 1.0, rig.op, rig.pv))
+        for known in LABORATORY_RIGS:
+            sampled = laboratory_rig(seed, known)
+            window = LoopWindow(known, 0.0, sampled.ts, sampled.op, sampled.pv)
+            yield in_halves(f"{known} {seed}", window)
         for law in NONLINEAR:
             record = nonlinear_record(seed, law, "none")
             yield in_halves(f"{law} {seed}", LoopWindow(law, 0.0, 1.0, record.op, record.pv))

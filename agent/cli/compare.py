@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
 Names = list[str]
 BASE_HELP = (
-    "Process to begin with: fopdt, sopdt, integrator, lags_integrator, oscillatory, two_tanks, heater, "
-    "heat_exchanger, neutralisation, or auto: the likeliest."
+    "Process to begin with: fopdt, sopdt, integrator, lags_integrator, oscillatory, third_order, "
+    "two_tanks, heater, heat_exchanger, neutralisation, or auto: the likeliest."
 )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.fit import SCAN, residual_of
-from agent.workbench.innovations import TINY, by_chance, innovations, likelihood_ratio, lowers_innovations
+from agent.workbench.innovations import by_chance, innovations, likelihood_ratio, lowers_innovations
 from agent.workbench.library import acts_on_op, happens_once, instants
 from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
@@ -137,7 +137,7 @@ def _price(predicts: Predictor, best: FloatArray) -> float:
     derivative = predicts.derivative(best)
     if not np.isfinite(derivative).all():
         return math.nan
-    sharpness = np.linalg.eigvalsh(derivative.T @ derivative) / max(predicts.variance(best), TINY)
+    sharpness = np.linalg.eigvalsh(derivative.T @ derivative) / predicts.variance(best)
     return float(np.sum(np.log(np.maximum(sharpness / (2 * np.pi), 1.0))))
 
 

@@ -105,7 +105,7 @@ def fit_from(model: LoopModel, record: Record, points: FloatArray, rounds: Seque
     """Fit a model to the whole record from points (m, k) of the unit cube; all values move together."""
     objective = objective_of(model, record, target_of(record, record.weight, linear=model.base.linear))
     found = searched(objective, points, rounds)
-    if isinstance(model.base, StartingBase):
+    if isinstance(model.base, StartingBase) and not model.base.linear:
         # What a smaller model needed in place of the effect may be far from what this one needs.
         own = model.base.starts(record.op, record.pv, record.facts)
         found = min(

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.physics.bases.base import StartingBase
 from agent.workbench.fit import SCAN
 from agent.workbench.instant_order import instants_of
 from agent.workbench.library import happens_once
@@ -81,6 +82,8 @@ def predictor(
     first = predictor_behind(objective, fitted.pv)
     if first is None:
         return None
+    if starts is None:
+        starts = _of_base(first)
     points = None if starts is None else objective.space.at(starts)
     found = _settled(first, start)
     if found is None or not len(start):
@@ -98,6 +101,22 @@ def predictor(
     # fit was sought behind that of the smaller model already.
     others = [_elsewhere(*found), None if nested is not None else _elsewhere(first, start)]
     return min((found, *(each for each in others if each is not None)), key=_variance)
+
+
+def _of_base(predicts: Predictor) -> FloatArray | None:
+    """Return where a linear base alone would begin behind the autoregression, own units, (m, k).
+
+    The filter is that of both OP and PV, so that the process between them is the same. None where the base
+    has no first values of its own, or there are effects.
+    """
+    base, record = predicts.objective.model.base, predicts.objective.record
+    if predicts.objective.model.effects or not (base.linear and isinstance(base, StartingBase)):
+        return None
+    op, pv = (
+        predicts.noise.filtered(each)[len(predicts.noise.coefficients) :] for each in (record.op, record.pv)
+    )
+    found = base.starts(op, pv, record.facts)
+    return found if len(found) else None
 
 
 def with_other_values(

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 DIFFERENCE = 1e-3
 """Step of derivatives, part of a parameter's range."""
+EXACT = 1e-9
+"""Part of PV's deviation to which a file without noise, and the filters, are right."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +62,17 @@ class Predictor:
         return self.behind.error(at)
 
     def variance(self, at: FloatArray) -> float:
-        """Return their mean square, to compare those of other autoregressions; PV units squared."""
-        return self.error(at) / len(self.pv)
+        """Return their mean square, to compare those of other autoregressions; PV units squared.
+
+        No less than what is rounding: a record without noise is right to some digits.
+        """
+        return max(self.error(at) / len(self.pv), self.rounding)
+
+    @property
+    def rounding(self) -> float:
+        """Variance below which innovations are rounding, PV units squared."""
+        pv = self.objective.record.pv
+        return max(EXACT**2 * float(np.var(pv)), np.finfo(float).tiny)
 
     def free_run(self, at: FloatArray) -> FloatArray:
         """Return PV of the model in free run, PV units, (n,); level and drift as a fit takes them."""
@@ -117,7 +128,7 @@ class Predictor:
             return np.ones(len(at))
         left = self.residual(at)
         variance = float(left @ left) / max(len(left) - len(at) - self.basis.shape[1], 1)
-        information = derivative.T @ derivative / max(variance, np.finfo(float).tiny)
+        information = derivative.T @ derivative / max(variance, self.rounding)
         # One more observation of each: it lies somewhere in the cube.
         covariance = np.linalg.inv(information + np.eye(len(at)))
         return np.asarray(np.sqrt(np.diag(covariance)), dtype=np.float64)

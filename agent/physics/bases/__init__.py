@@ -8,6 +8,7 @@ from agent.physics.bases.heater import HeaterBase
 from agent.physics.bases.lag_bases import Fopdt, Integrator, LagsIntegrator, Sopdt
 from agent.physics.bases.neutralisation import NeutralisationBase
 from agent.physics.bases.oscillatory import Oscillatory
+from agent.physics.bases.third_order import ThirdOrder
 from agent.physics.bases.two_tanks import TwoTanksBase
 
 __all__ = ["BASES", "Base"]
@@ -18,6 +19,7 @@ BASES: tuple[Base, ...] = (
     Integrator(),
     LagsIntegrator(),
     Oscillatory(),
+    ThirdOrder(),
     TwoTanksBase(),
     HeaterBase(),
     HeatExchangerBase(),

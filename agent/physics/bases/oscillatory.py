@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.signal import lfilter
 
+from agent.physics.bases.between_samples import first_values
+from agent.physics.bases.held_modes import held_filter
 from agent.physics.bases.lag_bases import delay_of, lag_of
 from agent.physics.bases.linear_process import LinearProcess, lagged
 from agent.physics.effect import Facts, Parameter
@@ -21,8 +23,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
+    ComplexArray = NDArray[np.complex128]
 
-DAMPING = (0.02, 1.5)
+DAMPING = (0.002, 1.5)
 """From hardly damped to two lags; with more damping the two are far apart, and ``sopdt`` is the base."""
 ZERO = (-3.0, 6.0)
 """Of the zero's time constant over T: a first move the wrong way, up to one far beyond the end."""
@@ -54,7 +57,7 @@ class RingingProcess(LinearProcess):
         """
         late = max(self.delay / ts, 1.0) - 1.0
         whole = int(late)
-        top, bottom = second_order(self.tau / ts, self.damping, self.zero, late - whole)
+        top, bottom = self.held(ts, late - whole)
         moved = np.zeros_like(position)
         moved[whole + 1 :] = (position - position[0])[: max(len(position) - whole - 1, 0)]
         response = position[0] + lfilter(top, bottom, moved)
@@ -65,6 +68,13 @@ class RingingProcess(LinearProcess):
         if self.creep > 0.0:
             response = response + self.creep * ts * np.cumsum(response - response.mean())
         return np.asarray(response, dtype=np.float64)
+
+    def held(self, ts: float, late: float) -> tuple[FloatArray, FloatArray]:
+        """Return numerator and denominator of the filter of a held position, from the sample before on.
+
+        ``late``: part of a sample by which it comes late.
+        """
+        return second_order(self.tau / ts, self.damping, self.zero, late)
 
     def counted_from(self, position: FloatArray) -> float:  # noqa: ARG002
         """Return 0: the response has the level of OP."""
@@ -92,12 +102,20 @@ class Oscillatory:
         delay, tau, damping, zero = (float(each) for each in values)
         return RingingProcess(delay=delay, tau=tau, damping=damping, zero=zero)
 
+    def starts(self, op: FloatArray, pv: FloatArray, facts: Facts) -> FloatArray:
+        """Return the values of linear models that are fitted in turns, (m, 4), the best first."""
+        return first_values(op, pv, 2, facts.ts)
+
+
+def poles_of(tau: float, damping: float) -> ComplexArray:
+    """Return both poles, one over a sample, (2,), never the same; ``tau`` in samples."""
+    away = damping if abs(damping - 1.0) > DOUBLE else 1.0 + DOUBLE
+    root = np.sqrt(complex(away * away - 1.0))
+    return np.asarray((-away + np.array([root, -root])) / tau, dtype=np.complex128)
+
 
 def second_order(tau: float, damping: float, zero: float, late: float = 0.0) -> tuple[FloatArray, FloatArray]:
     """Return numerator and denominator of the filter of a held input, from the sample before on.
-
-    By partial fractions: a pole p with its residue r turns an input that is held for a part of a sample, and
-    ends at another part s before its end, into r e^(p s) (e^(p part) - 1) / p.
 
     Args:
         tau: Samples.
@@ -105,14 +123,5 @@ def second_order(tau: float, damping: float, zero: float, late: float = 0.0) -> 
         zero: Its time constant over ``tau``.
         late: Part of a sample by which the input comes late, for which the one before it still counts.
     """
-    away = damping if abs(damping - 1.0) > DOUBLE else 1.0 + DOUBLE
-    root = np.sqrt(complex(away * away - 1.0))
-    poles = (-away + np.array([root, -root])) / tau
-    residues = (1.0 + zero * tau * poles) / (tau * tau * (poles - poles[::-1]))
-    new = residues * np.expm1(poles * (1.0 - late)) / poles
-    old = residues * np.exp(poles * (1.0 - late)) * np.expm1(poles * late) / poles
-    own = np.stack((new, old), axis=1)
-    other = np.stack((np.ones(2), -np.exp(poles[::-1])), axis=1)
-    top = np.convolve(own[0], other[0]) + np.convolve(own[1], other[1])
-    bottom = np.convolve(other[0], np.array([1.0, -np.exp(poles[0])]))
-    return np.ascontiguousarray(top.real), np.ascontiguousarray(bottom.real)
+    poles = poles_of(tau, damping)
+    return held_filter(poles, (1.0 + zero * tau * poles) / (tau * tau * (poles - poles[::-1])), late)

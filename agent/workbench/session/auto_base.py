@@ -67,6 +67,8 @@ class Predicted:
     """PV units, (n,), NaN where there is no prediction."""
     numbers: int
     """That it has, searched and solved for."""
+    least: float
+    """Variance of the innovations below which it is rounding, PV units squared."""
 
 
 def predicted_by(alone: ModelAtBest) -> Predicted | None:
@@ -78,7 +80,7 @@ def predicted_by(alone: ModelAtBest) -> Predicted | None:
     if new is None:
         return None
     solved = predicts.solved_for(predicts.objective.columns(best)).shape[1]
-    return Predicted(new.values, len(best) + solved + predicts.basis.shape[1])
+    return Predicted(new.values, len(best) + solved + predicts.basis.shape[1], predicts.rounding)
 
 
 def far_likelier(one: Predicted, other: Predicted) -> bool:
@@ -87,6 +89,6 @@ def far_likelier(one: Predicted, other: Predicted) -> bool:
     count = int(np.count_nonzero(both))
     if not count:
         return False
-    squares = [max(float(np.sum(each.innovations[both] ** 2)), math.ulp(0.0)) for each in (other, one)]
+    squares = [max(float(np.sum(each.innovations[both] ** 2)), count * each.least) for each in (other, one)]
     gained = count * math.log(squares[0] / squares[1])
     return gained - (one.numbers - other.numbers) * math.log(count) > VERY_STRONG

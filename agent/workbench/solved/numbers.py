@@ -93,8 +93,7 @@ def _covariance(predicts: Predictor, best: FloatArray, coefficients: FloatArray)
         rise = (objective.columns(ends[1]) - objective.columns(ends[0])) @ coefficients
         moved[:, i] = predicts.whitened(rise[:, np.newaxis])[:, 0] / (ends[1, i] - ends[0, i])
     both = np.hstack((white, np.nan_to_num(moved)))
-    variance = max(predicts.variance(best), TINY)
-    information = both.T @ both / variance
+    information = both.T @ both / predicts.variance(best)
     # One more observation of each searched value: it lies somewhere in the cube.
     prior = np.concatenate((1e-12 * np.diag(information)[:count] + TINY, np.ones(len(best))))
     scale = 1 / np.sqrt(np.diag(information) + prior)

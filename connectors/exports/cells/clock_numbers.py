@@ -13,14 +13,24 @@ if TYPE_CHECKING:
 
 DAY = 86400.0
 SHORTEST, LONGEST = 5e-3, DAY
-"""Sampling times that a recording of a control loop may have where nobody states a unit, s. Below it
-seconds are rarer than days since the start of the record (60 s are 0.0007 days, 5 minutes 0.0035)."""
+"""Sampling times that a recording of a control loop may have where nobody states a unit, s. Below it days
+since the start of the record are as likely (60 s are 0.0007 days, 5 minutes 0.0035), so that steps must be
+even, for digits may have been cut off, and no sampling time that historians have in another unit."""
 COMMON_FROM = 0.2
 """Sampling time up to which a number that is not round counts as minutes or hours, s (10 s: 0.1667 min)."""
 PLAIN_LONGEST = 1000.0
 """Sampling time from which numbers without a unit may as well be milliseconds (of 1 s and more), s."""
 MOST_EXACT = 1e-5
 """Relative difference from a round number up to which a step counts as round; exports have six digits."""
+MOSTLY = 0.99
+"""Part of the steps that are near their median where no digits were cut off."""
+COMMON = tuple(
+    [each / 100 for each in (10, 20, 25, 50)]
+    + [1, 2, 2.5, 3, 4, 5, 6, 10, 12, 15, 20, 25, 30, 40, 50]
+    + [60 * each for each in (1, 1.5, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60, 90, 120, 240, 360, 720, 1440)]
+)
+"""Sampling times that historians have, s: what another unit must make of a step to be likelier than seconds.
+Rigs are sampled at rates of any three digits, 500 Hz or 51200 Hz: no such times in minutes, hours or days."""
 FIRST, LAST = 1990, 2050
 """Years in which an absolute time may lie; they keep all ways of counting apart."""
 EXCEL_1970, MATLAB_1970 = 25569.0, 719529.0
@@ -103,8 +113,8 @@ def clock_of(values: FloatArray, unit: str) -> TimeScale:
     Raises:
         UnclearTimeError: No way of counting gives a likely sampling time, or two do.
     """
-    steps = np.abs(np.diff(values))
-    steps = steps[steps > 0]
+    every = np.abs(np.diff(values))
+    steps = every[every > 0]
     step = float(np.median(steps)) if steps.size else None
     middle = float(np.median(values))
     factor = unit_factor(unit)
@@ -119,8 +129,8 @@ def clock_of(values: FloatArray, unit: str) -> TimeScale:
             return _checked(scale, step, middle)
     if factor is not None:
         return TimeScale(factor, 0.0, unit, absolute=False)
-    mean = float(np.mean(steps[np.abs(steps / step - 1) < 0.5])) if step is not None else None
-    _refuse_unlikely(step, mean, middle)
+    if step is not None:
+        _refuse_unlikely(step, every, middle)
     return CLOCKS["seconds"]
 
 
@@ -151,16 +161,30 @@ def _checked(clock: TimeScale, step: float | None, middle: float) -> TimeScale:
     )
 
 
-def _refuse_unlikely(step: float | None, mean: float | None, middle: float) -> None:
-    """Raise UnclearTimeError where numbers without a unit are hardly seconds."""
-    if step is None or mean is None:
-        return
+def _refuse_unlikely(step: float, steps: FloatArray, middle: float) -> None:
+    """Raise UnclearTimeError where numbers without a unit are hardly seconds.
+
+    Args:
+        step: The median of the steps.
+        steps: From one to the next, (n,).
+        middle: Of the numbers.
+    """
+    regular = steps[np.abs(steps / step - 1) < 0.5]
+    mean = float(np.mean(regular))
+    exact = max(MOST_EXACT, float(np.ptp(regular)) / (len(regular) * mean))  # digits may have been cut off
     others = [
         (name, scale)
         for name, scale in ELAPSED.items()
-        if name != "seconds" and SHORTEST <= step * scale.factor <= LONGEST and _is_round(mean * scale.factor)
+        if name != "seconds"
+        and SHORTEST <= step * scale.factor <= LONGEST
+        and any(abs(mean * scale.factor / each - 1) < exact for each in COMMON)
     ]
-    if SHORTEST <= step < PLAIN_LONGEST and (step >= COMMON_FROM or _is_round(mean) or not others):
+    if step < SHORTEST:
+        even = len(regular) >= MOSTLY * len(steps)
+        likely = even and not others
+    else:
+        likely = step < PLAIN_LONGEST and (step >= COMMON_FROM or _is_round(mean) or not others)
+    if likely:
         return
     looks = " or ".join(f"{name} ({mean * scale.factor:.4g} s a sample)" for name, scale in others)
     seems = f", look like {looks}" if looks else ""

@@ -54,11 +54,11 @@ def test_a_larger_base_pays_for_its_numbers():
     new = np.append(np.full(30, np.nan), rng.standard_normal(500))
     price = 10.0 + 4 * np.log(500)
     for gained, likelier in ((price + 1, True), (price - 1, False)):
-        better = Predicted(np.exp(-gained / 1000) * new, 9)
-        assert far_likelier(better, Predicted(new, 5)) is likelier
+        better = Predicted(np.exp(-gained / 1000) * new, 9, 0.0)
+        assert far_likelier(better, Predicted(new, 5, 0.0)) is likelier
     # Samples that one of them does not predict are left out.
     fewer = np.where(np.arange(530) < 280, np.nan, new)
-    assert not far_likelier(Predicted(fewer, 5), Predicted(new, 5))
+    assert not far_likelier(Predicted(fewer, 5, 0.0), Predicted(new, 5, 0.0))
 
 
 @pytest.mark.parametrize("process", NONLINEAR)
