@@ -165,6 +165,8 @@ def first_slip(effect: HysteresisEffect) -> None:
             values = effect.values_of(bands, start, DampedStem(), 1.0)
             own = len(effect.parameters(FACTS))
             require(len(values) == own, f"values_of returns {len(values)} values of {own}")
+            again = effect.values_of(*effect.valve_of(values, 1.0), 1.0)
+            require_close(again, values, "values of the valve of these values")
             moves = np.flatnonzero(np.abs(np.diff(effect.apply(op, values, 1.0))) > 1e-6)
             require(len(moves), "it never moves")
             require_close(op[moves[0] + 1] - 50, start, "OP at the first slip less first OP", atol=0.11)

@@ -19,6 +19,7 @@ from agent.workbench.first.begun import Begun
 from agent.workbench.first.gaining import gaining, gains
 from agent.workbench.first.input_chances import InputChances
 from agent.workbench.first.valves_beside import ValvesBeside
+from agent.workbench.first.valves_shared import sought, to_seek
 from agent.workbench.fit import fit
 from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.prediction_search import with_other_values
@@ -269,4 +270,12 @@ class Trials:
             else:
                 models[names[done]] = found
             self.progress(names[min(done + 1, len(names) - 1)], done + 1, len(names))
+        self._share_valves(models)
         return {each.name: models[each.name] for each in effects if each.name in models}
+
+    def _share_valves(self, models: dict[str, Tried]) -> None:
+        """Give each effect of hysteresis the valve of the likeliest, where it predicts better with it."""
+        others = to_seek(models)
+        for name, fitted in zip(others, self.run(sought, list(others.values())), strict=True):
+            if fitted is not None:
+                models[name] = self.predicted(fitted)

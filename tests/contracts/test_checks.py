@@ -121,6 +121,10 @@ class WrongStart:
     def values_of(self, bands, start, stem, ts):
         return STICTION.values_of(bands, 0.5 * start, stem, ts)
 
+    def valve_of(self, values, ts):
+        bands, start, stem = STICTION.valve_of(values, ts)
+        return bands, 2 * start, stem
+
 
 WRONG_EFFECTS = [
     (Unnamed, "names"),

@@ -18,12 +18,12 @@ from agent.physics.effects.hysteresis import (
     start_of,
 )
 from agent.physics.valves.damped_stem import damped_stem_by_direction
+from agent.units import FrictionBands
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.physics.valves.damped_stem import DampedStem
-    from agent.units import FrictionBands
 
     FloatArray = NDArray[np.float64]
 
@@ -68,3 +68,9 @@ class AsymmetricStiction:
     def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:
         """Return the values of a valve with these bands in both directions."""
         return np.array([bands.dead_band, bands.j, bands.j, start, *motion_values(stem, ts)[: len(STIFF)]])
+
+    def valve_of(self, values: FloatArray, ts: float) -> tuple[FrictionBands, float, DampedStem]:
+        """Return bands with the mean of both slip jumps, start and stem of the values."""
+        dead_band, j_up, j_down, start = (float(value) for value in values[:4])
+        jump = (j_up + j_down) / 2
+        return FrictionBands.from_s_j(dead_band + jump, jump), start, moving(values[4:], ts)

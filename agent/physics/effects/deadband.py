@@ -11,12 +11,11 @@ from agent.jit import kernel
 from agent.physics.effect import Facts, Parameter, Stage
 from agent.physics.effects.actuator_lag import lagged
 from agent.physics.effects.hysteresis import S_BY_LAW, motion_of, rest_before, start_of
+from agent.physics.valves.damped_stem import DampedStem
+from agent.units import FrictionBands
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from agent.physics.valves.damped_stem import DampedStem
-    from agent.units import FrictionBands
 
     FloatArray = NDArray[np.float64]
 
@@ -67,3 +66,8 @@ class Deadband:
     def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:
         """Return the values of a band as wide as S."""
         return np.array([bands.s, start, stem.damping * ts])
+
+    def valve_of(self, values: FloatArray, ts: float) -> tuple[FrictionBands, float, DampedStem]:
+        """Return bands without a slip jump, start and the lag of the stem."""
+        width, start, damping = (float(value) for value in values)
+        return FrictionBands.from_s_j(width, 0.0), start, DampedStem(damping=damping / ts)

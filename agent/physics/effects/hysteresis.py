@@ -40,6 +40,13 @@ class HysteresisEffect(ValveEffect, Protocol):
         """
         ...
 
+    def valve_of(self, values: FloatArray, ts: float) -> tuple[FrictionBands, float, DampedStem]:
+        """Return bands, start and stem of the valve with the same bands in both directions that is nearest.
+
+        What ``values_of`` takes, from what it returns.
+        """
+        ...
+
 
 def start_of(facts: Facts) -> Parameter:
     """OP at the first slip less OP at the first sample; below 0 that slip is downward.

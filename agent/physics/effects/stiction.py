@@ -17,12 +17,12 @@ from agent.physics.effects.hysteresis import (
     rest_before,
     start_of,
 )
+from agent.physics.valves.damped_stem import DampedStem
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.physics.valves.damped_stem import DampedStem
     from agent.physics.valves.law import StictionLaw
 
     FloatArray = NDArray[np.float64]
@@ -62,3 +62,9 @@ class Stiction:
         """Return the values of a valve with these bands."""
         valve = [bands.s, bands.j / bands.s if bands.s > 0.0 else 0.0, start]
         return np.array([*valve, *(motion_values(stem, ts) if self.law is None else ())])
+
+    def valve_of(self, values: FloatArray, ts: float) -> tuple[FrictionBands, float, DampedStem]:
+        """Return bands, start and stem of the values."""
+        s, j_over_s, start = (float(value) for value in values[:3])
+        stem = moving(values[3:], ts) if self.law is None else DampedStem()
+        return FrictionBands.from_s_j(s, j_over_s * s), start, stem
