@@ -53,7 +53,7 @@ def remainder(predicts: Predictor, best: FloatArray) -> float:
     """
     known = movable_inside(predicts, best)
     left = beyond(predicts.residual(best), known)
-    variance = float(left @ left) / max(len(left) - known.shape[1], 1)
+    variance = max(float(left @ left) / max(len(left) - known.shape[1], 1), predicts.rounding)
     white = predicts.whitened(np.column_stack([*_unnamed(predicts, best)]))
     new, least = beyond(white, known), OWN * np.sum(white**2, axis=0)
     price = math.log(len(left)) + 2 * math.log(white.shape[1])

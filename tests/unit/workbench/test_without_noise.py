@@ -7,6 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from agent.analysis.record.recording import LoopWindow
+from agent.physics.effects import EFFECTS
 from agent.workbench.session import Workbench
 
 
@@ -26,7 +27,8 @@ def test_all_numbers_are_numbers(kind: str) -> None:
         op = 50 + 10 * np.sin(np.arange(1200) / 9.0)
     position = stuck(op) if kind == "stuck" else op
     pv = 20 + 2 * lfilter([0.0, 0.1], [1.0, -0.9], position - position[0])
-    bench = Workbench(LoopWindow("exact", 0.0, 1.0, op, pv))
+    others = {each.family for each in EFFECTS} - {"valve_hysteresis"}
+    bench = Workbench(LoopWindow("exact", 0.0, 1.0, op, pv), without=others if kind == "stuck" else ())
     bench.auto()
     numbers = [value for each in bench.step.parameters for value in (each.value, each.low, each.high)]
     assert np.isfinite(numbers).all()
