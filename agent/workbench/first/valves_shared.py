@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.physics.foreign import EffectError
 from agent.workbench.first.valve_scan import scanned
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.valve_starts import ValveStart, with_valves
@@ -53,8 +54,11 @@ def sought(each: Sought) -> Fit | None:
     if not isinstance(effect, HysteresisEffect):
         return None
     points = predicts.space.at(with_valves(model.fit, effect, (valve,), predicts.objective.facts))
-    points = np.vstack((points, scanned(predicts.objective, points[0])))
-    found = with_other_values(predicts, at, points)
+    try:
+        points = np.vstack((points, scanned(predicts.objective, points[0])))
+        found = with_other_values(predicts, at, points)
+    except EffectError:  # of somebody else, at values that no fit before had; the model stays as it is
+        return None
     return None if found is None else found[0].fit(found[1])
 
 
