@@ -19,14 +19,13 @@ def test_a_fast_rig_has_seconds(rate: float) -> None:
 
 
 @pytest.mark.parametrize("digits", [4, 5, 6, 9])
-@pytest.mark.parametrize("step", [1.0, 10.0, 30.0, 60.0, 300.0, 900.0])
-@pytest.mark.parametrize("unit", [3600.0, 86400.0])
+@pytest.mark.parametrize(
+    ("unit", "step"),
+    [(3600.0, 1.0), (3600.0, 10.0), *((86400.0, step) for step in (1.0, 10.0, 30.0, 60.0, 300.0))],
+)
 def test_what_may_be_hours_or_days_is_refused(unit: float, step: float, digits: int) -> None:
-    times = np.round(SAMPLES * step / unit, digits)
-    if step / unit >= 5e-3:
-        pytest.skip("a step of seconds that recordings have")
     with pytest.raises(UnclearTimeError):
-        clock_of(times, "")
+        clock_of(np.round(SAMPLES * step / unit, digits), "")
 
 
 def test_a_rig_of_500_hz_is_read(tmp_path: Path) -> None:
