@@ -275,7 +275,7 @@ class Trials:
 
     def _share_valves(self, models: dict[str, Tried]) -> None:
         """Give each effect of hysteresis the valve of the likeliest, where it predicts better with it."""
-        others = to_seek(models)
-        for name, fitted in zip(others, self.run(sought, list(others.values())), strict=True):
+        seeking = to_seek(models)
+        for name, fitted in zip(seeking, self.run(sought, list(seeking.values())), strict=True):
             if fitted is not None:
                 models[name] = self.predicted(fitted)

@@ -1,4 +1,4 @@
-"""One valve for all effects of its family: each begins from that of the likeliest as well.
+"""One valve for all effects of its family: each begins from that of the likeliest, and from a scan, as well.
 
 Effects of hysteresis are nearly the same valve with other numbers, and their errors have narrow minima, so
 that a search may find one with the richer effect and miss it with the simpler one that is there.
@@ -28,7 +28,7 @@ Sought = tuple["Optimum", ValveStart]
 
 
 def to_seek(models: Mapping[str, Optimum]) -> dict[str, Sought]:
-    """Return the effects of hysteresis that are to be sought with the valve of the likeliest, and that valve.
+    """Return the effects of hysteresis, the likeliest among them, each with the valve to seek it from.
 
     ``models``: with each effect, the last of each.
     """

@@ -23,9 +23,9 @@ def test_the_simpler_effect_is_found_where_the_richer_one_was() -> None:
         assert found[name].low <= plant.parameters[name][0] <= found[name].high
     tried = bench.trials.known(bench.staircase()[0])
     assert tried is not None
-    others = to_seek(tried.models)
-    assert set(others) == {"stiction", "asymmetric_stiction", "deadband"}
-    assert others["deadband"][1].bands.s == pytest.approx(plant.parameters["stiction.s"][0], rel=0.1)
+    seeking = to_seek(tried.models)
+    assert set(seeking) == {"stiction", "asymmetric_stiction", "deadband"}
+    assert seeking["deadband"][1].bands.s == pytest.approx(plant.parameters["stiction.s"][0], rel=0.1)
 
 
 def test_without_hysteresis_there_is_nothing_to_seek() -> None:
