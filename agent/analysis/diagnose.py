@@ -145,7 +145,12 @@ def with_innovations(found: Quantification, window: LoopWindow) -> Quantificatio
     if known or found.failure is not None or found.quick_evidence is None:
         return found
     say = innovations_say(window, found)
-    return replace(found, log_likelihood_ratio=say.log_likelihood_ratio, would_show=say.would_show)
+    return replace(
+        found,
+        log_likelihood_ratio=say.log_likelihood_ratio,
+        would_show=say.would_show,
+        load_wave=say.wave,
+    )
 
 
 def verdict_of(found: Quantification, weighed: Weighed) -> tuple[Verdict, float]:

@@ -190,6 +190,9 @@ class Quantification:
     """Log of how much more likely the record is with a sticking valve, nats; None: not computed."""
     would_show: float | None = None
     """How likely the record would show a valve that sticks, 0 to 1; None: not known."""
+    load_wave: bool = False
+    """Whether a wave of the load makes the record at least as likely as a valve that sticks: ``evidence``
+    compares with a model that has none, and says nothing then."""
     search_spent: bool = False
     """Whether the search ended with its budget spent, so that a better valve might be found."""
     sticking: SimulatedModel | None = None

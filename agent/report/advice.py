@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from agent.report.no_response_words import CHECKS
+from agent.report.parts.no_response_words import CHECKS
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis

@@ -8,8 +8,8 @@ from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.indices import INDICES
 from agent.analysis.results import IntervalEstimate, ProcessEstimate, ProcessIntervals, StictionEstimate
 from agent.report.advice import advice
-from agent.report.benefit_words import benefit_json
-from agent.report.no_response_words import POSSIBLE
+from agent.report.parts.benefit_words import benefit_json
+from agent.report.parts.no_response_words import POSSIBLE
 from agent.report.ranking import group_of
 from agent.report.reasons import reasons
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from agent.report.advice import advice
-from agent.report.benefit_words import benefit_lines
 from agent.report.numbers import interval_words
+from agent.report.parts.benefit_words import benefit_lines
 from agent.report.reasons import reasons
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from agent.analysis.gates.fault import LIMIT_CYCLE, SHAPE
-from agent.report.no_response_words import no_response_words
 from agent.report.numbers import percent_words
+from agent.report.parts.no_response_words import no_response_words
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis, OtherRecordings, RecordSummary
@@ -24,6 +24,7 @@ SKIPPED: dict[frozenset[MethodKind], str] = {
     LIMIT_CYCLE: "methods that need a steady oscillation were skipped",
     SHAPE: "methods that analyse the shape of OP and PV were skipped",
 }
+LOAD_WAVE = "a load that oscillates by itself explains the record at least as well as a valve that sticks"
 CONTRADICTED = (
     "this window shows that the valve sticks, the former days make that improbable: the verdict waits for "
     "another day that shows it"
@@ -70,6 +71,7 @@ def _own(diagnosis: Diagnosis) -> tuple[str, ...]:
         *_fit_words(record, found, diagnosis),
         *_evidence_words(found, diagnosis.weighed),
         *_would_show_words(found, diagnosis.verdict),
+        *((LOAD_WAVE,) if found.load_wave else ()),
         *(f"{fault.reason}: {SKIPPED[fault.closes]}" for fault in diagnosis.faults),
     )
 

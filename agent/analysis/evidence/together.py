@@ -7,7 +7,7 @@ from collections import defaultdict
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from agent.analysis.evidence.weighing import ENOUGH_LIKELIHOOD, SAYS, Weighed, capped, weigh
+from agent.analysis.evidence.weighing import ENOUGH_LIKELIHOOD, SAYS, Weighed, weigh, worths
 from agent.analysis.results import MethodResult
 
 if TYPE_CHECKING:
@@ -48,8 +48,9 @@ def joined(found: Sequence[Quantification]) -> Quantification:
         found[0],
         log_likelihood_ratio=max(0.0, sum(ratios) - SEARCH * (len(ratios) - 1)),
         turns=sum(each.turns or 0 for each in found),
-        evidence=_mean([each.evidence for each in found]),
-        quick_evidence=_mean([each.quick_evidence for each in found]),
+        evidence=_mean([worths(each)[0] for each in found]),
+        quick_evidence=_mean([worths(each)[1] for each in found]),
+        load_wave=False,
     )
 
 
@@ -68,5 +69,5 @@ def _verdict(votes: int) -> MethodVerdict:
     return "stiction" if votes > 0 else "no_stiction"
 
 
-def _mean(evidence: Sequence[float | None]) -> float:
-    return math.exp(sum(capped(each) for each in evidence) / len(evidence))
+def _mean(worth: Sequence[float]) -> float:
+    return math.exp(sum(worth) / len(worth))

@@ -109,8 +109,13 @@ def features(found: Quantification) -> tuple[float, float, float, float]:
     turns = math.log1p(min(found.turns or 0, ENOUGH_TURNS)) / math.log1p(ENOUGH_TURNS)
     ratio = min(max(found.log_likelihood_ratio or 0.0, 0.0), ENOUGH_LIKELIHOOD)
     likelihood = math.log1p(ratio / LITTLE_LIKELIHOOD) / math.log1p(ENOUGH_LIKELIHOOD / LITTLE_LIKELIHOOD)
-    evidence, quick = capped(found.evidence), capped(found.quick_evidence)
+    evidence, quick = worths(found)
     return turns * evidence, turns * quick, turns * likelihood, likelihood
+
+
+def worths(found: Quantification) -> tuple[float, float]:
+    """Return the worth of the evidence and of the quick one, 0 to 1; none where the load is one wave."""
+    return (0.0, 0.0) if found.load_wave else (capped(found.evidence), capped(found.quick_evidence))
 
 
 def capped(evidence: float | None) -> float:

@@ -8,17 +8,20 @@ without a sticking valve. See docs/methods/innovations.md.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from agent.analysis.innovations.load_step import with_load_step
+from agent.analysis.innovations.load_wave import with_load_wave
 from agent.analysis.innovations.noise_models import noise_models
 from agent.analysis.innovations.process_search import best_process
 from agent.analysis.innovations.valve_search import best_valve
 from agent.analysis.innovations.whitened import Fit, log_likelihood
 from agent.analysis.innovations.would_show import chance_to_show
+from agent.analysis.quantify.free_run.found import SLIDES_BELOW
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.least_step import op_range_of
 from agent.analysis.record.resolution import dithered
@@ -56,6 +59,8 @@ class InnovationsSay(NamedTuple):
     """Of how much more likely the record is with a sticking valve than without, nats, >= 0."""
     would_show: float | None
     """How likely the record would show a valve that sticks, 0 to 1; None: not known."""
+    wave: bool = False
+    """Whether a wave of the load makes the record at least as likely as a valve that sticks."""
 
 
 NOTHING_SAID = InnovationsSay(0.0, None)
@@ -64,8 +69,9 @@ NOTHING_SAID = InnovationsSay(0.0, None)
 def innovations_say(window: LoopWindow, found: Quantification) -> InnovationsSay:
     """Return how much more likely the record is with a sticking valve, and whether it would be.
 
-    Both models see the same processes and choose their own noise, and the load of the sound one may step
-    once. Valves: the one that ``found`` has, whatever its decision, and those of a search of its own.
+    Both models see the same processes and choose their own noise. The load of the sound one may step once, or
+    be one wave, as that of a sticking one may be then. Valves: the one that ``found`` has, whatever
+    its decision, and those of a search of its own.
 
     Args:
         window: The record.
@@ -83,17 +89,21 @@ def innovations_say(window: LoopWindow, found: Quantification) -> InnovationsSay
     if linear is None:
         return NOTHING_SAID
     sound = log_likelihood(linear, whitened[linear.noise])
-    sticking = [
-        log_likelihood(fit, behind[fit.noise])
-        for fit, behind in _sticking(told(window, found), whitened, window.hints)
-    ]
-    best = max(sticking, default=sound)
+    sticking = list(_sticking(told(window, found), whitened, window.hints))
+    best = max((log_likelihood(fit, behind[fit.noise]) for fit, behind in sticking), default=sound)
+    wave = -math.inf
+    if best - sound > NOTHING or (found.evidence or 0.0) >= SLIDES_BELOW:
+        wave = with_load_wave(linear, whitened, window.hints)
     if best - sound > NOTHING:
         sound = max(sound, with_load_step(linear, whitened))
+    if wave > sound:
+        sound = wave  # the load of a sticking valve may then have one as well
+        stems = [each for each in sticking if each[1] is not whitened]
+        best = max([best, *(with_load_wave(*each, window.hints) for each in stems)])
     low, high = op_range_of(window)
     op_range = (high - low) / window.op_span
     shows = chance_to_show(linear, whitened[linear.noise], op_range) if op_range > 0 else None
-    return InnovationsSay(max(0.0, best - sound), shows)
+    return InnovationsSay(max(0.0, best - sound), shows, wave >= max(sound, best))
 
 
 def told(window: LoopWindow, found: Quantification) -> Told | None:

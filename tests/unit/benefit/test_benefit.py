@@ -14,7 +14,7 @@ from agent.analysis.results import (
     Quantification,
     StictionEstimate,
 )
-from agent.report.benefit_words import benefit_json, benefit_lines
+from agent.report.parts.benefit_words import benefit_json, benefit_lines
 from simulators.parameters import ControllerParameters, Noise, ProcessParameters, ValveParameters, Wander
 from simulators.plant import simulate
 from simulators.scenario import Scenario

@@ -12,7 +12,7 @@ from agent.analysis.response.no_response import no_response
 from agent.analysis.routine import routine_diagnosis
 from agent.report.advice import advice
 from agent.report.diagnosis_json import diagnosis_json
-from agent.report.no_response_words import no_response_words
+from agent.report.parts.no_response_words import no_response_words
 from agent.report.reasons import reasons
 from simulators.draws.random_cascades import random_cascade
 from simulators.plant import simulate

@@ -1,0 +1,1 @@
+"""PARTS: one finding of a diagnosis each, in words and as JSON."""
