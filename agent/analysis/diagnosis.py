@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from agent.analysis.gates.rhythm import samples_per_period
@@ -57,19 +57,27 @@ class RecordSummary:
     @classmethod
     def of(cls, window: LoopWindow, oscillation: Oscillation) -> RecordSummary:
         """Summarize a window and the oscillation that was looked for in it."""
-        automatic = window.automatic
-        gaps = int((~window.valid if automatic is None else ~window.valid & automatic).sum())
-        samples = samples_per_period(window, oscillation)
         return cls(
-            len(window),
-            gaps,
-            window.duplicates,
-            window.ts,
-            window.op_span,
-            window.wild,
-            samples,
+            samples=0,
+            gaps=0,
+            duplicates=0,
+            ts=window.ts,
+            op_span=window.op_span,
+            samples_per_period=samples_per_period(window, oscillation),
             resolution=resolution(window),
             least_step=least_step(window),
+        ).counting(window)
+
+    def counting(self, window: LoopWindow) -> RecordSummary:
+        """Return the summary with samples, gaps and modes of a window: of all that a stretch is cut from."""
+        automatic = window.automatic
+        gaps = ~window.valid if automatic is None else ~window.valid & automatic
+        return replace(
+            self,
+            samples=len(window),
+            gaps=int(gaps.sum()),
+            duplicates=window.duplicates,
+            wild=window.wild,
             manual=None if automatic is None else int((~automatic).sum()),
             unknown_modes=window.unknown_modes,
         )
@@ -87,6 +95,24 @@ class OtherRecordings:
     """The same from this recording alone, where it decides nothing alone; None where its verdict is firm."""
     contrary: bool
     """Whether all together are sure of the contrary of its own verdict, which stays."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stretches:
+    """The stretches by which a long recording was judged."""
+
+    begin: float
+    """Of the one whose numbers the diagnosis has, s from the first sample of the recording."""
+    seconds: float
+    """Its length, s."""
+    whole: float
+    """Length of the recording, s."""
+    verdicts: tuple[Verdict, ...]
+    """Of each stretch alone, in order of time."""
+    together: float
+    """Probability that the valve sticks, from all of them together, where half of the valves do."""
+    s: tuple[float, float] | None
+    """Least and largest S of those that alone show stiction, OP units; None where none does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +149,8 @@ class Diagnosis:
     """What a repair or another tuning would gain; None where the valve does not stick, or it is not known."""
     others: OtherRecordings | None = None
     """None where the recording was judged alone."""
+    stretches: Stretches | None = None
+    """None where the recording is no longer than a window and was judged as a whole."""
     same_event_as: str | None = None
     """Loop name of another recording that shows the same event and counts in place of this one."""
     seconds: float = 0.0
@@ -136,11 +164,13 @@ class Diagnosis:
     def probability(self) -> float | None:
         """Return the probability that the valve sticks, 0 to 1; None where nothing can be said.
 
-        Of all recordings of the valve where there are several, else of this one; without a fit that of a loop
-        in which nothing happened that a valve could cause.
+        Of all recordings of the valve where there are several, else of this one, of its stretches where it is
+        long; without a fit that of a loop in which nothing happened that a valve could cause.
         """
         if self.others is not None:
             return self.others.together
+        if self.stretches is not None and self.verdict != "not_testable":
+            return self.stretches.together
         if self.weighed is not None:
             return self.weighed.probability
         return 1 - self.confidence if self.verdict == "no_stiction" else None

@@ -58,6 +58,7 @@ def judged_together(
 
 
 def _has_evidence(diagnosis: Diagnosis) -> bool:
+    """Return whether ``free_run`` has an answer that can be weighed."""
     found = diagnosis.quantification
     return found is not None and found.failure is None and found.quick_evidence is not None
 

@@ -10,6 +10,7 @@ from agent.analysis.results import IntervalEstimate, ProcessEstimate, ProcessInt
 from agent.report.advice import advice
 from agent.report.parts.benefit_words import benefit_json
 from agent.report.parts.no_response_words import POSSIBLE
+from agent.report.parts.stretch_words import stretches_json
 from agent.report.ranking import group_of
 from agent.report.reasons import reasons
 
@@ -47,6 +48,7 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
             "s": None if before is None else _number(before.s),
             "log_ratio": None if before is None else _number(before.log_ratio),
         },
+        "stretches": stretches_json(diagnosis.stretches),
         "stiction": stiction_json(None if found is None else found.stiction),
         "repair": benefit_json(diagnosis.benefit, None if diagnosis.record is None else diagnosis.record.ts),
         "process": _process_json(None if found is None else found.process),

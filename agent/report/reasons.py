@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from agent.analysis.gates.fault import LIMIT_CYCLE, SHAPE
 from agent.report.numbers import percent_words
 from agent.report.parts.no_response_words import no_response_words
+from agent.report.parts.stretch_words import stretch_words
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Diagnosis, OtherRecordings, RecordSummary
@@ -47,6 +48,8 @@ def reasons(diagnosis: Diagnosis) -> tuple[str, ...]:
         words.insert(0, no_response_words(diagnosis.no_response))
     if diagnosis.contradicted:
         words.insert(0, CONTRADICTED)
+    if diagnosis.stretches is not None:
+        words[:0] = stretch_words(diagnosis.stretches)
     if diagnosis.others is not None:
         words.insert(0, _others_words(diagnosis.others))
     if diagnosis.same_event_as is not None:

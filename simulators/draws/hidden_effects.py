@@ -111,8 +111,10 @@ class HiddenEffectPlant:
         return math.ceil(time / ts) * ts - SETTLING * ts
 
 
-def hidden_effect_plant(seed: int, truth: HiddenTruth) -> HiddenEffectPlant:
-    """Draw a loop; the same seed gives the same loop.
+def hidden_effect_plant(
+    seed: int, truth: HiddenTruth, samples: tuple[float, float] = SAMPLES
+) -> HiddenEffectPlant:
+    """Draw a loop of a length between two numbers of ``samples``; the same seed gives the same loop.
 
     - ``none``: set-point steps, a load that wanders, white noise; the others have these as well.
     - ``coloured_noise``: noise four times as high, with a memory of 3 to 30 s.
@@ -128,7 +130,7 @@ def hidden_effect_plant(seed: int, truth: HiddenTruth) -> HiddenEffectPlant:
     else:
         effects = tuple(name for name in get_args(EffectName) if name == truth)
     while True:
-        scenario = _with_nothing(rng, truth, seed)
+        scenario = _with_nothing(rng, truth, seed, samples)
         for effect in effects:
             scenario = HIDE[effect](rng, scenario)
         if scenario.peak_sensitivity > PEAK_SENSITIVITY:
@@ -144,11 +146,13 @@ def hidden_effect_plant(seed: int, truth: HiddenTruth) -> HiddenEffectPlant:
     )
 
 
-def _with_nothing(rng: np.random.Generator, truth: HiddenTruth, seed: int) -> Scenario:
+def _with_nothing(
+    rng: np.random.Generator, truth: HiddenTruth, seed: int, length: tuple[float, float]
+) -> Scenario:
     sign = 1.0 if rng.random() < 0.7 else -1.0
     gain, tau, delay = sign * log_uniform(rng, 0.5, 3), log_uniform(rng, 4, 30), log_uniform(rng, 1, 10)
     process = ProcessParameters(gain=gain, tau=tau, delay=delay)
-    travel, samples = log_uniform(rng, *TRAVEL), SETTLING + round(log_uniform(rng, *SAMPLES))
+    travel, samples = log_uniform(rng, *TRAVEL), SETTLING + round(log_uniform(rng, *length))
     noise = Noise(std=abs(gain) * travel * log_uniform(rng, *NOISE))
     drift, quantisation = Drift(), Quantisation()
     if truth == "coloured_noise":

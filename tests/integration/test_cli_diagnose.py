@@ -36,6 +36,7 @@ KEYS = [
     "oscillation",
     "no_response",
     "as_before",
+    "stretches",
     "stiction",
     "repair",
     "process",

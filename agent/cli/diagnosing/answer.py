@@ -70,7 +70,9 @@ class Answer:
     diagnosis: Diagnosis | None = None
     """Of a recording that is judged with others; else None, for it is large and its parts many."""
     window: LoopWindow | None = None
-    """As the diagnosis."""
+    """As the diagnosis; the whole recording."""
+    shown: LoopWindow | None = None
+    """The part of it whose numbers the diagnosis has."""
 
 
 def printed_of(task: Task, diagnosis: Diagnosis, quality: DataQuality, small: Thumbnail | None) -> Printed:

@@ -58,16 +58,18 @@ def together(answers: Iterator[Answer], valve: Sequence[int]) -> Iterator[Answer
             _judge(own, come)
         while said < len(come) and places[valve[said]][-1] < len(come):
             yield come[said]
-            come[said] = replace(come[said], found=None, diagnosis=None, window=None)  # they are done with
+            come[said] = replace(
+                come[said], found=None, diagnosis=None, window=None, shown=None
+            )  # they are done with
             said += 1
 
 
 def _judge(places: Sequence[int], come: list[Answer]) -> None:
     """Put the answers of one valve, at ``places``, in view of each other."""
     known = [
-        (k, answer.window, answer.diagnosis, answer.found)
+        (k, answer.shown, answer.diagnosis, answer.found)
         for k, answer in ((k, come[k]) for k in places)
-        if answer.window is not None and answer.diagnosis is not None and answer.found is not None
+        if answer.shown is not None and answer.diagnosis is not None and answer.found is not None
     ]
     if len(known) < 2:
         return

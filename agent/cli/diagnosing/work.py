@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from connectors.recording import LastSource
 
 NEEDED = (
-    "agent.analysis.diagnose",
+    "agent.analysis.recording_diagnosis",
     "agent.analysis.data_quality",
     "agent.cli.diagnosing.work",
     "agent.report.diagnosis_json",
@@ -47,7 +47,7 @@ def get_ready(files: int, *, pictures: bool) -> None:
 def work_out(task: Task) -> Answer:
     """Read, diagnose and draw one recording; runs in a process of the pool."""
     from agent.analysis.data_quality import data_quality
-    from agent.analysis.diagnose import diagnose as judge
+    from agent.analysis.recording_diagnosis import diagnose_recording
     from agent.identify.slices import on_cores
     from agent.report.fleet.thumbnail import thumbnail
     from connectors.base import ConfigError
@@ -63,17 +63,17 @@ def work_out(task: Task) -> Answer:
         remarks += task.delay.remarks(window.ts)
         window = window.with_hints(replace(task.hints, delay=task.delay.at(window.ts)))
     with on_cores(task.cores):
-        diagnosis = judge(window, quantifier=task.quantifier)
+        diagnosis, shown = diagnose_recording(window, quantifier=task.quantifier)
     faults: tuple[str, ...] = ()
     if task.picture is not None:
         from agent.cli.common.pictures import draw
 
-        faults = draw(window, diagnosis, task.picture)
+        faults = draw(shown, diagnosis, task.picture)
     quality = data_quality(window, diagnosis)
     small = thumbnail(window, diagnosis) if task.small_picture else None
     found = printed_of(task, diagnosis, quality, small)
     answer = Answer(task, found, faults, remarks)
-    return replace(answer, diagnosis=diagnosis, window=window) if task.shared else answer
+    return replace(answer, diagnosis=diagnosis, window=window, shown=shown) if task.shared else answer
 
 
 @cache

@@ -94,7 +94,8 @@ def short_reason(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "no_stiction" and oscillation is not None and steady:
         return f"oscillates with a period of {oscillation.period:.4g} s for another cause"
     of_data = () if diagnosis.record is None else data_words(diagnosis.record)
-    return next((each for each in reasons(diagnosis) if each not in of_data), "")
+    whole = replace(diagnosis, stretches=None)
+    return next((each for each in reasons(whole) if each not in of_data), "")
 
 
 def valve_rows(

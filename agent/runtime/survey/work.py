@@ -76,8 +76,8 @@ def list_loops(task: ToList) -> Listed:
 def survey_loop(task: ToDiagnose) -> Surveyed:
     """Read and diagnose one loop."""
     from agent.analysis.data_quality import data_quality  # noqa: PLC0415 - only workers need the analysis
-    from agent.analysis.diagnose import diagnose  # noqa: PLC0415
     from agent.analysis.record.window_of_recording import loop_window  # noqa: PLC0415
+    from agent.analysis.recording_diagnosis import diagnose_recording  # noqa: PLC0415
     from agent.report.diagnosis_json import diagnosis_json  # noqa: PLC0415
     from agent.report.fleet.rows import finding_of  # noqa: PLC0415
     from agent.report.fleet.stored_finding import finding_json  # noqa: PLC0415
@@ -93,7 +93,7 @@ def survey_loop(task: ToDiagnose) -> Surveyed:
         window = loop_window(recorded, task.hints)
     except ValueError as error:
         return Surveyed({}, {}, (f"{recording}: {task.loop}: {error}",))
-    diagnosis = diagnose(window)
+    diagnosis, _ = diagnose_recording(window)
     quality = data_quality(window, diagnosis)
     finding = finding_of(recording, diagnosis, quality, thumbnail(window, diagnosis))
     return Surveyed(diagnosis_json(diagnosis, recording), finding_json(finding))

@@ -54,6 +54,7 @@ KEYS = {
         "samples",
     },
     "as_before": {"s", "log_ratio"},
+    "stretches": {"count", "alone", "begin_s", "seconds", "s_low", "s_high"},
     "stiction": {"f_s", "f_d", "s", "j", "identifiable"},
     "repair": {"as_is", "repaired", "retuned", "simc"},
     "process": {"kind", "gain", "tau_s", "delay_s", "intervals"},

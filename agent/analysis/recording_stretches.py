@@ -1,0 +1,72 @@
+"""The stretches by which a long recording is judged, each as long as a window of the agent.
+
+Whatever a model lacks becomes certain in a record that is long enough: of 12 sound valves of
+``simulators.draws.hidden_effects`` (24,000 samples, seeds 98000 to 98011) seven were called sticking, of
+10,000 samples none; and a search that may cost so much looks at few valves in a long one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agent.analysis.record.reversals import significant_reversals
+from agent.identify.problem import bridge, dominant_period
+
+if TYPE_CHECKING:
+    from agent.analysis.record.recording import LoopWindow
+
+LONGEST = 3600
+"""Samples of a stretch at most, unless it would have fewer periods: the longest window of the agent, an hour,
+at one sample a second."""
+PERIODS = 6.0
+"""That it must have at least to be shorter than the recording, as windows of the agent have them."""
+MOST = 12
+"""Stretches that are judged: a dozen windows of one valve say what a week of them does, but for what happens
+seldom (``benchmarks.simulated_weeks``: found within a week, and within six)."""
+
+
+def stretches_of(window: LoopWindow) -> list[slice]:
+    """Return which samples of a recording are judged, in order of time; one slice where it is short.
+
+    Where there are more than ``MOST`` stretches, each of ``MOST`` equal parts of the recording gives that in
+    which OP moves most.
+    """
+    n = len(window)
+    count = math.ceil(n / max(LONGEST, PERIODS * _period(window))) if n > LONGEST else 1
+    ends = np.linspace(0, n, count + 1).round().astype(int).tolist()
+    cut = [slice(begin, end) for begin, end in pairwise(ends)]
+    if count <= MOST:
+        return cut
+    parts = np.array_split(np.arange(count), MOST)
+    return [cut[max(part.tolist(), key=lambda k: _swing(window, cut[k]))] for part in parts]
+
+
+def part_of(window: LoopWindow, where: slice) -> LoopWindow:
+    """Return the samples of a window in a slice as a window."""
+    columns = ("op", "pv", "sp", "mv", "automatic")
+    arrays = {name: getattr(window, name) for name in columns}
+    kept = {name: values[where] for name, values in arrays.items() if values is not None}
+    return replace(window, start=window.start + where.start * window.ts, **kept)
+
+
+def _period(window: LoopWindow) -> float:
+    """Return the period in which OP swings, samples: of its highest line, or the mean between two reversals.
+
+    The shorter one: the highest line of a loop that does not oscillate is one of the slowest.
+    """
+    known = int(np.count_nonzero(np.isfinite(window.op)))
+    turns = significant_reversals(window.op)
+    if known < 2 or turns == 0:
+        return float(len(window))
+    return min(dominant_period(bridge(window.op)), 2 * known / turns)
+
+
+def _swing(window: LoopWindow, where: slice) -> float:
+    """Return how much OP moves in a slice, OP units: its deviation, less where samples are missing."""
+    known = window.valid[where]
+    return float(np.std(window.op[where][known]) * known.mean()) if known.any() else 0.0
