@@ -36,14 +36,20 @@ def stretches_of(window: LoopWindow) -> list[slice]:
     Where there are more than ``MOST`` stretches, each of ``MOST`` equal parts of the recording gives that in
     which OP moves most.
     """
-    n = len(window)
-    count = math.ceil(n / max(LONGEST, PERIODS * _period(window))) if n > LONGEST else 1
-    ends = np.linspace(0, n, count + 1).round().astype(int).tolist()
-    cut = [slice(begin, end) for begin, end in pairwise(ends)]
-    if count <= MOST:
+    cut = _equal_parts(window)
+    if len(cut) <= MOST:
         return cut
-    parts = np.array_split(np.arange(count), MOST)
+    parts = np.array_split(np.arange(len(cut)), MOST)
     return [cut[max(part.tolist(), key=lambda k: _swing(window, cut[k]))] for part in parts]
+
+
+def newest_stretch(window: LoopWindow) -> LoopWindow:
+    """Return the last stretch of a window of the agent, nearly always all of it.
+
+    A loop that is scanned ten times a second has 36,000 samples in an hour.
+    """
+    cut = _equal_parts(window)
+    return window if len(cut) == 1 else part_of(window, cut[-1])
 
 
 def part_of(window: LoopWindow, where: slice) -> LoopWindow:
@@ -52,6 +58,14 @@ def part_of(window: LoopWindow, where: slice) -> LoopWindow:
     arrays = {name: getattr(window, name) for name in columns}
     kept = {name: values[where] for name, values in arrays.items() if values is not None}
     return replace(window, start=window.start + where.start * window.ts, **kept)
+
+
+def _equal_parts(window: LoopWindow) -> list[slice]:
+    """Return the stretches into which a window is cut without a rest, in order of time."""
+    n = len(window)
+    count = math.ceil(n / max(LONGEST, PERIODS * _period(window))) if n > LONGEST else 1
+    ends = np.linspace(0, n, count + 1).round().astype(int).tolist()
+    return [slice(begin, end) for begin, end in pairwise(ends)]
 
 
 def _period(window: LoopWindow) -> float:

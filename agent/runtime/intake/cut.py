@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agent.analysis.record.recording import LoopWindow
+from agent.analysis.recording_stretches import newest_stretch
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
+    from agent.analysis.diagnosis import RecordSummary
     from agent.analysis.record.recording import LoopHints
 
 
@@ -61,12 +63,18 @@ class CutWindow:
         """One sampling time after the last sample, s UTC."""
         return self.last + self.ts
 
+    def begin_of(self, judged: RecordSummary | None) -> float:
+        """Return the time of the first sample that was judged, s UTC; None: all were."""
+        if judged is None or judged.samples >= len(self.columns["op"]):
+            return self.start
+        return self.end - judged.samples * self.ts
+
     def open(self) -> LoopWindow:
-        """Return the window, with impossible and wild values as gaps."""
+        """Return the window, of a very long one the newest stretch; impossible and wild values are gaps."""
         wide = {role: column.astype(np.float64) for role, column in self.columns.items()}
         known = {role: column for role, column in wide.items() if not np.isnan(column).all()}
         mode = known.get("mode")
-        return LoopWindow(
+        window = LoopWindow(
             loop=self.loop,
             start=self.start,
             ts=self.ts,
@@ -80,3 +88,4 @@ class CutWindow:
             duplicates=self.duplicates,
             clocks_apart=self.clocks_apart,
         )
+        return newest_stretch(window)

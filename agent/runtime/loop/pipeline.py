@@ -228,7 +228,7 @@ class LoopPipeline:
         alone, end = found.diagnosis, cut.last
         if found.fitted:
             self._cost, self._fitted_until = alone.seconds, end
-        self.memory = remember(self.memory, alone, cut.start, cut.end)
+        self.memory = remember(self.memory, alone, cut.begin_of(alone.record), cut.end)
         whole = with_memory(alone, self.memory, self._base_rate)
         self._journal.note(Change(memories={self.settings.name: self.memory}))
         self.fitted = KeptFit.of(cut.open(), whole) if found.fitted else None

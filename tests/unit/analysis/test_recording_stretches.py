@@ -3,7 +3,7 @@
 import numpy as np
 
 from agent.analysis.record.recording import LoopWindow
-from agent.analysis.recording_stretches import LONGEST, MOST, PERIODS, part_of, stretches_of
+from agent.analysis.recording_stretches import LONGEST, MOST, PERIODS, newest_stretch, part_of, stretches_of
 
 
 def swinging(samples, period=100.0, quiet=()):
@@ -61,3 +61,11 @@ def test_a_part_has_its_time_and_all_columns():
     assert part.sp is not None
     assert len(part.sp) == 100
     assert part.mv is None
+
+
+def test_the_newest_stretch_ends_with_the_window():
+    window = swinging(3 * LONGEST)
+    newest = newest_stretch(window)
+    assert len(newest) == LONGEST
+    assert newest.time[-1] == window.time[-1]
+    assert newest_stretch(newest) is newest

@@ -1,7 +1,14 @@
 """When a window comes due, and what is cut of it once a worker is free."""
 
-import numpy as np
+from dataclasses import replace
 
+import numpy as np
+import pytest
+
+from agent.analysis.diagnosis import RecordSummary
+from agent.analysis.record.recording import LoopHints
+from agent.analysis.recording_stretches import LONGEST
+from agent.runtime.intake.cut import CutWindow
 from agent.runtime.intake.window import CLOCK_SET_BACK, LATEST, RollingWindow
 from tests.unit.runtime.loops import START, both, loop_settings, push_all
 
@@ -45,3 +52,15 @@ def test_nothing_is_left_of_a_window_whose_clock_was_set_back():
     push_all(rolling, both(np.arange(-5000, -5000 + CLOCK_SET_BACK + 2)))
     assert rolling.counters.clock_steps == 1
     assert rolling.cut(due[0]) is None
+
+
+def test_of_a_loop_that_is_scanned_ten_times_a_second_the_newest_stretch_is_judged():
+    time = START + 0.1 * np.arange(10_800)
+    op = 50 + np.sin(time / 2)
+    cut = CutWindow("FIC101", START, 0.1, {"op": op, "pv": op}, LoopHints(), 0, 0.0)
+    window = cut.open()
+    assert len(window) == LONGEST
+    record = RecordSummary(len(window), 0, 0, 0.1, 2.0)
+    assert window.start == pytest.approx(START + 720.0)
+    assert cut.begin_of(record) == pytest.approx(window.start)
+    assert cut.begin_of(None) == cut.begin_of(replace(record, samples=10_800)) == START
