@@ -36,11 +36,11 @@ def stretches_of(window: LoopWindow) -> list[slice]:
     Where there are more than ``MOST`` stretches, each of ``MOST`` equal parts of the recording gives that in
     which OP moves most.
     """
-    cut = _equal_parts(window)
+    cut = _equal_parts(window, LONGEST)
     if len(cut) <= MOST:
         return cut
     parts = np.array_split(np.arange(len(cut)), MOST)
-    return [cut[max(part.tolist(), key=lambda k: _swing(window, cut[k]))] for part in parts]
+    return [_liveliest(window, cut[part[0] : part[-1] + 1]) for part in parts]
 
 
 def newest_stretch(window: LoopWindow) -> LoopWindow:
@@ -48,8 +48,16 @@ def newest_stretch(window: LoopWindow) -> LoopWindow:
 
     A loop that is scanned ten times a second has 36,000 samples in an hour.
     """
-    cut = _equal_parts(window)
+    cut = _equal_parts(window, LONGEST)
     return window if len(cut) == 1 else part_of(window, cut[-1])
+
+
+def liveliest_stretch(window: LoopWindow, longest: int) -> slice:
+    """Return which samples of a recording show most: of stretches of ``longest`` where OP moves most.
+
+    All of it where it is no longer, or has fewer than six swings of OP.
+    """
+    return _liveliest(window, _equal_parts(window, longest))
 
 
 def part_of(window: LoopWindow, where: slice) -> LoopWindow:
@@ -60,10 +68,10 @@ def part_of(window: LoopWindow, where: slice) -> LoopWindow:
     return replace(window, start=window.start + where.start * window.ts, **kept)
 
 
-def _equal_parts(window: LoopWindow) -> list[slice]:
+def _equal_parts(window: LoopWindow, longest: int) -> list[slice]:
     """Return the stretches into which a window is cut without a rest, in order of time."""
     n = len(window)
-    count = math.ceil(n / max(LONGEST, PERIODS * _period(window))) if n > LONGEST else 1
+    count = math.ceil(n / max(longest, PERIODS * _period(window))) if n > longest else 1
     ends = np.linspace(0, n, count + 1).round().astype(int).tolist()
     return [slice(begin, end) for begin, end in pairwise(ends)]
 
@@ -78,6 +86,10 @@ def _period(window: LoopWindow) -> float:
     if known < 2 or turns == 0:
         return float(len(window))
     return min(dominant_period(bridge(window.op)), 2 * known / turns)
+
+
+def _liveliest(window: LoopWindow, cut: list[slice]) -> slice:
+    return max(cut, key=lambda each: _swing(window, each))
 
 
 def _swing(window: LoopWindow, where: slice) -> float:

@@ -228,6 +228,8 @@ def _several(
 
 def _deliver(bench: Workbench, found: Comparison, save: Path | None, report: Path | None) -> bool:
     """Name the effects that failed in a fit and write the files; return whether they could be written."""
+    if bench.part is not None:
+        complain(f"not compared: {bench.part.words}; --start and --end choose others")
     for line in () if bench.reason is not None else bench.trials.left_out.values():
         complain(f"{line}; it is left out")
     written = [True]

@@ -52,6 +52,10 @@ def python_of(source: ReadSource, node: TreeNode) -> str:
     cut = [
         f"pv[(time >= {start!r}) & (time <= {end!r})] = np.nan  # left out" for start, end in node.left_out
     ]
+    part = node.bench.part
+    stretch = (
+        () if part is None else (f"window = part_of(window, slice({part.where.start}, {part.where.stop}))",)
+    )
     without = ["time, pv = window.ts * np.arange(len(window)), window.pv.copy()", *cut] if cut else []
     return "\n".join(
         (
@@ -59,10 +63,12 @@ def python_of(source: ReadSource, node: TreeNode) -> str:
             "from pathlib import Path",
             *(("import numpy as np",) if cut else ()),
             "from agent.analysis.record.window_of_recording import loop_window",
+            *(("from agent.analysis.recording_stretches import part_of",) if stretch else ()),
             "from agent.workbench.session import Workbench",
             f"from connectors.recording import {'Columns, ' if names else ''}read_recording",
             "",
             f"window = loop_window(read_recording({', '.join(given)}))",
+            *stretch,
             *without,
             *(("window = replace(window, pv=pv)",) if cut else ()),
             f"bench = Workbench(window, base={node.bench.base.name!r})",

@@ -15,6 +15,7 @@ from agent.workbench.library import applies, effect_named, library, missing
 from agent.workbench.saved_model import saved
 from agent.workbench.session import views
 from agent.workbench.session.auto_base import based
+from agent.workbench.session.compared_part import compared_part
 from agent.workbench.session.opening import validation
 from agent.workbench.session.other_base import other_base
 from agent.workbench.step import Step, Verdict, step_of
@@ -69,6 +70,8 @@ class Bench:
         Raises:
             ValueError: No such base, effect or family, or an input does not fit the recording.
         """
+        window, inputs, self.part = compared_part(window, inputs)
+        """Which samples of a very long recording are compared; None: all."""
         self.window = window
         self.base, found = based(window, base, run, progress)
         known = (*(known_effects() if effects is None else effects), *extra)

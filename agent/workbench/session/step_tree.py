@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from agent.workbench.fit import Fit
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.record import Record
+    from agent.workbench.session.compared_part import ComparedPart
     from agent.workbench.step import Step
 
 Stretch = tuple[float, float]
@@ -55,12 +56,16 @@ class StepTree:
         Raises:
             ValueError: No such base.
         """
-        self.window, self._base, self._run, self._progress = window, base, run, progress
+        self._base, self._run, self._progress = base, run, progress
         self.nodes: list[TreeNode] = []
         self.validation: Record | None = None
         """Another recording, on which each model is scored."""
         self.current = 0
+        self._part: ComparedPart | None = None
         bench = self._bench(window)
+        self._part = bench.part
+        self.window = bench.window
+        """What is compared: of a very long recording a part."""
         self.reason = bench.reason
         if bench.reason is None:
             self._node(None, "", bench, bench.staircase())
@@ -185,4 +190,6 @@ class StepTree:
         self.current = node.number
 
     def _bench(self, window: LoopWindow) -> Workbench:
-        return Workbench(window, self._base, run=self._run, progress=self._progress)
+        bench = Workbench(window, self._base, run=self._run, progress=self._progress)
+        bench.part = bench.part or self._part
+        return bench

@@ -25,6 +25,8 @@ def unseen(bench: Bench, smallest_percent: float | None) -> tuple[str, ...]:
 
 def _statements(bench: Bench, smallest_percent: float | None) -> Iterator[str]:
     facts = bench.record.facts
+    if bench.part is not None:
+        yield bench.part.words
     if smallest_percent is None:
         yield "any effect: the held-out stretches are too few to confirm one"
     else:
