@@ -43,7 +43,7 @@ def answer(name, seed, **other):
     task = Task(Path(f"{name}.csv"), Columns(), LoopHints(), None, None, shared=True)
     alone = diagnose(window, quantifier=Told())
     found = printed_of(task, alone, data_quality(window, alone), None)
-    return replace(Answer(task, found, diagnosis=alone, window=window), **other)
+    return replace(Answer(task, found, diagnosis=alone, window=window, shown=window), **other)
 
 
 @pytest.mark.parametrize(
@@ -120,7 +120,9 @@ def test_only_those_of_the_valve_are_moved():
 
 
 def test_a_file_that_could_not_be_read_is_left_out():
-    bad = answer("FIC101_9", 9, found=None, diagnosis=None, window=None, faults=("cannot be read",))
+    bad = answer(
+        "FIC101_9", 9, found=None, diagnosis=None, window=None, shown=None, faults=("cannot be read",)
+    )
     found = list(together(iter([answer("FIC101_0", 0), bad]), [0, 0]))
     assert found[1] == bad
     assert found[0].diagnosis.verdict == "undecided"
