@@ -16,7 +16,7 @@ demo: $(VENV)/.installed
 
 test: $(VENV)/.dev
 	@bash tests/system_parts.sh
-	$(BIN)/python -m pytest -m "not bench" -n $(JOBS) --dist loadscope --no-loadscope-reorder $(HANGS)
+	$(BIN)/python -m pytest -m "not bench" -n $(JOBS) --dist loadscope $(HANGS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -24,7 +24,7 @@ LONGEST = 3600
 """Samples of a stretch at most, unless it would have fewer periods: the longest window of the agent, an hour,
 at one sample a second."""
 PERIODS = 6.0
-"""That it must have at least to be shorter than the recording, as windows of the agent have them."""
+"""Swings of OP that a stretch must hold: the five that detectors need, and one that a cut may spoil."""
 MOST = 12
 """Stretches that are judged: a dozen windows of one valve say what a week of them does, but for what happens
 seldom (``benchmarks.simulated_weeks``: found within a week, and within six)."""

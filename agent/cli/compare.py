@@ -20,7 +20,7 @@ from agent.cli.common.window import remarks_on, window_of
 from agent.cli.comparing import several
 from agent.cli.comparing.hooks import pool_of_cores, progress_on_terminal
 from agent.cli.comparing.names import check_names, named_columns, usable
-from agent.cli.comparing.outputs import mapping_of, save_model, write_report, write_together
+from agent.cli.comparing.outputs import deliver, mapping_of, write_together
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
@@ -191,7 +191,7 @@ def compare(
         except BrokenProcessPool as error:
             complain(f"{recording}: not compared: a process was ended, for want of memory or by somebody")
             raise typer.Exit(BAD_INPUT) from error
-    done = _deliver(bench, found, save, report)
+    done = deliver(bench, found, save, report)
     print(_text(found, recording.name if as_json else None), flush=True)  # noqa: T201 - the command's output
     if not done:
         raise typer.Exit(BAD_INPUT)
@@ -224,20 +224,6 @@ def _several(
     print(text, flush=True)  # noqa: T201 - the command's output
     if not written:
         raise typer.Exit(BAD_INPUT)
-
-
-def _deliver(bench: Workbench, found: Comparison, save: Path | None, report: Path | None) -> bool:
-    """Name the effects that failed in a fit and write the files; return whether they could be written."""
-    if bench.part is not None:
-        complain(f"not compared: {bench.part.words}; --start and --end choose others")
-    for line in () if bench.reason is not None else bench.trials.left_out.values():
-        complain(f"{line}; it is left out")
-    written = [True]
-    if save is not None:
-        written.append(save_model(bench, save))
-    if report is not None:
-        written.append(write_report(bench, found, report))
-    return all(written)
 
 
 def _text(found: Comparison, recording: str | None) -> str:

@@ -27,6 +27,23 @@ def mapping_of(path: Path) -> object:
         raise ValueError(" ".join(str(error).split())) from error
 
 
+def deliver(bench: Workbench, found: Comparison, save: Path | None, report: Path | None) -> bool:
+    """Write the files of a comparison; return whether they could be written.
+
+    What took no part, a part of the recording or an effect that failed in a fit, is named.
+    """
+    if bench.part is not None:
+        complain(f"not compared: {bench.part.words}; --start and --end choose others")
+    for line in () if bench.reason is not None else bench.trials.left_out.values():
+        complain(f"{line}; it is left out")
+    written = [True]
+    if save is not None:
+        written.append(save_model(bench, save))
+    if report is not None:
+        written.append(write_report(bench, found, report))
+    return all(written)
+
+
 def save_model(bench: Workbench, path: Path) -> bool:
     """Write the last model; return whether it could be written."""
     import yaml

@@ -28,6 +28,7 @@ def test_a_load_that_oscillates_accuses_no_sound_valve(seed):
     found = diagnose(window_of(seed, "sinusoid"))
     assert found.verdict != "stiction"
     assert found.quantification.log_likelihood_ratio < 5
+    assert found.quantification.load_wave == (LOAD_WAVE in reasons(found))
 
 
 def test_a_valve_that_sticks_beside_such_a_load_is_found():
@@ -54,9 +55,3 @@ def test_where_no_load_oscillates_a_wave_is_not_worth_its_numbers():
     linear = best_process(whitened, LoopHints())
     gained = with_load_wave(linear, whitened, LoopHints()) - log_likelihood(linear, whitened[linear.noise])
     assert -PRICE < gained < 3
-
-
-def test_the_reasons_name_the_load():
-    found = diagnose(window_of(98320, "sinusoid"))
-    assert found.quantification.load_wave
-    assert LOAD_WAVE in reasons(found)
