@@ -43,13 +43,14 @@ def joined(found: Sequence[Quantification]) -> Quantification:
     one record that is wrong must not outweigh many. The turns of the valve add up as well. The evidence is
     the geometric mean, for the likelihood of records with noise of their own goes with the product.
     """
+    evidence, quick = zip(*map(worths, found), strict=True)
     ratios = [min(each.log_likelihood_ratio or 0.0, ENOUGH_LIKELIHOOD) for each in found]
     return replace(
         found[0],
         log_likelihood_ratio=max(0.0, sum(ratios) - SEARCH * (len(ratios) - 1)),
         turns=sum(each.turns or 0 for each in found),
-        evidence=_mean([worths(each)[0] for each in found]),
-        quick_evidence=_mean([worths(each)[1] for each in found]),
+        evidence=_mean(evidence),
+        quick_evidence=_mean(quick),
         load_wave=False,
     )
 

@@ -91,10 +91,10 @@ def innovations_say(window: LoopWindow, found: Quantification) -> InnovationsSay
     sound = log_likelihood(linear, whitened[linear.noise])
     sticking = list(_sticking(told(window, found), whitened, window.hints))
     best = max((log_likelihood(fit, behind[fit.noise]) for fit, behind in sticking), default=sound)
-    wave = -math.inf
-    if best - sound > NOTHING or (found.evidence or 0.0) >= SLIDES_BELOW:
+    gains, wave = best - sound > NOTHING, -math.inf
+    if gains or (found.evidence or 0.0) >= SLIDES_BELOW:
         wave = with_load_wave(linear, whitened, window.hints)
-    if best - sound > NOTHING:
+    if gains:
         sound = max(sound, with_load_step(linear, whitened))
     if wave > sound:
         sound = wave  # the load of a sticking valve may then have one as well

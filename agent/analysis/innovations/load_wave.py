@@ -46,6 +46,7 @@ def with_load_wave(linear: Fit, whitened: Sequence[Problem], hints: LoopHints) -
         hints: Prior knowledge about the loop.
     """
     likely, fit, before = -math.inf, linear, math.inf
+    price = NUMBERS / 2 * math.log(float(whitened[0].weight.sum()))
     for _ in range(TURNS):
         behind = whitened[fit.noise]
         frequency = _highest(residuals(fit.candidate, fit.structure, behind), behind.weight)
@@ -57,7 +58,6 @@ def with_load_wave(linear: Fit, whitened: Sequence[Problem], hints: LoopHints) -
         if found is None:
             break
         fit = found
-        price = NUMBERS / 2 * math.log(float(behind.weight.sum()))
         likely = max(likely, log_likelihood(fit, beside[fit.noise]) - price)
     return likely
 

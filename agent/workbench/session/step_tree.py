@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from agent.workbench.fit import Fit
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.record import Record
-    from agent.workbench.session.compared_part import ComparedPart
     from agent.workbench.step import Step
 
 Stretch = tuple[float, float]
@@ -61,9 +60,7 @@ class StepTree:
         self.validation: Record | None = None
         """Another recording, on which each model is scored."""
         self.current = 0
-        self._part: ComparedPart | None = None
         bench = self._bench(window)
-        self._part = bench.part
         self.window = bench.window
         """What is compared: of a very long recording a part."""
         self.reason = bench.reason
@@ -127,6 +124,7 @@ class StepTree:
             known &= (time < start) | (time > end)
         pv = np.where(known, window.pv, np.nan)
         bench = self._bench(replace(window, pv=pv))
+        bench.part = node.bench.part  # what it sees was cut out already
         if bench.reason is not None:
             raise ValueError(f"without this stretch the record is not testable: {bench.reason}")
         for effect in node.step.effects:
@@ -190,6 +188,4 @@ class StepTree:
         self.current = node.number
 
     def _bench(self, window: LoopWindow) -> Workbench:
-        bench = Workbench(window, self._base, run=self._run, progress=self._progress)
-        bench.part = bench.part or self._part
-        return bench
+        return Workbench(window, self._base, run=self._run, progress=self._progress)

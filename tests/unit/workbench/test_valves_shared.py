@@ -16,8 +16,8 @@ def test_the_simpler_effect_is_found_where_the_richer_one_was() -> None:
     """The search for `stiction` missed the valve, `asymmetric_stiction` had it with both jumps alike."""
     plant, window = drawn("stiction", 91175, "closed_loop")
     bench = Workbench(window, without=OTHERS)
-    assert bench.candidates().effect == "stiction"
-    bench.add("stiction")
+    bench.auto()
+    assert bench.step.effects == ("stiction",)
     found = {each.name: each for each in bench.step.parameters}
     for name in ("stiction.s", "stiction.j_over_s"):
         assert found[name].low <= plant.parameters[name][0] <= found[name].high
@@ -36,8 +36,8 @@ def test_a_valve_that_moves_seldom_and_differs_by_direction_is_found() -> None:
     """OP moves 17 times; the engine's search, for valves alike in both directions, has none that is near."""
     plant, window = drawn("asymmetric_stiction", 91187, "steps")
     bench = Workbench(window, without=OTHERS)
-    assert bench.candidates().effect == "asymmetric_stiction"
-    bench.add("asymmetric_stiction")
+    bench.auto()
+    assert bench.step.effects == ("asymmetric_stiction",)
     assert bench.step.held_out.rmse < 1.15 * floor_of(plant, bench.record)
     found = {each.name.partition(".")[2]: each.value for each in bench.step.parameters}
     assert found["j_down"] > 2 * found["j_up"]

@@ -29,9 +29,7 @@ def test_all_numbers_are_numbers(kind: str) -> None:
     pv = 20 + 2 * lfilter([0.0, 0.1], [1.0, -0.9], position - position[0])
     others = {each.family for each in EFFECTS} - {"valve_hysteresis"}
     bench = Workbench(LoopWindow("exact", 0.0, 1.0, op, pv), without=others if kind == "stuck" else ())
-    found = bench.candidates()
-    if found.effect is not None:
-        bench.add(found.effect)
+    bench.auto()
     numbers = [value for each in bench.step.parameters for value in (each.value, each.low, each.high)]
     assert np.isfinite(numbers).all()
     assert bench.step.effects == (("stiction",) if kind == "stuck" else ())
