@@ -32,7 +32,9 @@ class Field:
         ts = scenario.ts
         self._steps = math.ceil(ts / STEP[scenario.valve.law])
         self._dt = ts / self._steps
-        self._valve = SimulatedValve(scenario.valve, scenario.op_range, scenario.controller.op)
+        self._valve = SimulatedValve(
+            scenario.valve, scenario.op_range, scenario.controller.op, rng.spawn(1)[0]
+        )
         self._balance = float(self._valve.flow(np.array([scenario.controller.op]))[0])
         op = scenario.controller.op
         self._process = SimulatedProcess(scenario.process, self._dt, op)

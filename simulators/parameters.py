@@ -41,6 +41,8 @@ class ValveParameters(Part):
     """Kinetic friction, OP units."""
     closing: PositiveFloat = 1.0
     """Friction of a closing stem over that of an opening one, which ``f_s`` and ``f_d`` are."""
+    scatter: NotNegative = 0.0
+    """Standard deviation of the logarithm of the friction from one stop of the stem to the next."""
     backlash: NotNegative = 0.0
     """Slack between stem and plug, OP units."""
     tau_ip: NotNegative = 0.1

@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 STEP = {"none": 0.002, "karnopp": 0.002, "lugre": 0.001}
 """Longest step of integration by friction law, s (docs/simulators.md shows what a finer one changes)."""
 
+RESTS = 1e-3
+"""Speed over f_S + f_D, 1/s, below which a stem rests: bristles creep for long."""
+PLACE = 0.02
+"""Way over f_S + f_D after which a stem that rests has other friction, where friction scatters."""
+
 
 @kernel
 def play(positions: FloatArray, plug: float, slack: float) -> FloatArray:
@@ -38,7 +43,13 @@ class SimulatedValve:
     cycle without a disturbance.
     """
 
-    def __init__(self, parameters: ValveParameters, op_range: tuple[float, float], op: float) -> None:
+    def __init__(
+        self,
+        parameters: ValveParameters,
+        op_range: tuple[float, float],
+        op: float,
+        rng: np.random.Generator | None = None,
+    ) -> None:
         low, high = op_range
         span = high - low
         stem = StemParameters(
@@ -61,6 +72,8 @@ class SimulatedValve:
         self._plug, self._slack = start, parameters.backlash
         self._low, self._span, self._rangeability = low, span, parameters.rangeability
         self._split = parameters.split
+        self._median, self._scatter, self._rng = stem, parameters.scatter, rng or np.random.default_rng(0)
+        self._stood = start
 
     @property
     def position(self) -> float:
@@ -80,7 +93,26 @@ class SimulatedValve:
     def stroke(self, op: float, steps: int, dt: float) -> FloatArray:
         """Hold ``op`` for ``steps`` steps of ``dt`` s; the plug's positions, OP units, shape (steps,)."""
         positions = stroke(self._state, op, steps, dt, self._actuator)
+        if self._scatter > 0.0:
+            self._rests_anew()
         if self._slack > 0.0:
             positions = play(positions, self._plug, self._slack)
             self._plug = float(positions[-1])
         return positions
+
+    def _rests_anew(self) -> None:
+        """Draw the friction of a stem that has gone a way and rests, where it scatters."""
+        band = self._median.f_s + self._median.f_d
+        rests = abs(self._state[2]) < RESTS * band
+        if not rests or abs(self._state[1] - self._stood) < PLACE * band:
+            return
+        self._stood = float(self._state[1])
+        factor = math.exp(self._scatter * self._rng.standard_normal())
+        self._actuator = self._actuator._replace(
+            stem=self._median._replace(
+                f_s=factor * self._median.f_s,
+                f_d=factor * self._median.f_d,
+                f_s_closing=factor * self._median.f_s_closing,
+                f_d_closing=factor * self._median.f_d_closing,
+            )
+        )

@@ -150,6 +150,7 @@ def with_innovations(found: Quantification, window: LoopWindow) -> Quantificatio
         log_likelihood_ratio=say.log_likelihood_ratio,
         would_show=say.would_show,
         load_wave=say.wave,
+        slip_scatter=say.slip_scatter,
     )
 
 

@@ -193,6 +193,8 @@ class Quantification:
     load_wave: bool = False
     """Whether a wave of the load makes the record at least as likely as a valve that sticks: ``evidence``
     compares with a model that has none, and says nothing then."""
+    slip_scatter: float | None = None
+    """Standard deviation of the logarithm of S from slip to slip; None where one S explains them as well."""
     search_spent: bool = False
     """Whether the search ended with its budget spent, so that a better valve might be found."""
     sticking: SimulatedModel | None = None

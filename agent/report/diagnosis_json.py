@@ -57,6 +57,7 @@ def diagnosis_json(diagnosis: Diagnosis, recording: str) -> dict[str, object]:
             "linear_percent": None if found is None else _number(found.linear_percent),
             "search_spent": None if found is None else found.search_spent,
             "would_show": None if found is None else _number(found.would_show),
+            "slip_scatter": None if found is None else _number(found.slip_scatter),
         },
         "methods": {
             name: {"verdict": result.verdict, "index": _number(result.index), "reason": result.reason}

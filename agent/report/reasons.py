@@ -74,6 +74,7 @@ def _own(diagnosis: Diagnosis) -> tuple[str, ...]:
         *_fit_words(record, found, diagnosis),
         *_evidence_words(found, diagnosis.weighed),
         *_would_show_words(found, diagnosis.verdict),
+        *_scatter_words(found, diagnosis.verdict),
         *((LOAD_WAVE,) if found.load_wave else ()),
         *(f"{fault.reason}: {SKIPPED[fault.closes]}" for fault in diagnosis.faults),
     )
@@ -158,6 +159,14 @@ def _evidence_words(found: Quantification, weighed: Weighed | None) -> list[str]
     )
     words = ((side, _graded(witnesses)) for side, witnesses in sides)
     return [f"{side}: {said}" for side, said in words if said]
+
+
+def _scatter_words(found: Quantification, verdict: Verdict) -> list[str]:
+    """Return how much S differs from slip to slip, of a valve that sticks."""
+    if verdict != "stiction" or found.slip_scatter is None:
+        return []
+    percent = 100 * math.expm1(found.slip_scatter)
+    return [f"S differs from slip to slip, typically by {percent:.2g} % of it; S is a middle value"]
 
 
 def _would_show_words(found: Quantification, verdict: Verdict) -> list[str]:

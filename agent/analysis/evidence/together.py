@@ -52,6 +52,7 @@ def joined(found: Sequence[Quantification]) -> Quantification:
         evidence=_mean(evidence),
         quick_evidence=_mean(quick),
         load_wave=False,
+        slip_scatter=None,
     )
 
 

@@ -97,10 +97,19 @@ def student_likelihood(values: FloatArray, least: float) -> float:
         values: Shape (n,), n >= 1.
         least: Mean square below which they are rounding.
     """
+    scale = student_scale(values, least)
+    far = float(np.sum(np.log1p(values * values / (FREEDOM * scale))))
+    return -0.5 * len(values) * math.log(scale) - 0.5 * (FREEDOM + 1) * far
+
+
+def student_scale(values: FloatArray, least: float) -> float:
+    """Return the square of the scale of Student's distribution that makes values (n,) most likely.
+
+    ``least`` as in ``student_likelihood``.
+    """
     squares = values * values
     scale = max(float(np.mean(squares)), least, 1e-300)
     for _ in range(SCALE_STEPS):
         weights = (FREEDOM + 1) / (FREEDOM + squares / scale)
         scale = max(float(np.mean(weights * squares)), least, 1e-300)
-    far = float(np.sum(np.log1p(squares / (FREEDOM * scale))))
-    return -0.5 * len(values) * math.log(scale) - 0.5 * (FREEDOM + 1) * far
+    return scale

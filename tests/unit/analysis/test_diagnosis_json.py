@@ -58,7 +58,7 @@ KEYS = {
     "stiction": {"f_s", "f_d", "s", "j", "identifiable"},
     "repair": {"as_is", "repaired", "retuned", "simc"},
     "process": {"kind", "gain", "tau_s", "delay_s", "intervals"},
-    "fit": {"free_run_percent", "linear_percent", "search_spent", "would_show"},
+    "fit": {"free_run_percent", "linear_percent", "search_spent", "slip_scatter", "would_show"},
     "methods": None,
     "indices": {each.name for each in INDICES},
     "seconds": None,

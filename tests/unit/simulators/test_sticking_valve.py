@@ -155,3 +155,30 @@ def test_valve_starts_behind_its_balance_by_the_static_friction():
     assert started.position == 45.0
     assert hold(started, 50.0) == 45.0
     assert hold(started, 50.1) > 47.0
+
+
+def slips_of(scatter, seed=1):
+    """OP less the stem where slips begin and where they end, of a triangle of OP but for its first step."""
+    rng = np.random.default_rng(seed)
+    parameters = ValveParameters(law="karnopp", f_s=5, f_d=2, scatter=scatter)
+    stem = SimulatedValve(parameters, (0.0, 100.0), 50.0, rng)
+    op = 50 + 20 * np.abs(np.arange(4000) % 400 / 100 - 2) - 20
+    stood, at, held = stem.position, [], []
+    for now in op:
+        stem.stroke(now, 500, 0.002)
+        if abs(stem.position - stood) > 0.5:
+            held.append(abs(now - stood))
+            at.append(abs(now - stem.position))
+        stood = stem.position
+    return np.array(held[1:]), np.array(at[1:])
+
+
+def test_friction_may_differ_from_stop_to_stop():
+    steady, _ = slips_of(0.0)
+    assert np.ptp(steady) < 0.3
+    scattered, after = slips_of(0.2)
+    assert np.std(np.log(scattered)) == pytest.approx(0.2, rel=0.3)
+    assert np.median(scattered) == pytest.approx(5, rel=0.1)
+    assert np.corrcoef(scattered, after)[0, 1] > 0.9  # by one factor
+    assert slips_of(0.2)[0] == pytest.approx(scattered)
+    assert slips_of(0.2, seed=2)[0][:5] != pytest.approx(scattered[:5])

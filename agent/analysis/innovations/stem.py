@@ -1,0 +1,35 @@
+"""How a valve that sticks moved, and the process behind it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from agent.analysis.innovations.whitened import Fit, log_likelihood
+from agent.identify.objective import S
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from agent.identify.problem import Problem
+
+
+class StickingStem(NamedTuple):
+    """A stem behind each filter, with its process."""
+
+    fit: Fit
+    behind: Sequence[Problem]
+    """The record behind each filter, with the stem in place of OP, or with the valve in the fit."""
+    bands: tuple[float, float]
+    """S and J, OP spans."""
+    price: float = 0.0
+    """What the freedom of its slips costs, nats, <= 0."""
+
+    @property
+    def likelihood(self) -> float:
+        """Return the log likelihood, nats, less a constant."""
+        return log_likelihood(self.fit, self.behind[self.fit.noise]) + self.price
+
+    @property
+    def known(self) -> bool:
+        """Whether the stem is known, and each process of the sound model may stand behind it."""
+        return bool(self.fit.candidate[S] == 0.0)
