@@ -17,7 +17,7 @@ from agent.cli.common.errors import BAD_INPUT, complain
 from agent.cli.comparing.conversation import Conversation, Files, Print, Read
 from agent.cli.comparing.hooks import TerminalProgress, pool_of_cores, progress_on_terminal
 from agent.cli.comparing.kept_sessions import read_session, session_key, sessions_folder, write_session
-from agent.cli.comparing.outputs import save_model, write_report
+from agent.cli.comparing.outputs import report_part, save_model, write_report
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
@@ -57,6 +57,7 @@ def guide(question: Question) -> None:
             if bench.reason is not None:
                 _show(f"{question.window.loop}: not testable: {bench.reason}")
                 return
+            report_part(bench)
             read, show = quietly(progress)
             Conversation(bench, read, show, FILES, lambda each: _keep(folder, key, each)).run()
         except BrokenProcessPool as error:

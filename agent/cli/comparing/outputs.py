@@ -32,8 +32,7 @@ def deliver(bench: Workbench, found: Comparison, save: Path | None, report: Path
 
     What took no part, a part of the recording or an effect that failed in a fit, is named.
     """
-    if bench.part is not None:
-        complain(f"not compared: {bench.part.words}; --start and --end choose others")
+    report_part(bench)
     for line in () if bench.reason is not None else bench.trials.left_out.values():
         complain(f"{line}; it is left out")
     written = [True]
@@ -42,6 +41,13 @@ def deliver(bench: Workbench, found: Comparison, save: Path | None, report: Path
     if report is not None:
         written.append(write_report(bench, found, report))
     return all(written)
+
+
+def report_part(bench: Workbench, name: str | None = None) -> None:
+    """State what of a very long recording, with a name where there are several, is not compared."""
+    if bench.part is not None:
+        words = f"not compared: {bench.part.words}; --start and --end choose others"
+        complain(words if name is None else f"{name}: {words}")
 
 
 def save_model(bench: Workbench, path: Path) -> bool:

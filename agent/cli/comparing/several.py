@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from agent.cli.comparing.outputs import report_part
+
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
     from agent.physics.effect import Effect
@@ -52,6 +54,8 @@ def together(
         name: Workbench(window, base, without=without, effects=effects, run=run, progress=progress)
         for name, window in windows.items()
     }
+    for name, bench in benches.items():
+        report_part(bench, name)
     return compared_together(benches, own, auto=auto, validate=validate)
 
 

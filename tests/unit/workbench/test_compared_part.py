@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from agent.analysis.record.recording import LoopWindow
+from agent.cli.comparing import guide
+from agent.cli.comparing.several import together
 from agent.physics.effects import EFFECTS
 from agent.web.workbench.same_lines import ReadSource, python_of
 from agent.workbench.session import Workbench, compared_part
@@ -49,3 +51,25 @@ def test_the_page_has_it_too_also_where_a_stretch_is_left_out():
 def test_others_are_compared_whole():
     bench = Workbench(recording(), without=WITHOUT)
     assert (bench.part, len(bench.window)) == (None, 1200)
+
+
+@pytest.mark.usefixtures("short")
+def test_several_recordings_state_it_each(capsys):
+    windows = {"a.csv": recording(), "b.csv": recording()}
+    hooks = {"run": map, "progress": lambda *_: None}
+    together(windows, "sopdt", sorted(WITHOUT), EFFECTS, (), **hooks, auto=False)
+    errors = capsys.readouterr().err
+    assert [f"{name}: not compared: what happened before 1600 s" in errors for name in windows] == [
+        True,
+        True,
+    ]
+
+
+@pytest.mark.usefixtures("short")
+def test_a_conversation_begins_with_it(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("SLIPJUMP_SESSIONS", str(tmp_path))
+    monkeypatch.setattr(guide, "_read", lambda _: "quit")
+    file = tmp_path / "x.csv"
+    file.write_text("")
+    guide.guide(guide.Question(recording(), "sopdt", None, tuple(sorted(WITHOUT)), EFFECTS, (file,), ""))
+    assert "not compared: what happened before 1600 s" in capsys.readouterr().err
