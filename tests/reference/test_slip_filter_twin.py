@@ -81,3 +81,13 @@ def test_the_weight_that_is_kept_leaves_as_many_as_are_followed():
     weights /= weights.sum()
     assert np.minimum(weights / least_kept(weights), 1).sum() == pytest.approx(HISTORIES)
     assert least_kept(weights[:HISTORIES]) < 1e-200
+
+
+def test_a_sample_that_no_history_explains_ends_none():
+    op = np.array([0.0, 1.0, 1.8, 1.0])
+    _, seen = seen_of(op, slides=False, noise=0.02)
+    target = seen.target.copy()
+    target[2] = 1e200
+    path, _, likely = filtered(seen._replace(target=target), slides=False)
+    assert np.isfinite(path).all()
+    assert math.isfinite(likely)

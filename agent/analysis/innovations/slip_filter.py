@@ -182,8 +182,14 @@ def likeliest_history(
 
 @kernel
 def normalised(rows: FloatArray) -> float:
-    """Make the weights of rows (k, 14) add up to 1, and return the logarithm of what they added up to."""
-    total = max(rows[:, WEIGHT].sum(), NOTHING)
+    """Make the weights of rows (k, 14) add up to 1, and return the logarithm of what they added up to.
+
+    Where all are impossible they go on alike.
+    """
+    total = rows[:, WEIGHT].sum()
+    if not total > NOTHING:
+        rows[:, WEIGHT] = 1.0 / len(rows)
+        return math.log(NOTHING)
     rows[:, WEIGHT] /= total
     return math.log(total)
 
