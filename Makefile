@@ -4,7 +4,6 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 # One more than cores: many tests wait for a peer.
 JOBS   ?= $(shell expr $$(nproc 2>/dev/null || echo 2) + 1)
-# Slow files of tests start first (tests/slow_files.py), so that the run does not end with one.
 # A test that its own time limit cannot end (it hangs in compiled code, or a callback swallowed the limit) ends
 # its worker, and says where it was; else the whole run waits for it until CI's time is over.
 HANGS  := --max-worker-restart 1 -o faulthandler_timeout=420 -o faulthandler_exit_on_timeout=true
@@ -17,7 +16,7 @@ demo: $(VENV)/.installed
 
 test: $(VENV)/.dev
 	@bash tests/system_parts.sh
-	$(BIN)/python -m pytest -m "not bench" -n $(JOBS) --dist loadscope --no-loadscope-reorder $(HANGS)
+	$(BIN)/python -m pytest -m "not bench" -n $(JOBS) --dist loadscope $(HANGS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .

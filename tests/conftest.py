@@ -9,7 +9,6 @@ import pytest
 from hypothesis import settings
 
 from tests.postgres import Postgres, binaries
-from tests.slow_files import place
 
 IN_CI = os.environ.get("SLIPJUMP_CI") == "1"
 ROOT = Path(__file__).parent.parent
@@ -18,7 +17,6 @@ settings.load_profile("slipjump")
 
 
 def pytest_collection_modifyitems(items):
-    items.sort(key=lambda item: place(Path(os.path.relpath(item.path, ROOT / "tests")).as_posix()))
     for item in items:
         if asyncio.iscoroutinefunction(getattr(item, "function", None)):
             item.fixturenames.append("no_leaked_tasks")
