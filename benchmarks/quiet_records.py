@@ -22,15 +22,13 @@ from agent.analysis.evidence.weighing import SURE
 from agent.analysis.memory.sticks import LIKELY, sticks_of
 from agent.analysis.memory.weighing_windows import BASE_RATE
 from agent.analysis.one_valve import judged_together
-from agent.analysis.record.recording import LoopWindow
 from agent.runtime.loop.process_pool import process_pool
 from benchmarks.cases.options import Options
+from benchmarks.cases.random_loop import window_kept
 from benchmarks.tables.calibration import calibration_error, error_by_chance
 from benchmarks.tables.markdown import table
 from benchmarks.tables.ranking import area
 from simulators.draws.valve_weeks import valve_weeks
-from simulators.historian import kept
-from simulators.plant import simulate
 
 SEEDS = range(65200, 65263)
 USUAL = 10
@@ -90,13 +88,7 @@ def run(options: Options) -> None:
 def rated_valve(job: tuple[int, bool]) -> RatedValve:
     seed, sticks = job
     valve = valve_weeks(seed, DAYS, RECORDS, sticks=sticks)
-    windows = []
-    for each in valve.windows:
-        scenario = each.scenario
-        record = kept(simulate(scenario), each.historian)
-        sp = record.sp if scenario.set_points else None
-        ts = each.historian.every * scenario.ts
-        windows.append(LoopWindow(valve.name, scenario.start, ts, record.op, record.pv, sp))
+    windows = [window_kept(valve.name, each.scenario, each.historian) for each in valve.windows]
     alone = [diagnose(each) for each in windows]
     judged = judged_together(windows, alone)
     now, counted = judged[0].sticks, sticks_of([_whole(each) for each in alone])

@@ -19,11 +19,10 @@ from agent.analysis.diagnosis import Diagnosis
 from agent.analysis.record.recording import LoopWindow
 from agent.runtime.loop.process_pool import process_pool
 from benchmarks.cases.options import Options
-from benchmarks.cases.random_loop import KINDS, STICKING, AnyKind, random_scenario, window_of
+from benchmarks.cases.random_loop import KINDS, STICKING, AnyKind, random_scenario, window_kept
 from benchmarks.tables.markdown import table
 from simulators.draws.seldom_moves import SeldomKind, seldom_moved
-from simulators.historian import Historian, kept
-from simulators.plant import simulate
+from simulators.historian import Historian
 from simulators.scenario import Scenario
 
 SEEDS = range(98700, 98748)
@@ -108,19 +107,13 @@ def nats(diagnosis: Diagnosis) -> float:
 
 def window_of_job(job: Job) -> LoopWindow:
     """Simulate the loop, with the friction of its valve scattered."""
+    historian = Historian()
     if job.kind in SELDOM:
         scenario, historian = seldom_moved(job.seed, job.kind)
-        return keep(scattered(scenario, job.scatter), historian)
-    scenario, _ = random_scenario(job.kind, job.seed)
-    return keep(scattered(scenario, job.scatter), Historian())
+    else:
+        scenario, _ = random_scenario(job.kind, job.seed)
+    return window_kept(scenario.loop, scattered(scenario, job.scatter), historian)
 
 
 def scattered(scenario: Scenario, scatter: float) -> Scenario:
     return scenario.model_copy(update={"valve": scenario.valve.model_copy(update={"scatter": scatter})})
-
-
-def keep(scenario: Scenario, historian: Historian) -> LoopWindow:
-    """Run the scenario, and return what the historian keeps."""
-    record = kept(simulate(scenario), historian)
-    window = window_of(scenario, record)
-    return LoopWindow(window.loop, 0.0, scenario.ts * historian.every, window.op, window.pv, window.sp)

@@ -7,12 +7,14 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from agent.analysis.record.recording import FloatArray, LoopWindow
+from agent.analysis.record.recording import FloatArray, LoopHints, LoopWindow
+from agent.analysis.record.window_of_recording import NO_HINTS
 from agent.analysis.results import Cause
 from simulators.draws.random_cascades import CascadeKind, random_cascade
 from simulators.draws.random_flows import FlowKind, random_flow
 from simulators.draws.random_moves import MovedKind, random_moved
 from simulators.draws.random_plants import Kind, random_draw
+from simulators.historian import Historian, kept
 from simulators.plant import SimulatedRecord, simulate
 from simulators.scenario import Scenario
 
@@ -91,6 +93,16 @@ def random_scenario(kind: AnyKind, seed: int) -> tuple[Scenario, float | None]:
             return random_moved(seed, kind), None
     draw = random_draw(seed, kind)
     return draw.scenario, None if draw.noise_share is None else 100 * draw.noise_share
+
+
+def window_kept(
+    loop: str, scenario: Scenario, historian: Historian, hints: LoopHints = NO_HINTS
+) -> LoopWindow:
+    """Run a scenario, and return what a historian keeps of it: SP only where it moves."""
+    record = kept(simulate(scenario), historian)
+    sp = record.sp if scenario.set_points else None
+    ts = historian.every * scenario.ts
+    return LoopWindow(loop, scenario.start, ts, record.op, record.pv, sp, hints=hints)
 
 
 def window_of(scenario: Scenario, record: SimulatedRecord) -> LoopWindow:

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from agent.analysis.diagnose import diagnose
 from agent.analysis.memory.sticks import with_memory
 from agent.analysis.memory.valve_memory import ValveMemory, hints_from, remember
-from agent.analysis.record.recording import LoopHints, LoopWindow
+from agent.analysis.record.recording import LoopHints
 from agent.analysis.routine import routine_diagnosis
+from benchmarks.cases.random_loop import window_kept
 from simulators.draws.valve_weeks import Course, valve_weeks
-from simulators.historian import kept
-from simulators.plant import simulate
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,12 +50,8 @@ def diagnosed_valve(job: WeeksJob) -> DiagnosedValve:
     windows = valve.windows[:: job.one_in]
     memory, memories, accused = ValveMemory(), [], []
     for each in windows:
-        scenario, every = each.scenario, each.historian.every
-        record = kept(simulate(scenario), each.historian)
-        sp = record.sp if scenario.set_points else None
         hints = hints_from(memory, LoopHints())
-        ts = every * scenario.ts
-        window = LoopWindow(valve.name, scenario.start, ts, record.op, record.pv, sp, hints=hints)
+        window = window_kept(valve.name, each.scenario, each.historian, hints)
         found = routine_diagnosis(window, diagnose).diagnosis
         memory = remember(memory, found, window.start, window.start + len(window) * window.ts)
         memories.append(memory)

@@ -71,16 +71,22 @@ def above(force, scatter):
     return 1.0 if force <= 0 else 0.5 * math.erfc(math.log(force) / (scatter * math.sqrt(2)))
 
 
-def student(rest, positions, target, gain, process, squares, power):
-    """Likelihood of PV behind one history, less a constant."""
+def answers(rest, positions, process):
+    """What the process answers to each sample of one history, ``process.whole`` samples later."""
     passed = first = second = older = 0.0
-    former, likelihood = rest, 1.0
-    for t, position in enumerate(positions):
+    former, found = rest, []
+    for position in positions:
         passed = process.keep * passed + position - former
         former = position
         first = process.pole * first + passed
         older, second = second, process.pole2 * second + first
-        if t + process.whole < len(target):
-            error = target[t + process.whole] - gain * (process.now * second + process.then * older)
-            likelihood *= (1 + error**2 / squares) ** -power
+        found.append(process.now * second + process.then * older)
+    return found
+
+
+def student(rest, positions, target, gain, process, squares, power):
+    """Likelihood of PV behind one history, less a constant."""
+    likelihood = 1.0
+    for now, answer in zip(target[process.whole :], answers(rest, positions, process), strict=False):
+        likelihood *= (1 + (now - gain * answer) ** 2 / squares) ** -power
     return likelihood

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from slip_filter_by_hand import all_histories, student
+from slip_filter_by_hand import all_histories, answers, student
 
 from agent.analysis.innovations.slip_filter import (
     HISTORIES,
@@ -30,12 +30,8 @@ def seen_of(op, *, slides, noise):
     """PV behind one of the histories, with noise."""
     found = histories_of(op, slides=slides)
     _, rest, positions, _ = max(found, key=lambda each: each[0] * np.ptp(each[2]))
-    target, passed, first, second, former = np.zeros(len(op)), 0.0, 0.0, 0.0, rest
-    for t, position in enumerate(positions[: len(op) - PROCESS.whole]):
-        passed, former = PROCESS.keep * passed + position - former, position
-        first = PROCESS.pole * first + passed
-        older, second = second, PROCESS.pole2 * second + first
-        target[t + PROCESS.whole] = GAIN * (PROCESS.now * second + PROCESS.then * older)
+    answered = answers(rest, positions, PROCESS)[: len(op) - PROCESS.whole]
+    target = GAIN * np.concatenate([np.zeros(PROCESS.whole), answered])
     target += noise * np.random.default_rng(3).normal(size=len(op))
     return found, ObservedPv(op, target, np.ones(len(op)), SQUARES, POWER, GAIN)
 

@@ -9,7 +9,8 @@ without a sticking valve. See docs/methods/innovations.md.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from agent.analysis.evidence.weighing import ENOUGH_LIKELIHOOD
@@ -91,7 +92,8 @@ def innovations_say(window: LoopWindow, found: Quantification) -> InnovationsSay
     return InnovationsSay(ratio, shows, wave, scatter)
 
 
-class _Record(NamedTuple):
+@dataclass(frozen=True)
+class _Record:
     """What a valve that sticks is compared with."""
 
     whitened: Sequence[Problem]
@@ -104,6 +106,11 @@ class _Record(NamedTuple):
     moves: bool
     """Whether the free run is closer with a valve."""
 
+    @cached_property
+    def wave(self) -> float:
+        """Return the log likelihood without a valve where the load is one wave, nats, less a constant."""
+        return with_load_wave(self.linear, self.whitened, self.hints)
+
 
 def _against_load(stems: Sequence[StickingStem], record: _Record) -> tuple[float, bool]:
     """Return how much more likely the record is with the likeliest stem than with a load, nats, >= 0.
@@ -113,7 +120,7 @@ def _against_load(stems: Sequence[StickingStem], record: _Record) -> tuple[float
     best, sound = _likeliest(stems, record.sound), record.sound
     gains, wave = best - sound > NOTHING, -math.inf
     if gains or record.moves:
-        wave = with_load_wave(record.linear, record.whitened, record.hints)
+        wave = record.wave
     if gains:
         sound = max(sound, with_load_step(record.linear, record.whitened))
     if wave > sound:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from itertools import product
+from operator import attrgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -90,7 +91,8 @@ def with_scattered_slips(
     for _ in range(ROUNDS):
         seen, process = _seen(stem, whitened)
         tried = product(sizes, sorted({j_ratio, *J_RATIOS}))
-        moves = max((_moves(seen, process, share * s, ratio, scatter) for share, ratio in tried), key=_likely)
+        found = (_moves(seen, process, share * s, ratio, scatter) for share, ratio in tried)
+        moves = max(found, key=attrgetter("likelihood"))
         behind = [each._replace(op=moves.position) for each in whitened]
         fit = best_process(behind, hints)
         if fit is None or not moves.factors.size:
@@ -103,10 +105,6 @@ def with_scattered_slips(
             break
         best, sizes = ScatteredSlips(stem, scatter), (1.0,)
     return best
-
-
-def _likely(moves: _Moves) -> float:
-    return moves.likelihood
 
 
 def _seen(stem: StickingStem, whitened: Sequence[Problem]) -> tuple[ObservedPv, Process]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 from agent.analysis.innovations.whitened import Fit, log_likelihood
 from agent.identify.objective import S
@@ -13,7 +15,8 @@ if TYPE_CHECKING:
     from agent.identify.problem import Problem
 
 
-class StickingStem(NamedTuple):
+@dataclass(frozen=True)
+class StickingStem:
     """A stem behind each filter, with its process."""
 
     fit: Fit
@@ -24,7 +27,7 @@ class StickingStem(NamedTuple):
     price: float = 0.0
     """What the freedom of its slips costs, nats, <= 0."""
 
-    @property
+    @cached_property
     def likelihood(self) -> float:
         """Return the log likelihood, nats, less a constant."""
         return log_likelihood(self.fit, self.behind[self.fit.noise]) + self.price

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -71,8 +72,4 @@ def with_scatter(
 ) -> ScatteredSlips | None:
     """Return the likeliest stem whose friction scatters, begun at those whose friction does not."""
     found = [with_scattered_slips(each, whitened, hints) for each in stems if each.known]
-    return max((each for each in found if each is not None), key=_likelihood, default=None)
-
-
-def _likelihood(slips: ScatteredSlips) -> float:
-    return slips.stem.likelihood
+    return max((each for each in found if each is not None), key=attrgetter("stem.likelihood"), default=None)

@@ -16,6 +16,7 @@ from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.physics.valves.he2007 import he2007
 from agent.report.reasons import reasons
 from benchmarks.cases.random_loop import random_scenario, window_of
+from benchmarks.scattered_slips import scattered
 from simulators.plant import simulate
 
 WITHOUT = patch("agent.analysis.innovations.with_scatter", lambda *_: None)
@@ -93,8 +94,7 @@ def test_records_whose_instants_were_lost_have_no_answer():
 def test_the_verdict_and_its_reasons():
     """Of dozens of nats seven are left with one S."""
     scenario, _ = random_scenario("set_point_stiction", 3321)
-    valve = scenario.valve.model_copy(update={"scatter": 0.3})
-    scenario = scenario.model_copy(update={"valve": valve})
+    scenario = scattered(scenario, 0.3)
     window = window_of(scenario, simulate(scenario))
     found = diagnose(window)
     with WITHOUT:
