@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 import yaml
@@ -33,11 +33,30 @@ def entry_yaml(entry: Mapping[str, Any]) -> str:
     return "".join(lines)
 
 
-def written(text: str, part: Part, name: str) -> str | None:
-    """Return how the entry called ``name`` is written, with its comments; None where there is none."""
-    node = _entry(_value(yaml.compose(text, yaml.SafeLoader), part), name)
+def written(text: str) -> dict[Part, dict[str, str]]:
+    """Return how each entry of a file is written, with its comments: part -> name -> text."""
+    root = yaml.compose(text, yaml.SafeLoader)  # once: of a thousand loops it takes half a second
+    return {
+        "connections": {name: _written(text, each) for name, each in _named(root, "connections")},
+        "loops": {name: _written(text, each) for name, each in _named(root, "loops")},
+    }
+
+
+def _named(root: yaml.Node | None, part: Part) -> Iterator[tuple[str, yaml.Node]]:
+    """Yield the entries of a part of the file that have a name."""
+    node = _value(root, part)
+    if isinstance(node, yaml.MappingNode):
+        yield from ((str(key.value), value) for key, value in node.value)
+    for each in node.value if isinstance(node, yaml.SequenceNode) else []:
+        name = _name_of(each) if isinstance(each, yaml.MappingNode) else None
+        if name is not None:
+            yield name, each
+
+
+def _written(text: str, node: yaml.Node) -> str:
+    """Return how one entry is written."""
     if not isinstance(node, yaml.MappingNode) or node.flow_style:
-        return None if node is None else text[node.start_mark.index : int(node.end_mark.index)] + "\n"
+        return text[node.start_mark.index : int(node.end_mark.index)] + "\n"
     column = node.start_mark.column
     lines = text[node.start_mark.index : _line_end(text, _end(node))].split("\n")
     return (
@@ -62,6 +81,8 @@ def edited(text: str, part: Part, name: str, entry: str) -> str:
     if not isinstance(content, Mapping) or not content:
         raise EditError("expected a mapping, a line for each setting")
     node = _value(yaml.compose(text, yaml.SafeLoader), part)
+    if node is None:
+        raise EditError(f"the file has no {part}")
     changed = (_in_list if part == "loops" else _in_mapping)(text, node, name, entry.strip("\n"))
     if _with(yaml.safe_load(text), part, name, content) != yaml.safe_load(changed):
         raise EditError(f"{part} cannot be edited here: it is written with anchors or in an unusual layout")
@@ -134,13 +155,9 @@ def _line_end(text: str, index: int) -> int:
     return len(text) if end < 0 else end
 
 
-def _value(root: yaml.Node | None, key: str) -> yaml.Node:
-    if isinstance(root, yaml.MappingNode):
-        for each, value in root.value:
-            if each.value == key:
-                found: yaml.Node = value
-                return found
-    raise EditError(f"the file has no {key}")
+def _value(root: yaml.Node | None, key: str) -> yaml.Node | None:
+    pairs = root.value if isinstance(root, yaml.MappingNode) else []
+    return next((value for each, value in pairs if each.value == key), None)
 
 
 def _name_of(item: yaml.MappingNode) -> str | None:

@@ -19,7 +19,7 @@ import yaml
 from agent.runtime.agent import Agent
 from agent.runtime.commission.probe import Finding, probe
 from agent.settings import Settings, settings_of
-from agent.settings.edit import EditError, Part, edited, entry_yaml, written
+from agent.settings.edit import Part, edited, entry_yaml, written
 from agent.settings.load import load_settings
 from connectors.base import ConfigError
 from connectors.kinds import KINDS
@@ -73,36 +73,16 @@ class Configuration:
 
     async def entries(self) -> dict[str, Any]:
         """Return connections and loops of the file: name, kind or connection, and how they are written."""
-        text = await self._read()
-        raw = yaml.safe_load(text)
-        connections = raw.get("connections") or {}
-        loops = [each for each in raw.get("loops") or [] if isinstance(each, dict)]
-        return {
-            "file": str(self.path),
-            "digest": _digest(text),
-            "connections": [
-                {"name": name, "kind": each.get("kind"), "yaml": written(text, "connections", str(name))}
-                for name, each in connections.items()
-            ],
-            "loops": [
-                {
-                    "name": each["name"],
-                    "connection": each.get("connection"),
-                    "entry": _plain(each),
-                    "yaml": written(text, "loops", each["name"]),
-                }
-                for each in loops
-                if "name" in each
-            ],
-            "lists": [str(each["from"]) for each in loops if "from" in each],
-        }
+        return {"file": str(self.path)} | await asyncio.to_thread(_entries, await self._read())
 
     async def checked(self, change: EntryChange) -> Proposal:
         """Return what a change would do to the file, or its faults."""
         text = await self._read()
         try:
-            changed = edited(text, PARTS[change.what], change.name, change.text)
-        except (EditError, yaml.YAMLError) as error:
+            changed = await asyncio.to_thread(edited, text, PARTS[change.what], change.name, change.text)
+        except RecursionError:
+            return Proposal(("it is nested too deeply",), "", "", None, _digest(text))
+        except (ValueError, yaml.YAMLError) as error:  # ``EditError``, and a date that there is not
             return Proposal((" ".join(str(error).split()),), "", "", None, _digest(text))
         lines = difflib.unified_diff(text.splitlines(), changed.splitlines(), lineterm="", n=2)
         difference = "\n".join([*lines][2:])
@@ -187,6 +167,30 @@ def form_yaml(entry: dict[str, Any]) -> str:
 def _filled(entry: dict[str, Any]) -> dict[str, Any]:
     filled = {key: _filled(value) if isinstance(value, dict) else value for key, value in entry.items()}
     return {key: value for key, value in filled.items() if value not in (None, "", {}, [])}
+
+
+def _entries(text: str) -> dict[str, Any]:
+    """Return what a file holds, as the page shows it."""
+    raw, as_written = yaml.safe_load(text), written(text)
+    loops = [each for each in raw.get("loops") or [] if isinstance(each, dict)]
+    return {
+        "digest": _digest(text),
+        "connections": [
+            {"name": name, "kind": each.get("kind"), "yaml": as_written["connections"].get(str(name))}
+            for name, each in (raw.get("connections") or {}).items()
+        ],
+        "loops": [
+            {
+                "name": each["name"],
+                "connection": each.get("connection"),
+                "entry": _plain(each),
+                "yaml": as_written["loops"].get(str(each["name"])),
+            }
+            for each in loops
+            if "name" in each
+        ],
+        "lists": [str(each["from"]) for each in loops if "from" in each],
+    }
 
 
 def _settings(text: str, folder: Path) -> Settings:

@@ -15,7 +15,7 @@ ENTRIES = [("connections", name) for name in RAW["connections"]] + [
 
 @pytest.mark.parametrize(("part", "name"), ENTRIES)
 def test_what_is_written_again_changes_nothing(part, name):
-    assert edited(EXAMPLE, part, name, written(EXAMPLE, part, name)) == EXAMPLE
+    assert edited(EXAMPLE, part, name, written(EXAMPLE)[part][name]) == EXAMPLE
 
 
 @pytest.mark.parametrize("part", ["loops", "connections"])
@@ -28,8 +28,28 @@ def test_a_new_entry_is_added_and_each_line_before_stays(part):
     assert (found[-1] if part == "loops" else found["NEW1"]) == entry
 
 
+def test_a_file_is_read_once_however_many_entries_it_has(monkeypatch):
+    many = [{"name": f"F{i}", "tags": {"pv": i}} for i in range(200)]
+    text = yaml.safe_dump({"connections": {"plant": {"kind": "mqtt"}}, "loops": many}, sort_keys=False)
+    composed, compose = [], yaml.compose
+    monkeypatch.setattr(yaml, "compose", lambda *given: composed.append(1) or compose(*given))
+    found = written(text)
+    assert len(composed) == 1
+    assert found["loops"].keys() == {each["name"] for each in many}
+    assert yaml.safe_load(found["loops"]["F7"]) == many[7]
+
+
+def test_a_file_without_loops_has_none():
+    assert written("connections:\n  a: {kind: mqtt}\n") == {
+        "connections": {"a": "{kind: mqtt}\n"},
+        "loops": {},
+    }
+    with pytest.raises(EditError, match="the file has no loops"):
+        edited("connections:\n  a: {kind: mqtt}\n", "loops", "F1", "name: F1")
+
+
 def test_comments_of_an_edited_entry_stay_where_they_are():
-    text = written(EXAMPLE, "loops", "LIC205").replace("ts: 2.0", "ts: 5.0")
+    text = written(EXAMPLE)["loops"]["LIC205"].replace("ts: 2.0", "ts: 5.0")
     changed = edited(EXAMPLE, "loops", "LIC205", text)
     different = [
         pair for pair in zip(EXAMPLE.splitlines(), changed.splitlines(), strict=True) if pair[0] != pair[1]

@@ -127,3 +127,12 @@ async def test_a_disk_that_is_full_is_said_and_the_file_stays(tmp_path, monkeypa
 
 def test_the_page_changes_no_file_unless_the_file_says_so():
     assert HttpSettings().configure is False
+
+
+async def test_text_that_nobody_can_read_is_a_fault_and_no_more(tmp_path):
+    async with plant(tmp_path) as (_, _, _, web, head):
+        for text, words in (("[" * 3000, "nested too deeply"), ("name: F1\nts: 2024-13-45", "month must be")):
+            wish = {"what": "loop", "name": "F1", "yaml": text}
+            answer = await web.post("/api/configure/check", json=wish, headers=head)
+            assert answer.status_code == 200, answer.text
+            assert words in answer.json()["faults"][0]
