@@ -1,6 +1,7 @@
 """Rules of every test: a leaked task, an unawaited coroutine or a warning fails it."""
 
 import asyncio
+import gc
 import os
 import shutil
 from pathlib import Path
@@ -9,6 +10,8 @@ import pytest
 from hypothesis import settings
 
 from tests.postgres import Postgres, binaries
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the commands: before numpy is imported
 
 IN_CI = os.environ.get("SLIPJUMP_CI") == "1"
 ROOT = Path(__file__).parent.parent
@@ -44,6 +47,20 @@ def one_standard_space_of_opcua():
     from tests.opcua_space import build_once  # noqa: PLC0415 - asyncua is heavy, and collecting needs it not
 
     build_once()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def workers_with_imports():
+    """Processes that tests start come from one that has imported what most of them need, as in `diagnose`.
+
+    What was collected of all tests stays to the end: a search for garbage in it costs time.
+    """
+    from agent.cli.commands import COLLECT_AFTER  # noqa: PLC0415
+    from agent.runtime.loop.process_pool import import_early  # noqa: PLC0415 - heavy, and collecting needs it not
+
+    gc.freeze()
+    gc.set_threshold(COLLECT_AFTER)
+    import_early(["agent.analysis.diagnose", "agent.workbench.session"])
 
 
 @pytest.fixture(scope="session")

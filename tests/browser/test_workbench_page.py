@@ -19,10 +19,10 @@ CODE = "from agent.cli import main; main()"
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory):
-    """The first twenty minutes of a loop with a hidden dead band."""
+    """The first quarter of an hour of a loop with a hidden dead band."""
     file = tmp_path_factory.mktemp("recordings") / "WB104.csv"
     scenario = load_scenario(ROOT / "config" / "scenarios" / "workbench" / "wb104.yaml")
-    write_rows(file, list(rows(scenario))[:1200])
+    write_rows(file, list(rows(scenario))[:900])
     return file
 
 

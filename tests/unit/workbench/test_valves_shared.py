@@ -12,6 +12,7 @@ from benchmarks.cases.hidden_case import drawn, floor_of
 OTHERS = {each.family for each in EFFECTS} - {"valve_hysteresis"}
 
 
+@pytest.mark.bench  # the accuracy on one draw
 def test_the_simpler_effect_is_found_where_the_richer_one_was() -> None:
     """The search for `stiction` missed the valve, `asymmetric_stiction` had it with both jumps alike."""
     plant, window = drawn("stiction", 91175, "closed_loop")
@@ -32,6 +33,7 @@ def test_without_hysteresis_there_is_nothing_to_seek() -> None:
     assert to_seek({}) == {}
 
 
+@pytest.mark.bench  # the accuracy on one draw
 def test_a_valve_that_moves_seldom_and_differs_by_direction_is_found() -> None:
     """OP moves 17 times; the engine's search, for valves alike in both directions, has none that is near."""
     plant, window = drawn("asymmetric_stiction", 91187, "steps")
