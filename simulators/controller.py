@@ -16,12 +16,13 @@ class Controller:
         self._step = ts / parameters.ti
         self._low, self._high = op_range
         self._integral = parameters.op
+        self._feed_forward = parameters.feed_forward
 
-    def update(self, sp: float, pv: float) -> float:
-        """OP for the coming sampling time, OP units; ``sp`` and ``pv`` in PV units."""
+    def update(self, sp: float, pv: float, load: float = 0.0) -> float:
+        """OP for the coming sampling time, OP units; ``sp`` and ``pv`` in PV units, the load in OP units."""
         pull = self._gain * (sp - pv)
         integral = self._integral + self._step * pull
-        wanted = pull + integral
+        wanted = pull + integral - self._feed_forward * load
         op = min(max(wanted, self._low), self._high)
         if (wanted - op) * pull <= 0.0:  # at a limit the integral may only lead away from it
             self._integral = integral

@@ -40,7 +40,17 @@ class Field:
         self._process = SimulatedProcess(scenario.process, self._dt, op)
         self._pipe = None if scenario.pipe is None else Pipe(scenario.pipe, op, self._dt)
         self._transmitter = Transmitter(scenario.transmitter)
-        self._load = Load(scenario.disturbance, scenario.drift, scenario.load_steps, scenario.wander, ts, rng)
+        self._load = Load(
+            scenario.disturbance,
+            scenario.drift,
+            scenario.load_steps,
+            scenario.wander,
+            scenario.bursts,
+            ts,
+            rng,
+        )
+        self.load = 0.0
+        """On the process input in the last sampling time, OP units."""
         self._keep = math.exp(-ts / scenario.sensor_tau) if scenario.sensor_tau else 0.0
         self._sensed = 0.0
         self._jammed_at: float | None = None
@@ -68,7 +78,7 @@ class Field:
         if scenario.fault.kind != "none" and elapsed >= scenario.fault.time:
             flow = self._faulty(flow)
         factor = at_time([(step.time, step.factor) for step in scenario.gain_steps], elapsed, 1.0)
-        load = self._load.over(elapsed) + others
+        self.load = load = self._load.over(elapsed) + others
         stopped = scenario.fault.kind == "no_flow" and elapsed >= scenario.fault.time
         if self._pipe is not None:
             flow = self._pipe.carry(flow)

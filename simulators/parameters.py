@@ -28,6 +28,8 @@ class ControllerParameters(Part):
     """Set point, PV units."""
     op: float = 50.0
     """OP that holds PV at the set point without load, OP units."""
+    feed_forward: NotNegative = 0.0
+    """Part of the load that OP cancels, as of a load that is measured; 0: feedback alone."""
 
 
 class ValveParameters(Part):
@@ -162,6 +164,15 @@ class Noise(Part):
     """PV units."""
     correlation: NotNegative = 0.0
     """Correlation time, s; 0 is white."""
+
+
+class Bursts(Part):
+    """Strength of the noise and of loads that wander: it rises and falls, as with weather or a neighbour."""
+
+    std: NotNegative = 0.0
+    """Standard deviation of its logarithm; 0 is the same strength always. The mean square stays."""
+    correlation: PositiveFloat = 10.0
+    """Correlation time, s."""
 
 
 class SinusoidParameters(Part):

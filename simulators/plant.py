@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from simulators.controller import Controller
-from simulators.disturbance import FirstOrderNoise
+from simulators.disturbance import FirstOrderNoise, strength_of
 from simulators.field import Field
 
 if TYPE_CHECKING:
@@ -65,7 +65,8 @@ class SimulatedPlant:
         noise_rng, load_rng = np.random.default_rng(scenario.seed).spawn(2)
         self._controller = Controller(scenario.controller, scenario.op_range, ts)
         self._field = Field(scenario, load_rng)
-        self._noise = FirstOrderNoise(scenario.noise.std, scenario.noise.correlation, ts, noise_rng)
+        strength = strength_of(scenario.bursts, ts, noise_rng)
+        self._noise = FirstOrderNoise(scenario.noise.std, scenario.noise.correlation, ts, noise_rng, strength)
         self._held: float | None = None
         self._sample = -round(scenario.warm_up / ts)
         while self._sample < 0:
@@ -82,7 +83,7 @@ class SimulatedPlant:
         sp = scenario.set_point(elapsed)
         measured = self._field.pv + self._noise.next()
         pv = self._transmitted(quantised(measured, scenario.quantisation.pv), elapsed)
-        op = quantised(self._controller.update(sp, pv), scenario.quantisation.op)
+        op = quantised(self._controller.update(sp, pv, self._field.load), scenario.quantisation.op)
         row = Row(scenario.start + elapsed, {"pv": pv, "op": op, "sp": sp, "mv": self._field.position})
         self._field.hold(op, elapsed, load)
         self._sample += 1

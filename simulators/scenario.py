@@ -17,6 +17,7 @@ from connectors.base import ConfigError
 from simulators.disturbance import at_time
 from simulators.draws.stability import peak_sensitivity
 from simulators.parameters import (
+    Bursts,
     ControllerParameters,
     Drift,
     FieldFault,
@@ -78,6 +79,8 @@ class Scenario(Part):
     disturbance: SinusoidParameters = SinusoidParameters()
     load_steps: tuple[LoadStepParameters, ...] = ()
     wander: Wander = Wander()
+    bursts: Bursts = Bursts()
+    """Of ``noise``, ``wander`` and the walk of ``drift``, each by itself."""
     drift: Drift = Drift()
     quantisation: Quantisation = Quantisation()
     set_points: tuple[SetPointStep, ...] = ()

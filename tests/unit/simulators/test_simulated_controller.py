@@ -33,3 +33,10 @@ def test_no_wind_up_at_either_limit(pv, limit):
 def test_rests_where_error_is_zero():
     pi = controller()
     assert [pi.update(100.0, 100.0) for _ in range(3)] == [50.0, 50.0, 50.0]
+
+
+def test_feed_forward_cancels_its_part_of_the_load_within_the_limits():
+    assert controller(feed_forward=0.8).update(100.0, 100.0, 10.0) == pytest.approx(42.0)
+    assert controller(acting="direct", feed_forward=0.8).update(100.0, 100.0, 10.0) == pytest.approx(42.0)
+    assert controller(feed_forward=1.0).update(100.0, 100.0, 80.0) == 0.0
+    assert controller().update(100.0, 100.0, 10.0) == 50.0

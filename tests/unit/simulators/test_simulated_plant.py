@@ -7,6 +7,7 @@ import pytest
 from simulators.parameters import (
     ControllerParameters,
     Drift,
+    LoadStepParameters,
     Noise,
     ProcessParameters,
     Quantisation,
@@ -78,6 +79,21 @@ def test_set_point_steps_are_followed():
 def test_sinusoid_swings_the_loop():
     record = simulate(scenario(disturbance=SinusoidParameters(amplitude=5.0, period=50.0), noise=Noise()))
     assert np.argmax(np.abs(np.fft.rfft(record.pv - record.pv.mean()))) == 600 / 50
+
+
+def test_a_load_that_is_fed_forward_moves_op_and_hardly_pv():
+    steps = tuple(LoadStepParameters(time=60.0 * k, load=6.0 * (-1) ** k) for k in range(1, 10))
+    plain, fed = (
+        simulate(
+            scenario(
+                load_steps=steps,
+                controller=ControllerParameters(kc=0.4, ti=8.0, sp=100.0, feed_forward=part),
+            )
+        )
+        for part in (0.0, 1.0)
+    )
+    assert np.std(fed.pv) < 0.6 * np.std(plain.pv)
+    assert np.std(fed.op) > 0.9 * np.std(plain.op)
 
 
 def test_op_saturates_and_comes_back():
