@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from agent.analysis.benefit.benefit import benefit
 from agent.analysis.cause import cause_without_stiction, causes_with_stiction, undecided_cause
 from agent.analysis.diagnosis import Diagnosis, RecordSummary
-from agent.analysis.evidence.weighing import SURE, weigh
+from agent.analysis.evidence.weighing import SURE, sound_as_far_as_shown, weigh
 from agent.analysis.gates.rhythm import samples_per_period
 from agent.analysis.indices import performance
 from agent.analysis.innovations import innovations_say
@@ -88,7 +88,8 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
         no_response=seen.no_response,
         as_before=seen.as_before,
     )
-    return with_verdict(without_verdict, window, *verdict_of(found, weighed))
+    shown = None if stem_measured else found.would_show
+    return with_verdict(without_verdict, window, *verdict_of(found, weighed, shown))
 
 
 def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, confidence: float) -> Diagnosis:
@@ -154,8 +155,16 @@ def with_innovations(found: Quantification, window: LoopWindow) -> Quantificatio
     )
 
 
-def verdict_of(found: Quantification, weighed: Weighed) -> tuple[Verdict, float]:
+def verdict_of(
+    found: Quantification, weighed: Weighed, would_show: float | None = None
+) -> tuple[Verdict, float]:
     """Return the verdict and the probability that it is right.
+
+    Args:
+        found: Answer of the quantifier.
+        weighed: All methods.
+        would_show: How likely a valve that sticks would have been shown, 0 to 1; None: as in the loops of the
+            weights, or ``weighed`` takes it into account.
 
     Only ``free_run`` is weighed with the detectors: the weights were fitted with it. Another quantifier
     decides alone, and no probability is known: 0.5 stands for it.
@@ -171,7 +180,7 @@ def verdict_of(found: Quantification, weighed: Weighed) -> tuple[Verdict, float]
     if weighed.probability >= SURE and found.stiction is not None and follows:
         return "stiction", weighed.probability
     if weighed.probability <= 1 - SURE and found.decision == "no_stiction":
-        return "no_stiction", 1 - weighed.probability
+        return "no_stiction", sound_as_far_as_shown(weighed.probability, would_show)
     return "undecided", 0.0
 
 

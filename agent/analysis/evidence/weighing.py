@@ -36,6 +36,9 @@ some by chance; and beyond which more does not count."""
 SURE = 0.8
 """Probability from which stiction is reported, or excluded: two of 187 simulated sound loops exceed it, each
 weighed with weights fitted to the others."""
+SHOWN = 0.79
+"""Mean chance that a loop of those that the weights were learnt on would show a valve that sticks (83 loops,
+seeds 3000 to 3005)."""
 MOST = math.log(99)
 """Log odds beyond which the calibration has too few simulated loops to speak: 99 %."""
 COARSE, FINE = 12.0, 30.0
@@ -90,6 +93,22 @@ def weigh(
     log_odds = min(max(BIAS + sum(each.log_odds for each in said), -most), most)
     told = sorted((each for each in said if each.log_odds), key=lambda each: -abs(each.log_odds))
     return Weighed(1 / (1 + math.exp(-log_odds)), tuple(told))
+
+
+def sound_as_far_as_shown(probability: float, would_show: float | None) -> float:
+    """Return the probability that a valve of which nothing is seen is sound, both kinds being as likely.
+
+    A valve that sticks and is not shown looks as a sound one: if a part w is shown, with some odds, all have
+    1 - w + w odds. ``probability`` was learnt on loops of which ``SHOWN`` is shown; where less is, the odds
+    are higher by the ratio of the two. They are never lower: nothing was learnt of more.
+
+    Args:
+        probability: That it sticks, as weighed, below one half.
+        would_show: How likely the record would show a valve that sticks, 0 to 1; None: not known.
+    """
+    odds = probability / (1 - probability)
+    shown = SHOWN if would_show is None else min(would_show, SHOWN)
+    return 1 / (1 + odds * (1 - shown + shown * odds) / (1 - SHOWN + SHOWN * odds))
 
 
 def most_log_odds(samples_per_period: float | None) -> float:

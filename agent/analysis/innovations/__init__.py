@@ -87,8 +87,8 @@ def innovations_say(window: LoopWindow, found: Quantification) -> InnovationsSay
         if slips is not None and slips.stem.likelihood > _likeliest(stems, sound) + NOTHING:
             ratio, wave, scatter = *_against_load([*stems, slips.stem], record), slips.scatter
     low, high = op_range_of(window)
-    op_range = (high - low) / window.op_span
-    shows = chance_to_show(linear, whitened[linear.noise], op_range) if op_range > 0 else None
+    op_range = max((high - low) / window.op_span, 1.0)  # where it is not known, the least that it can be
+    shows = chance_to_show(linear, whitened[linear.noise], op_range)
     return InnovationsSay(ratio, shows, wave, scatter)
 
 

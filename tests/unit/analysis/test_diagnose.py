@@ -120,6 +120,16 @@ def test_gate_that_closes_some_methods_is_reported():
     assert found.methods["he_curve_fit"].verdict == "not_applicable"
 
 
+def test_a_valve_is_called_sound_with_less_confidence_where_nothing_would_show():
+    said = [judged(WINDOW, replace(HEALTHY, would_show=shown)) for shown in (0.0, 1.0)]
+    assert {each.verdict for each in said} == {"no_stiction"}
+    assert said[0].probability == said[1].probability  # the evidence as it was learnt
+    assert said[0].confidence < said[1].confidence == pytest.approx(1 - said[1].probability)
+    stem = replace(WINDOW, mv=WINDOW.op.copy())  # which shows what PV does not
+    seen = [judged(stem, replace(HEALTHY, would_show=shown)).confidence for shown in (0.0, 1.0)]
+    assert seen[0] == seen[1]
+
+
 def test_other_quantifier_has_the_word_alone():
     found = judged(WINDOW, replace(STICKING, quick_evidence=None))
     assert (found.verdict, found.confidence) == ("stiction", 0.5)

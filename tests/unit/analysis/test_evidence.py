@@ -3,9 +3,10 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from agent.analysis.evidence.weighing import MOST, features, weigh
+from agent.analysis.evidence.weighing import MOST, SHOWN, features, sound_as_far_as_shown, weigh
 from agent.analysis.evidence.weights import (
     BIAS,
     DETECTORS,
@@ -83,3 +84,25 @@ def test_nobody_is_surer_than_the_calibration():
 
 def test_method_without_weight_adds_nothing():
     assert weigh(FOUND, {"unheard_of": STICKS}, stem_measured=False) == weigh(FOUND, {}, stem_measured=False)
+
+
+def test_a_valve_is_sound_as_far_as_it_would_have_been_shown():
+    found = [sound_as_far_as_shown(0.1, shown) for shown in (0.0, 0.4, SHOWN, 1.0, None)]
+    assert found == sorted(found)
+    assert found[2:] == pytest.approx([0.9, 0.9, 0.9])
+    assert found[0] == pytest.approx(1 / (1 + (1 / 9) / (1 - SHOWN + SHOWN / 9)))
+
+
+def test_of_many_valves_as_many_are_sound():
+    """Half of the valves stick; those that are not shown look as the sound ones."""
+
+    def looking_sound(shown):
+        rng = np.random.default_rng(119)
+        sticks, is_shown = rng.random(400_000) < 0.5, rng.random(400_000) < shown
+        looks = rng.random(400_000) < np.where(sticks & is_shown, 0.02, 0.8)
+        return np.mean(~sticks[looks])
+
+    of_learnt = sound_as_far_as_shown(1 - looking_sound(SHOWN), None)
+    assert of_learnt == pytest.approx(looking_sound(SHOWN))
+    of_less = sound_as_far_as_shown(1 - looking_sound(SHOWN), 0.3)
+    assert looking_sound(0.3) < of_less < of_learnt

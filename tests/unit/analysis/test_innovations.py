@@ -12,7 +12,7 @@ from agent.analysis.innovations import innovations_say
 from agent.analysis.innovations.noise_models import noise_models
 from agent.analysis.innovations.whitened import student_likelihood
 from agent.analysis.quantify.free_run.problem import pose
-from agent.analysis.record.recording import LoopWindow
+from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Quantification
 from agent.identify.first_slip import first_slip
 from agent.physics.valves.he2007 import he2007
@@ -102,9 +102,14 @@ def test_a_record_shows_a_sticking_valve_where_op_moves_and_noise_does_not_hide_
     assert innovations_say(still, NOTHING_FOUND).would_show < shows
 
 
-def test_without_a_range_of_op_nobody_knows_what_would_show():
+def test_without_a_range_of_op_it_is_the_least_that_it_can_be():
     window = record(sticks=False)
-    assert innovations_say(replace(window, op=window.op + 500), NOTHING_FOUND).would_show is None
+    unknown = replace(window, op=window.op + 500)
+    span = (float(unknown.op.min()), float(unknown.op.max()))
+    stated = replace(unknown, hints=LoopHints(op_range=span))
+    shows = innovations_say(unknown, NOTHING_FOUND).would_show
+    assert shows == innovations_say(stated, NOTHING_FOUND).would_show
+    assert shows < innovations_say(window, NOTHING_FOUND).would_show
 
 
 def test_the_filter_that_fits_makes_a_walk_with_noise_white():

@@ -187,6 +187,14 @@ def test_undecided_is_cleared_only_where_free_run_clears_it():
     assert verdicts(judged_together(windows, said))[:2] == ["no_stiction", "undecided"]
 
 
+def test_of_several_recordings_that_which_shows_most_counts():
+    unsure, hides = replace(SOUND, log_likelihood_ratio=8.0), replace(SOUND, would_show=0.1)
+    windows, said = alone([replace(unsure, would_show=0.1), hides, hides, hides])
+    shown = replace(said[1], quantification=replace(hides, would_show=1.0))
+    less, more = (judged_together(windows, [*said[:3], last])[0].confidence for last in (said[3], shown))
+    assert 0.5 < less < more
+
+
 def test_one_event_counts_once():
     window = day(0)
     again = replace(window, loop="FIC101_9", start=77.0)

@@ -55,6 +55,7 @@ def test_a_trim_that_stands_for_a_curve_behind_the_lags_is_suggested():
     assert (named.kind, named.effect, named.lacks) == ("family", "square_law", ())
 
 
+@pytest.mark.bench  # the accuracy on one draw
 def test_a_slow_wave_may_stand_for_an_integrator_and_a_number_at_its_bound_leaves_a_remainder():
     record = open_record(62409, "prbs", "integrating")
     quiet = record.scenario.model_copy(update={"wander": Wander(), "drift": Drift()})

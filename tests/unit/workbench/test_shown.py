@@ -36,6 +36,7 @@ def test_words_of_what_op_did():
     assert not_excited("extra_lag", step) is None
 
 
+@pytest.mark.bench  # the accuracy on one draw
 def test_a_process_that_ran_out_asks_for_larger_dynamics_though_nothing_hints_at_them():
     record = open_record(91110, "prbs", "integrating")
     trials, alone, _ = shown(record.op, record.pv)
