@@ -125,7 +125,7 @@ def summary(judged: dict[str, list[Judged]]) -> str:
                     f"{sum(valve_right(group) for group in groups)} of {len(groups)}",
                 )
             )
-    columns = ("quantifier", "label", "recordings right", "with high confidence", "valves right")
+    columns = ("quantifier", "label", "recordings right", "said firmly", "valves right")
     return table("### Real recordings", columns, rows)
 
 
