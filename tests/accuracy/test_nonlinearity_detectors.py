@@ -42,7 +42,7 @@ def test_no_sticking_valve_is_called_sound_and_no_steady_loop_accused(detector):
 
 def test_bicoherence_sees_what_has_periods_enough():
     seen = [each for each in results(Bicoherence(), "stiction") if each.seen is not None]
-    assert len(seen) == 28
+    assert len(seen) == 27
     assert sum(each.seen.nonlinear for each in seen) == 4
     free = [each.seen for kind in FREE for each in results(Bicoherence(), kind) if each.seen is not None]
     assert sum(each.nonlinear for each in free) <= 1
