@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import product
+from typing import NamedTuple
 
 from rich.console import Console
 from rich.progress import track
@@ -21,6 +22,7 @@ from benchmarks.cases.options import Options
 from benchmarks.cases.random_loop import KINDS, STICKING, AnyKind, random_scenario, window_kept
 from benchmarks.scattered_slips import nats
 from benchmarks.tables.markdown import table
+from simulators.draws.other_recordings import with_loads
 from simulators.historian import Historian
 from simulators.parameters import Bursts
 from simulators.scenario import Scenario
@@ -52,18 +54,8 @@ def loads(larger: float, fed_forward: float) -> Callable[[Scenario], Scenario]:
     """Return what makes loads larger and feeds a part of them forward."""
 
     def changed(scenario: Scenario) -> Scenario:
-        drift, wander, wave = scenario.drift, scenario.wander, scenario.disturbance
-        return scenario.model_copy(
-            update={
-                "controller": scenario.controller.model_copy(update={"feed_forward": fed_forward}),
-                "drift": drift.model_copy(update={"ramp": larger * drift.ramp, "walk": larger * drift.walk}),
-                "wander": wander.model_copy(update={"std": larger * wander.std}),
-                "disturbance": wave.model_copy(update={"amplitude": larger * wave.amplitude}),
-                "load_steps": tuple(
-                    each.model_copy(update={"load": larger * each.load}) for each in scenario.load_steps
-                ),
-            }
-        )
+        controller = scenario.controller.model_copy(update={"feed_forward": fed_forward})
+        return with_loads(scenario, larger).model_copy(update={"controller": controller})
 
     return changed
 
@@ -72,28 +64,35 @@ def quicker(every: int) -> Callable[[Scenario], Scenario]:
     return lambda scenario: scenario.model_copy(update={"ts": scenario.ts / every})
 
 
-PLAIN = "as drawn"
-CHANGES: Mapping[str, Callable[[Scenario], Scenario]] = {
-    PLAIN: lambda scenario: scenario,
-    "in bursts, 0.3": in_bursts(0.3),
-    "in bursts, 0.6": in_bursts(0.6),
-    **{f"one sample in {every} kept": quicker(every) for every in EVERY},
-    "loads fed forward": loads(1.0, 1.0),
-    "loads four times as large": loads(LARGER, 0.0),
-    "the same, fed forward": loads(LARGER, 1.0),
+class Surroundings(NamedTuple):
+    """What is other than drawn."""
+
+    change: Callable[[Scenario], Scenario]
+    historian: Historian = Historian()
+
+
+SURROUNDINGS: Mapping[str, Surroundings] = {
+    "as drawn": Surroundings(lambda scenario: scenario),
+    "in bursts, 0.3": Surroundings(in_bursts(0.3)),
+    "in bursts, 0.6": Surroundings(in_bursts(0.6)),
+    **{
+        f"one sample in {every} kept": Surroundings(quicker(every), Historian(every=every)) for every in EVERY
+    },
+    "loads fed forward": Surroundings(loads(1.0, 1.0)),
+    "loads four times as large": Surroundings(loads(LARGER, 0.0)),
+    "the same, fed forward": Surroundings(loads(LARGER, 1.0)),
 }
-KEPT = {f"one sample in {every} kept": Historian(every=every) for every in EVERY}
 
 
 def run(options: Options) -> None:
     """Print a row for each of the surroundings."""
     seeds = SEEDS[: options.loops or (len(SEEDS) if options.full else USUAL)]
-    jobs = [*product(CHANGES, KINDS, seeds)]
+    jobs = [*product(SURROUNDINGS, KINDS, seeds)]
     with process_pool() as pool:
         answers = pool.map(said, *zip(*jobs, strict=True), chunksize=1)
         found = list(track(answers, "surroundings", len(jobs), console=Console(stderr=True)))
     columns = ("surroundings", "sticking, found", "more than 40 nats", "sound, accused", "more than 40 nats")
-    rows = [row(name, [each for each in found if each.surroundings == name]) for name in CHANGES]
+    rows = [row(name, [each for each in found if each.surroundings == name]) for name in SURROUNDINGS]
     print(table(f"### Other surroundings, {len(seeds)} seeds of {len(KINDS)} kinds", columns, rows))
 
 
@@ -109,7 +108,7 @@ def row(name: str, cases: list[Said]) -> tuple[str, ...]:
 
 def said(surroundings: str, kind: AnyKind, seed: int) -> Said:
     """Simulate a loop in its surroundings, and diagnose it."""
-    scenario = CHANGES[surroundings](random_scenario(kind, seed)[0])
-    window = window_kept(scenario.loop, scenario, KEPT.get(surroundings, Historian()))
-    found = diagnose(window)
+    change, historian = SURROUNDINGS[surroundings]
+    scenario = change(random_scenario(kind, seed)[0])
+    found = diagnose(window_kept(scenario.loop, scenario, historian))
     return Said(surroundings, kind in STICKING, found.verdict == "stiction", nats(found))

@@ -88,8 +88,7 @@ def _judge(window: LoopWindow, seen: Seen, quantifier: Quantifier) -> Diagnosis:
         no_response=seen.no_response,
         as_before=seen.as_before,
     )
-    shown = None if stem_measured else found.would_show
-    return with_verdict(without_verdict, window, *verdict_of(found, weighed, shown))
+    return with_verdict(without_verdict, window, *verdict_of(found, weighed))
 
 
 def with_verdict(diagnosis: Diagnosis, window: LoopWindow, verdict: Verdict, confidence: float) -> Diagnosis:
@@ -155,16 +154,8 @@ def with_innovations(found: Quantification, window: LoopWindow) -> Quantificatio
     )
 
 
-def verdict_of(
-    found: Quantification, weighed: Weighed, would_show: float | None = None
-) -> tuple[Verdict, float]:
+def verdict_of(found: Quantification, weighed: Weighed) -> tuple[Verdict, float]:
     """Return the verdict and the probability that it is right.
-
-    Args:
-        found: Answer of the quantifier.
-        weighed: All methods.
-        would_show: How likely a valve that sticks would have been shown, 0 to 1; None: as in the loops of the
-            weights, or ``weighed`` takes it into account.
 
     Only ``free_run`` is weighed with the detectors: the weights were fitted with it. Another quantifier
     decides alone, and no probability is known: 0.5 stands for it.
@@ -180,7 +171,7 @@ def verdict_of(
     if weighed.probability >= SURE and found.stiction is not None and follows:
         return "stiction", weighed.probability
     if weighed.probability <= 1 - SURE and found.decision == "no_stiction":
-        return "no_stiction", sound_as_far_as_shown(weighed.probability, would_show)
+        return "no_stiction", sound_as_far_as_shown(weighed.probability, weighed.would_show)
     return "undecided", 0.0
 
 

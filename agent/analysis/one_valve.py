@@ -51,8 +51,7 @@ def judged_together(
     revised = [replace(each, sticks=sticks) for each in diagnoses]
     for k, place in zip(usable, stands, strict=True):
         if together is not None:
-            others = [diagnoses[each] for each in events if each != place]
-            revised[k] = _revised(revised[k], windows[k], together, others)
+            revised[k] = _revised(revised[k], windows[k], together, others=len(events) - 1)
         if place != k:
             revised[k] = replace(revised[k], same_event_as=windows[place].loop)
     return tuple(revised)
@@ -64,27 +63,18 @@ def _has_evidence(diagnosis: Diagnosis) -> bool:
     return found is not None and found.failure is None and found.quick_evidence is not None
 
 
-def _revised(
-    diagnosis: Diagnosis, window: LoopWindow, together: Weighed, others: Sequence[Diagnosis]
-) -> Diagnosis:
-    """Return the diagnosis in view of other recordings."""
+def _revised(diagnosis: Diagnosis, window: LoopWindow, together: Weighed, *, others: int) -> Diagnosis:
+    """Return the diagnosis in view of ``others`` recordings."""
     found, alone = diagnosis.quantification, diagnosis.weighed
     if found is None or alone is None:
         return diagnosis
     if diagnosis.verdict != "undecided":
         contrary = _contrary(diagnosis, together)
-        view = OtherRecordings(len(others), together.probability, alone=None, contrary=contrary)
+        view = OtherRecordings(others, together.probability, alone=None, contrary=contrary)
         return replace(diagnosis, others=view)
-    shown = None if window.mv is not None else _best_shown([diagnosis, *others])
-    revised = with_verdict(diagnosis, window, *verdict_of(found, together, shown))
-    view = OtherRecordings(len(others), together.probability, alone=alone.probability, contrary=False)
+    revised = with_verdict(diagnosis, window, *verdict_of(found, together))
+    view = OtherRecordings(others, together.probability, alone=alone.probability, contrary=False)
     return replace(revised, others=view)
-
-
-def _best_shown(diagnoses: Sequence[Diagnosis]) -> float | None:
-    """Return how likely the recording that shows most would show a valve that sticks; None: of none known."""
-    found = [each.quantification for each in diagnoses if each.quantification is not None]
-    return max((each.would_show for each in found if each.would_show is not None), default=None)
 
 
 def _contrary(diagnosis: Diagnosis, together: Weighed) -> bool:

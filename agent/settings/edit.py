@@ -37,14 +37,13 @@ def written(text: str) -> dict[Part, dict[str, str]]:
     """Return how each entry of a file is written, with its comments: part -> name -> text."""
     root = yaml.compose(text, yaml.SafeLoader)  # once: of a thousand loops it takes half a second
     return {
-        "connections": {name: _written(text, each) for name, each in _named(root, "connections")},
-        "loops": {name: _written(text, each) for name, each in _named(root, "loops")},
+        "connections": {name: _written(text, each) for name, each in _named(_value(root, "connections"))},
+        "loops": {name: _written(text, each) for name, each in _named(_value(root, "loops"))},
     }
 
 
-def _named(root: yaml.Node | None, part: Part) -> Iterator[tuple[str, yaml.Node]]:
+def _named(node: yaml.Node | None) -> Iterator[tuple[str, yaml.Node]]:
     """Yield the entries of a part of the file that have a name."""
-    node = _value(root, part)
     if isinstance(node, yaml.MappingNode):
         yield from ((str(key.value), value) for key, value in node.value)
     for each in node.value if isinstance(node, yaml.SequenceNode) else []:
@@ -90,11 +89,7 @@ def edited(text: str, part: Part, name: str, entry: str) -> str:
 
 
 def _entry(node: yaml.Node, name: str) -> yaml.Node | None:
-    if isinstance(node, yaml.SequenceNode):
-        found = (each for each in node.value if isinstance(each, yaml.MappingNode))
-        return next((each for each in found if _name_of(each) == name), None)
-    pairs = node.value if isinstance(node, yaml.MappingNode) else []
-    return next((value for key, value in pairs if str(key.value) == name), None)
+    return next((each for known, each in _named(node) if known == name), None)
 
 
 def _in_list(text: str, node: yaml.Node, name: str, entry: str) -> str:

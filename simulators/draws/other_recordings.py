@@ -70,6 +70,21 @@ def other_recording(scenario: Scenario, rng: np.random.Generator, *, one_way: bo
     )
 
 
+def with_loads(scenario: Scenario, share: float) -> Scenario:
+    """Return the loop with each of its loads by ``share`` as large."""
+    drift, wander, wave = scenario.drift, scenario.wander, scenario.disturbance
+    return scenario.model_copy(
+        update={
+            "load_steps": tuple(
+                each.model_copy(update={"load": share * each.load}) for each in scenario.load_steps
+            ),
+            "drift": drift.model_copy(update={"ramp": share * drift.ramp, "walk": share * drift.walk}),
+            "wander": wander.model_copy(update={"std": share * wander.std}),
+            "disturbance": wave.model_copy(update={"amplitude": share * wave.amplitude}),
+        }
+    )
+
+
 def with_something_unknown(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     """Return the loop with one thing that the models of the analysis lack.
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from simulators.draws.other_recordings import other_recording, with_something_unknown
+from simulators.draws.other_recordings import other_recording, with_loads, with_something_unknown
 from simulators.draws.random_cascades import random_cascade
 from simulators.draws.random_flows import random_flow
 from simulators.draws.random_moves import log_uniform, random_moved
@@ -23,7 +23,7 @@ from simulators.historian import Historian
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from simulators.parameters import Drift, SetPointStep, ValveParameters
+    from simulators.parameters import SetPointStep, ValveParameters
     from simulators.scenario import Scenario
 
 Course = Literal["constant", "wear", "repair", "onset"]
@@ -152,26 +152,10 @@ def _with_s(valve: ValveParameters, s: float) -> ValveParameters:
 
 def _quieter(scenario: Scenario, activity: float) -> Scenario:
     """Return the loop on a day of less activity: lower moves of set point and loads."""
-    level, drift, wander = scenario.controller.sp, scenario.drift, scenario.wander
-    return scenario.model_copy(
-        update={
-            "set_points": tuple(_nearer(scenario.set_points, level, activity)),
-            "load_steps": tuple(
-                each.model_copy(update={"load": activity * each.load}) for each in scenario.load_steps
-            ),
-            "drift": _less(drift, activity),
-            "wander": wander.model_copy(update={"std": activity * wander.std}),
-            "disturbance": scenario.disturbance.model_copy(
-                update={"amplitude": activity * scenario.disturbance.amplitude}
-            ),
-        }
-    )
+    set_points = tuple(_nearer(scenario.set_points, scenario.controller.sp, activity))
+    return with_loads(scenario, activity).model_copy(update={"set_points": set_points})
 
 
 def _nearer(steps: tuple[SetPointStep, ...], level: float, share: float) -> Iterator[SetPointStep]:
     for step in steps:
         yield step.model_copy(update={"sp": level + share * (step.sp - level)})
-
-
-def _less(drift: Drift, share: float) -> Drift:
-    return drift.model_copy(update={"ramp": share * drift.ramp, "walk": share * drift.walk})

@@ -41,7 +41,8 @@ def joined(found: Sequence[Quantification]) -> Quantification:
 
     Log likelihood ratios add up, each but one less ``SEARCH``, and none counts for more than it may alone:
     one record that is wrong must not outweigh many. The turns of the valve add up as well. The evidence is
-    the geometric mean, for the likelihood of records with noise of their own goes with the product.
+    the geometric mean, for the likelihood of records with noise of their own goes with the product. A valve
+    that sticks would be shown by the record that shows most.
     """
     evidence, quick = zip(*map(worths, found), strict=True)
     ratios = [min(each.log_likelihood_ratio or 0.0, ENOUGH_LIKELIHOOD) for each in found]
@@ -51,6 +52,7 @@ def joined(found: Sequence[Quantification]) -> Quantification:
         turns=sum(each.turns or 0 for each in found),
         evidence=_mean(evidence),
         quick_evidence=_mean(quick),
+        would_show=max((each.would_show for each in found if each.would_show is not None), default=None),
         load_wave=False,
         slip_scatter=None,
     )

@@ -65,6 +65,9 @@ class Weighed:
     """That the valve sticks, calibrated on simulated loops."""
     witnesses: tuple[Witness, ...]
     """The strongest first; without those that add nothing."""
+    would_show: float | None = None
+    """How likely PV would show a valve that sticks, 0 to 1; None: not known, the stem is measured, or the
+    probability takes it into account."""
 
 
 def weigh(
@@ -92,7 +95,8 @@ def weigh(
     most = most_log_odds(samples_per_period)
     log_odds = min(max(BIAS + sum(each.log_odds for each in said), -most), most)
     told = sorted((each for each in said if each.log_odds), key=lambda each: -abs(each.log_odds))
-    return Weighed(1 / (1 + math.exp(-log_odds)), tuple(told))
+    would_show = None if stem_measured else found.would_show
+    return Weighed(1 / (1 + math.exp(-log_odds)), tuple(told), would_show)
 
 
 def sound_as_far_as_shown(probability: float, would_show: float | None) -> float:
