@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from agent.identify.noise.autoregression import innovations
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.fit import SCAN, residual_of
-from agent.workbench.innovations import by_chance, innovations, likelihood_ratio, lowers_innovations
+from agent.workbench.innovations import by_chance, likelihood_ratio, lowers_innovations
 from agent.workbench.library import acts_on_op, happens_once, instants
 from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
+    from agent.identify.noise.autoregression import Innovations
     from agent.physics.effect import Effect
     from agent.workbench.fit import Fit
-    from agent.workbench.innovations import Innovations
     from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
 

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from agent.analysis.record.recording import FloatArray
+    from agent.identify.noise.autoregression import Innovations
     from agent.physics.loop_model import Layout, LoopModel
-    from agent.workbench.innovations import Innovations
     from agent.workbench.projection import ProjectedPv, Solved
     from agent.workbench.record import Record
     from agent.workbench.search import Objective

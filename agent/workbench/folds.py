@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
-    from agent.workbench.innovations import Innovations
+    from agent.identify.noise.autoregression import Innovations
     from agent.workbench.record import Record
 
 FOLDS = 5

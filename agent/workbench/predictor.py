@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.identify.noise.autoregression import Innovations, innovations
 from agent.workbench.fit import Fit, residual_of
-from agent.workbench.innovations import Innovations, innovations
 from agent.workbench.projection import VANISHES, nuisance_part
 from agent.workbench.search import Objective, whitened
 

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
+    from agent.identify.noise.autoregression import Innovations
     from agent.physics.effect import Facts
     from agent.physics.loop_model import Layout, LoopModel
-    from agent.workbench.innovations import Innovations
     from agent.workbench.record import Record
 
 Round = tuple[int, float, int]

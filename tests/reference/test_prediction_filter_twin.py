@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from agent.workbench.prediction_filter import PART, unpredicted
+from agent.identify.noise.prediction_filter import PART, unpredicted
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 3 * PART), st.integers(1, 5), st.integers(0, 40))

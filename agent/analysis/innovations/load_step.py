@@ -6,11 +6,13 @@ what the other would; several slips are tied to each other by OP, and steps of a
 
 from __future__ import annotations
 
+from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
+from agent.analysis.innovations.prewhitened import refitted
 from agent.analysis.innovations.whitened import Fit, fitted, log_likelihood
 from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2, process_response
 from agent.identify.search.linear import process_grid
@@ -71,8 +73,9 @@ def with_load_step(linear: Fit, whitened: Sequence[Problem]) -> float:
         for noise, behind in enumerate(whitened):
             less = _without(behind, linear.structure, step)
             fit = fitted(step.candidate, linear.structure, less, noise, EVALUATIONS)
-            likely.append(log_likelihood(fit, less))
-    return max(likely)
+            likely.append((log_likelihood(fit, less), fit, less))
+    _, fit, less = max(likely, key=itemgetter(0))
+    return log_likelihood(refitted(fit, less), less)
 
 
 def _best_step(linear: Fit, problem: Problem) -> LoadStep:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.innovations.prewhitened import refitted
 from agent.analysis.innovations.whitened import fitted, log_likelihood
 from agent.analysis.quantify.free_run.problem import structures
 from agent.identify.objective import (
@@ -37,7 +38,7 @@ def best_process(whitened: Sequence[Problem], hints: LoopHints) -> Fit | None:
     """Return the most likely process behind ``problem.op``, with its noise; None where nothing follows.
 
     Processes are compared behind each filter as if the innovations were white, the best of each filter by
-    their whole likelihood.
+    their whole likelihood; the likeliest is then fitted to what is new in PV.
     """
     best: dict[int, Fit] = {}
     for structure in structures(hints):
@@ -51,7 +52,10 @@ def best_process(whitened: Sequence[Problem], hints: LoopHints) -> Fit | None:
                 if math.isfinite(fit.score):
                     candidate = fit.candidate.copy()
                     best[noise] = max(fit, best.get(noise, fit), key=lambda one: one.score)
-    return max(best.values(), key=lambda fit: log_likelihood(fit, whitened[fit.noise]), default=None)
+    if not best:
+        return None
+    likeliest = max(best.values(), key=lambda fit: log_likelihood(fit, whitened[fit.noise]))
+    return refitted(likeliest, whitened[likeliest.noise])
 
 
 def _from_grid(structure: int, second: float, problem: Problem) -> FloatArray:

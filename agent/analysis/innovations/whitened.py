@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.identify.noise.autoregression import innovations
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -22,12 +23,11 @@ from agent.identify.simplex import STEP, not_given, simplex
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
+    from agent.identify.noise.autoregression import Innovations
     from agent.identify.problem import Problem
 
 AXES = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY), INTEGRATOR: (DELAY,)}
 """What is searched of a process; the second pole keeps its ratio."""
-ORDER = 3
-"""Of the autoregression that takes from the innovations what a first-order filter left."""
 FREEDOM = 4.0
 """Degrees of freedom of Student's distribution: few, for loads step."""
 SCALE_STEPS = 12
@@ -72,22 +72,23 @@ def fitted(
 
 
 def log_likelihood(fit: Fit, problem: Problem) -> float:
-    """Return the log likelihood of the fit, nats, less a constant, its innovations made white once more.
+    """Return the log likelihood of the fit, nats, less a constant; minus infinity where that is not known.
 
-    Noise that is coloured otherwise than a walk would else count the same evidence several times. And they
-    are taken to have Student's distribution, so that one step of a load is no proof of a slip.
+    Its innovations are made white by an autoregression: noise that is coloured otherwise than a walk would
+    else count the same evidence several times. And they are taken to have Student's distribution, so that one
+    step of a load is no proof of a slip.
     """
-    innovations = residuals(fit.candidate, fit.structure, problem)
-    rows = len(innovations) - ORDER
-    known = problem.weight > 0
-    usable = np.all([known[lag : rows + lag] for lag in range(ORDER + 1)], axis=0)
-    count = int(usable.sum())
-    if count <= ORDER:
+    noise = noise_of(fit, problem)
+    if noise is None:
         return -math.inf
-    past = np.stack([innovations[lag : rows + lag][usable] for lag in range(ORDER)], axis=1)
-    now = innovations[ORDER:][usable]
-    rest = now - past @ np.linalg.lstsq(past, now, rcond=None)[0]
-    return student_likelihood(rest, LEAST_SHARE * float(problem.pv @ problem.pv) / count)
+    new = noise.values[np.isfinite(noise.values)]
+    return student_likelihood(new, LEAST_SHARE * float(problem.pv @ problem.pv) / len(new))
+
+
+def noise_of(fit: Fit, problem: Problem) -> Innovations | None:
+    """Return the autoregression of what a fit leaves behind its filter; None where samples are too few."""
+    left = residuals(fit.candidate, fit.structure, problem)
+    return innovations(np.where(problem.weight > 0, left, np.nan), longest=True)
 
 
 def student_likelihood(values: FloatArray, least: float) -> float:

@@ -23,7 +23,7 @@ from agent.workbench.residual.very_strong import VERY_STRONG
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from agent.workbench.innovations import Innovations
+    from agent.identify.noise.autoregression import Innovations
     from agent.workbench.record import Record
     from agent.workbench.step import Step, Verdict
     from agent.workbench.trial import Tried

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from agent.workbench.innovations import innovations
+from agent.identify.noise.autoregression import innovations
 from agent.workbench.residual.whiteness import CONFIDENCE, LAGS, Correlogram
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy import stats
 
 from agent.analysis.record.signals import noise_level
-from agent.workbench.innovations import innovations
+from agent.identify.noise.autoregression import innovations
 from agent.workbench.paired_blocks import CONFIDENCE, error_interval
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import fft
 
-from agent.workbench.innovations import innovations
+from agent.identify.noise.autoregression import innovations
 from agent.workbench.residual.resampling import resampled
 from agent.workbench.residual.state_dependence import DOUBTED, LEVEL, Dependence
 

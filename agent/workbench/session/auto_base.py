@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.identify.noise.autoregression import innovations
 from agent.physics.bases import BASES
-from agent.workbench.innovations import innovations
 from agent.workbench.library import base_named
 from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.session.opening import opened

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from agent.identify.noise.autoregression import innovations
 from agent.physics.bases.base import StartingBase
 from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import Fit, fit, fit_at, refit_from, residual_of
 from agent.workbench.folds import folds_of
-from agent.workbench.innovations import innovations, likelihood_ratio
+from agent.workbench.innovations import likelihood_ratio
 from agent.workbench.projection import target_of
 from agent.workbench.record import Record, bare_record, closed_by, record_of
 from agent.workbench.residual.very_strong import VERY_STRONG

@@ -22,7 +22,7 @@ REGISTRIES = {
     "benchmarks": "a file for each benchmark",
 }
 """Packages whose members are files, with the reason why they may have more."""
-TO_BE_DIVIDED = {"agent/analysis/quantify/free_run": 23, "agent/workbench": 35}
+TO_BE_DIVIDED = {"agent/analysis/quantify/free_run": 23, "agent/workbench": 34}
 """Packages that are too large: one engine replaces the first two, the third needs rooms.
 
 Bounds may only fall."""

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from agent.workbench.innovations import innovations, lowers_innovations
+from agent.identify.noise.autoregression import innovations
+from agent.workbench.innovations import lowers_innovations
 
 N = 2000
 

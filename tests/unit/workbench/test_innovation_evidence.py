@@ -7,6 +7,7 @@ from scipy import stats
 from test_closed_loop import N, answered_more, loop
 
 from agent.analysis.record.recording import LoopWindow
+from agent.identify.noise.autoregression import innovations
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.gain_change import GainChange
@@ -18,7 +19,7 @@ from agent.workbench.evidence import VALVES, evidence_of
 from agent.workbench.first.first_fit import first_fit
 from agent.workbench.fit import fit
 from agent.workbench.folds import HeldOut
-from agent.workbench.innovations import innovations, likelihood_ratio
+from agent.workbench.innovations import likelihood_ratio
 from agent.workbench.likeliest import less_likely
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record

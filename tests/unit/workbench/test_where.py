@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from agent.workbench.innovations import MOST_LAGS, innovations
+from agent.identify.noise.autoregression import MOST_LAGS, innovations
 from agent.workbench.residual.axes import UNITS, last_turns, physical_axes
 from agent.workbench.residual.resampling import resampled
 from agent.workbench.residual.where import bins_of, panel_of, where_it_fails
