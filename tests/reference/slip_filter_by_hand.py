@@ -84,9 +84,10 @@ def answers(rest, positions, process):
     return found
 
 
-def student(rest, positions, target, gain, process, squares, power):
+def student(rest, positions, seen, process):
     """Likelihood of PV behind one history, less a constant."""
-    likelihood = 1.0
-    for now, answer in zip(target[process.whole :], answers(rest, positions, process), strict=False):
-        likelihood *= (1 + (now - gain * answer) ** 2 / squares) ** -power
+    likelihood, answered = 1.0, answers(rest, positions, process)
+    for t, now in enumerate(seen.target[process.whole :]):
+        past = sum(a * answered[t - 1 - lag] for lag, a in enumerate(seen.coefficients) if t - 1 - lag >= 0)
+        likelihood *= (1 + (now - seen.gain * (answered[t] - past)) ** 2 / seen.squares) ** -seen.power
     return likelihood

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from slip_filter_by_hand import all_histories, answers, student
 
 from agent.analysis.innovations.slip_filter import (
@@ -20,20 +21,21 @@ F_S, F_D, SCATTER = 2.0, 1.0, 0.3
 GAIN, SQUARES, POWER = 1.5, 0.04, 2.5
 PROCESS = Process(pole=0.6, pole2=0.3, keep=0.9, block=1, whole=1, now=0.2, then=0.08)
 RESTS = np.array([-0.5, 0.4])
+LAGS = np.array([0.5, -0.2])
 
 
 def histories_of(op, *, slides):
     return list(all_histories(op, F_S, F_D, SCATTER, RESTS, slides=slides))
 
 
-def seen_of(op, *, slides, noise):
+def seen_of(op, *, slides, noise, lags=LAGS):
     """PV behind one of the histories, with noise."""
     found = histories_of(op, slides=slides)
     _, rest, positions, _ = max(found, key=lambda each: each[0] * np.ptp(each[2]))
     answered = answers(rest, positions, PROCESS)[: len(op) - PROCESS.whole]
-    target = GAIN * np.concatenate([np.zeros(PROCESS.whole), answered])
-    target += noise * np.random.default_rng(3).normal(size=len(op))
-    return found, ObservedPv(op, target, np.ones(len(op)), SQUARES, POWER, GAIN)
+    pv = GAIN * np.concatenate([np.zeros(PROCESS.whole), answered])
+    target = lfilter([1, *-lags], [1], pv) + noise * np.random.default_rng(3).normal(size=len(op))
+    return found, ObservedPv(op, target, np.ones(len(op)), SQUARES, POWER, GAIN, lags)
 
 
 def filtered(seen, *, slides):
@@ -41,16 +43,16 @@ def filtered(seen, *, slides):
     return likeliest_history(seen, PROCESS, Friction(F_S, F_D, SCATTER), motion, RESTS)
 
 
+@pytest.mark.parametrize("lags", [LAGS, np.zeros(0)])
 @pytest.mark.parametrize("slides", [False, True])
 @pytest.mark.parametrize("op", [[0.0, 1.0, 1.8, 0.0], [0.0, 1.5, 3.5, 3.6, 2.0]])
-def test_with_all_histories_kept_it_is_their_sum(op, slides):
+def test_with_all_histories_kept_it_is_their_sum(op, slides, lags):
     op = np.array(op)
-    found, seen = seen_of(op, slides=slides, noise=0.02)
+    found, seen = seen_of(op, slides=slides, noise=0.02, lags=lags)
     assert 2 < len(found) <= HISTORIES
     assert sum(probability for probability, *_ in found) == pytest.approx(1, abs=1e-5)
     together = [
-        probability * student(rest, positions, seen.target, GAIN, PROCESS, SQUARES, POWER)
-        for probability, rest, positions, _ in found
+        probability * student(rest, positions, seen, PROCESS) for probability, rest, positions, _ in found
     ]
     path, factors, likely = filtered(seen, slides=slides)
     assert likely == pytest.approx(math.log(sum(together)), abs=1e-4)
@@ -65,8 +67,7 @@ def test_with_some_drawn_for_all_it_stays_near_their_sum():
     found, seen = seen_of(op, slides=False, noise=0.05)
     assert len(found) > 3 * HISTORIES
     together = sum(
-        probability * student(rest, positions, seen.target, GAIN, PROCESS, SQUARES, POWER)
-        for probability, rest, positions, _ in found
+        probability * student(rest, positions, seen, PROCESS) for probability, rest, positions, _ in found
     )
     _, _, likely = filtered(seen, slides=False)
     assert likely == pytest.approx(math.log(together), abs=0.1)

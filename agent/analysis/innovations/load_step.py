@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
-from agent.analysis.innovations.prewhitened import refitted
+from agent.analysis.innovations.process_search import refitted
 from agent.analysis.innovations.whitened import Fit, fitted, log_likelihood
 from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2, process_response
 from agent.identify.search.linear import process_grid
@@ -73,7 +73,7 @@ def with_load_step(linear: Fit, whitened: Sequence[Problem]) -> float:
         for noise, behind in enumerate(whitened):
             less = _without(behind, linear.structure, step)
             fit = fitted(step.candidate, linear.structure, less, noise, EVALUATIONS)
-            likely.append((log_likelihood(fit, less), fit, less))
+            likely.append((fit.score, fit, less))
     _, fit, less = max(likely, key=itemgetter(0))
     return log_likelihood(refitted(fit, less), less)
 

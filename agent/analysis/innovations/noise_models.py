@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
     from agent.identify.problem import Problem
 
-MEMORIES = (0.4, 1.5, 5.0, 15.0, 50.0)
+MEMORIES = (0.4, 2.0, 15.0)
 """Time constants of the filters, blocks. One more is as long as the record: it takes a slow drift off."""
 LONGEST = 1 / 3
 """Of the other time constants, over the record."""

@@ -9,50 +9,19 @@ stem and PV behind it are one more record for the same search.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.innovations.whitened import fitted, log_likelihood, noise_of
 from agent.identify.noise.prediction_filter import unpredicted
 
 if TYPE_CHECKING:
-    from agent.analysis.innovations.whitened import Fit
     from agent.analysis.record.recording import FloatArray
     from agent.identify.noise.autoregression import Innovations
     from agent.identify.problem import Problem
 
-TURNS = 2
-"""Of process and noise at most: each is fitted to the other."""
-WORTH = 0.02
-"""Nats that a turn must gain."""
-EVALUATIONS = 60
-SCALE = 0.5
-"""Of the first steps of its simplex, for it begins near the end."""
 
-
-def refitted(fit: Fit, problem: Problem) -> Fit:
-    """Return a fit with process and autoregression fitted to each other, as far as that is likelier.
-
-    Args:
-        fit: A process whose stem is known.
-        problem: The record behind the filter of the fit, with that stem in place of OP.
-    """
-    likelihood = log_likelihood(fit, problem)
-    for _ in range(TURNS):
-        noise = noise_of(fit, problem)
-        if noise is None:
-            break
-        found = fitted(fit.candidate, fit.structure, _behind(problem, noise), fit.noise, EVALUATIONS, SCALE)
-        now = log_likelihood(found, problem) if math.isfinite(found.score) else -math.inf
-        if now <= likelihood + WORTH:
-            break
-        fit, likelihood = found, now
-    return fit
-
-
-def _behind(problem: Problem, noise: Innovations) -> Problem:
+def behind_autoregression(problem: Problem, noise: Innovations) -> Problem:
     """Return the problem with the filter of an autoregression behind its own."""
     weight = np.isfinite(noise.values).astype(np.float64)
     basis = np.asfortranarray(np.linalg.qr(problem.basis * weight[:, None])[0])

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.innovations.prewhitened import refitted
-from agent.analysis.innovations.whitened import fitted, log_likelihood
+from agent.analysis.innovations.prewhitened import behind_autoregression
+from agent.analysis.innovations.whitened import fitted, log_likelihood, noise_of
 from agent.analysis.quantify.free_run.problem import structures
 from agent.identify.objective import (
     FOPDT,
@@ -21,7 +22,7 @@ from agent.identify.objective import (
 from agent.identify.search.linear import process_grid
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from agent.analysis.innovations.whitened import Fit
     from agent.analysis.record.recording import FloatArray, LoopHints
@@ -32,6 +33,13 @@ SECONDS = {FOPDT: (0.0,), SOPDT: (-0.2, -1.0, -2.5), INTEGRATOR: (0.0,)}
 valve lacks would be explained by a stem that takes its time."""
 EVALUATIONS, MORE = 40, 20
 """Of the simplex behind the first filter, and behind each other, which begins with what was found."""
+
+TURNS = 2
+"""Of process and noise at most: each is fitted to the other."""
+WORTH = 0.02
+"""Nats that a turn must gain."""
+AGAIN, NEAR = 60, 0.5
+"""Evaluations of its simplex, and their first steps, for it begins near the end."""
 
 
 def best_process(whitened: Sequence[Problem], hints: LoopHints) -> Fit | None:
@@ -52,10 +60,44 @@ def best_process(whitened: Sequence[Problem], hints: LoopHints) -> Fit | None:
                 if math.isfinite(fit.score):
                     candidate = fit.candidate.copy()
                     best[noise] = max(fit, best.get(noise, fit), key=lambda one: one.score)
-    if not best:
-        return None
-    likeliest = max(best.values(), key=lambda fit: log_likelihood(fit, whitened[fit.noise]))
-    return refitted(likeliest, whitened[likeliest.noise])
+    likeliest = max(
+        _behind_either(best.values(), len(whitened) - 1),
+        key=lambda fit: log_likelihood(fit, whitened[fit.noise]),
+        default=None,
+    )
+    return None if likeliest is None else refitted(likeliest, whitened[likeliest.noise])
+
+
+def _behind_either(fits: Iterable[Fit], last: int) -> Iterator[Fit]:
+    """Yield each fit behind its own filter and behind the last, which leaves the noise to the autoregression.
+
+    The last is likelier but for a walk in a short record, whose autoregression is not well known.
+    """
+    for fit in fits:
+        yield fit
+        if fit.noise != last:
+            yield replace(fit, noise=last)
+
+
+def refitted(fit: Fit, problem: Problem) -> Fit:
+    """Return a fit with process and autoregression fitted to each other, as far as that is likelier.
+
+    Args:
+        fit: A process whose stem is known.
+        problem: The record behind the filter of the fit, with that stem in place of OP.
+    """
+    likelihood = log_likelihood(fit, problem)
+    for _ in range(TURNS):
+        noise = noise_of(fit, problem)
+        if noise is None:
+            break
+        behind = behind_autoregression(problem, noise)
+        found = fitted(fit.candidate, fit.structure, behind, fit.noise, AGAIN, NEAR)
+        now = log_likelihood(found, problem) if math.isfinite(found.score) else -math.inf
+        if now <= likelihood + WORTH:
+            break
+        fit, likelihood = found, now
+    return fit
 
 
 def _from_grid(structure: int, second: float, problem: Problem) -> FloatArray:

@@ -14,11 +14,18 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from agent.analysis.innovations.prewhitened import behind_autoregression
 from agent.analysis.innovations.process_search import best_process
 from agent.analysis.innovations.slip_filter import HOLDS, Friction, ObservedPv, likeliest_history
 from agent.analysis.innovations.stem import StickingStem
-from agent.analysis.innovations.whitened import FREEDOM, LEAST_SHARE, Fit, student_scale
-from agent.identify.objective import Process, fit_gain, process_of, process_response, valve_position
+from agent.analysis.innovations.whitened import FREEDOM, LEAST_SHARE, Fit, noise_of, student_scale
+from agent.identify.noise.prediction_filter import unpredicted
+from agent.identify.objective import (
+    Process,
+    fit_gain,
+    process_of,
+    process_response,
+)
 from agent.identify.residuals import residuals
 from agent.identify.search.grid import STEMS
 from agent.physics.valves.damped_stem import stem_motion
@@ -89,7 +96,10 @@ def with_scattered_slips(
     sizes: Sequence[float] = S_SHARES
     stem, best = begin, None
     for _ in range(ROUNDS):
-        seen, process = _seen(stem, whitened)
+        observed = _seen(stem, whitened[0].op)
+        if observed is None:
+            break
+        seen, process = observed
         tried = product(sizes, sorted({j_ratio, *J_RATIOS}))
         found = (_moves(seen, process, share * s, ratio, scatter) for share, ratio in tried)
         moves = max(found, key=attrgetter("likelihood"))
@@ -107,20 +117,25 @@ def with_scattered_slips(
     return best
 
 
-def _seen(stem: StickingStem, whitened: Sequence[Problem]) -> tuple[ObservedPv, Process]:
-    """Return what stems are weighed by: innovations and process of a fit behind another stem."""
+def _seen(stem: StickingStem, op: FloatArray) -> tuple[ObservedPv, Process] | None:
+    """Return what stems of OP (n,) are weighed by: innovations and process of a fit behind another stem."""
     candidate, structure = stem.fit.candidate, stem.fit.structure
-    behind = stem.behind[stem.fit.noise]
-    stood = valve_position(candidate, behind)
-    response = process_response(stood, candidate, structure, behind.block, behind.keep)
+    filtered = stem.behind[stem.fit.noise]
+    noise = noise_of(stem.fit, filtered)
+    if noise is None:
+        return None
+    behind = behind_autoregression(filtered, noise)
+    response = process_response(behind.op, candidate, structure, behind.block, behind.keep)
     _, gain, _ = fit_gain(response, candidate, structure, behind)
     left = residuals(candidate, structure, behind)
     known = behind.weight > 0
     least = LEAST_SHARE * float(behind.pv @ behind.pv) / max(int(known.sum()), 1)
     squares = FREEDOM * student_scale(left[known], least)
-    op = whitened[stem.fit.noise].op[: len(left)]
     process = process_of(candidate, structure, behind.block, behind.keep, len(left))
-    return ObservedPv(op, left + gain * response, behind.weight, squares, (FREEDOM + 1) / 2, gain), process
+    target = left + gain * response
+    lags = noise.coefficients
+    seen = ObservedPv(op[: len(left)], target, behind.weight, squares, (FREEDOM + 1) / 2, gain, lags)
+    return seen, process
 
 
 def _moves(seen: ObservedPv, process: Process, s: float, j_ratio: float, scatter: float) -> _Moves:
@@ -136,7 +151,8 @@ def _moves(seen: ObservedPv, process: Process, s: float, j_ratio: float, scatter
 def _log_likelihood(position: FloatArray, fit: Fit, seen: ObservedPv, process: Process) -> float:
     """Return that of PV behind one stem (n,), as the filter counts it, nats."""
     response = process_response(position, fit.candidate, fit.structure, process.block, process.keep)
-    left = (seen.target - seen.gain * response)[seen.weight > 0]
+    new = unpredicted(response[np.newaxis], seen.coefficients)[0]
+    left = (seen.target - seen.gain * new)[seen.weight > 0]
     return -seen.power * float(np.sum(np.log1p(left * left / seen.squares)))
 
 

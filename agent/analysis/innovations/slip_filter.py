@@ -18,7 +18,7 @@ import numpy as np
 
 from agent.identify.arrays import FloatArray
 from agent.identify.objective import Process
-from agent.jit import kernel
+from agent.jit import kernel, summing_kernel
 from agent.physics.valves.damped_stem import Motion, strokes
 
 if TYPE_CHECKING:
@@ -36,9 +36,10 @@ NOTHING = 1e-300
 HOLDS = 0.98
 """Most of the force, over the friction, that a stem that came to rest is held at: it would else go on."""
 
-# What is known of a history, a row of (14,): first the stem (``strokes``); then the most of the median
+# What is known of a history, a row: first the stem (``strokes``); then the most of the median
 # friction that it has held; its friction over the median; where that was drawn, OP units; 1 where it has
-# shown, else 0; the process (``Memory``); and how probable the history is.
+# shown, else 0; the process (``Memory``); and how probable the history is. Behind these come its last
+# responses, one for each lag of the noise (``new_in``).
 X, FORCE, DIRECTION = 0, 1, 2
 HELD, FACTOR, PLACE, SHOWN, PASSED, FORMER, FIRST, SECOND, WEIGHT = range(5, 14)
 COLUMNS = 14
@@ -60,6 +61,8 @@ class ObservedPv(NamedTuple):
     """Of that distribution: half the degrees of freedom plus a half."""
     gain: float
     """Of the process, PV over OP units."""
+    coefficients: FloatArray
+    """Of the autoregression that the target is behind, (lags,)."""
 
 
 class Friction(NamedTuple):
@@ -92,7 +95,7 @@ def chance_to_slip(force: float, held: float, scatter: float) -> float:
 def moved_on(
     history: FloatArray, seen: ObservedPv, t: int, friction: Friction, stem: Motion, scratch: FloatArray
 ) -> float:
-    """Move the stem of a history (14,) through sample t; return its mean position, OP units."""
+    """Move the stem of a history (columns,) through sample t; return its mean position, OP units."""
     stood, factor = history[X], history[FACTOR]
     bands = (friction.f_s * factor, friction.f_s * factor, friction.f_d * factor)
     strokes(seen.op, t, t + 1, history, bands, stem, scratch, t + 1)
@@ -107,16 +110,34 @@ def moved_on(
 
 @kernel
 def weighed(history: FloatArray, position: float, seen: ObservedPv, t: int, process: Process) -> None:
-    """Move the process of a history (14,) on by a sample, and weigh the history by its innovation."""
+    """Move the process of a history (columns,) on by a sample, and weigh the history by its innovation."""
     history[PASSED] = process.keep * history[PASSED] + (position - history[FORMER])
     history[FORMER] = position
     history[FIRST] = process.pole * history[FIRST] + history[PASSED]
     older = history[SECOND]
     history[SECOND] = process.pole2 * older + history[FIRST]
     at = t + process.whole
+    response = new_in(history[COLUMNS:], process.now * history[SECOND] + process.then * older, t, seen)
     if at < seen.op.size and seen.weight[at] > 0.0:
-        error = seen.target[at] - seen.gain * (process.now * history[SECOND] + process.then * older)
+        error = seen.target[at] - seen.gain * response
         history[WEIGHT] *= (1.0 + error * error / seen.squares) ** -seen.power
+
+
+@summing_kernel
+def new_in(ring: FloatArray, response: float, t: int, seen: ObservedPv) -> float:
+    """Return what the autoregression leaves of a response, and keep it among the last ones.
+
+    ``ring`` (2 lags,) has each twice, so that any lags in a row are one behind the other in memory.
+    """
+    lags = seen.coefficients.size
+    if lags == 0:
+        return response
+    place = t % lags
+    new = response
+    for i in range(lags):
+        new -= seen.coefficients[lags - 1 - i] * ring[place + i]
+    ring[place] = ring[place + lags] = response
+    return new
 
 
 @kernel
@@ -138,7 +159,8 @@ def likeliest_history(
     """
     n = seen.op.size
     rows = 2 * (max(HISTORIES, rests.size) + 1)  # one more by rounding
-    kept, grown = np.zeros((rows, COLUMNS)), np.zeros((rows, COLUMNS))
+    columns = COLUMNS + 2 * seen.coefficients.size
+    kept, grown = np.zeros((rows, columns)), np.zeros((rows, columns))
     parent, position, begun = np.zeros((n, rows), np.int32), np.zeros((n, rows)), np.zeros((n, rows))
     scratch = np.empty(n)
     for i in range(rests.size):
@@ -182,7 +204,7 @@ def likeliest_history(
 
 @kernel
 def normalised(rows: FloatArray) -> float:
-    """Make the weights of rows (k, 14) add up to 1, and return the logarithm of what they added up to.
+    """Make the weights of rows (k, columns) add up to 1, and return the logarithm of what they added up to.
 
     Where all are impossible they go on alike.
     """

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.innovations.prewhitened import behind_autoregression
 from agent.identify.noise.autoregression import innovations
 from agent.identify.objective import (
     DELAY,
@@ -74,14 +75,15 @@ def fitted(
 def log_likelihood(fit: Fit, problem: Problem) -> float:
     """Return the log likelihood of the fit, nats, less a constant; minus infinity where that is not known.
 
-    Its innovations are made white by an autoregression: noise that is coloured otherwise than a walk would
-    else count the same evidence several times. And they are taken to have Student's distribution, so that one
-    step of a load is no proof of a slip.
+    Its innovations are made white by an autoregression, gain and level are solved behind it: noise that is
+    coloured otherwise than a walk would else count the same evidence several times. And they are taken to
+    have Student's distribution, so that one step of a load is no proof of a slip.
     """
     noise = noise_of(fit, problem)
     if noise is None:
         return -math.inf
-    new = noise.values[np.isfinite(noise.values)]
+    behind = behind_autoregression(problem, noise)
+    new = residuals(fit.candidate, fit.structure, behind)[behind.weight > 0]
     return student_likelihood(new, LEAST_SHARE * float(problem.pv @ problem.pv) / len(new))
 
 
