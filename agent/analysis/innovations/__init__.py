@@ -125,8 +125,7 @@ def _against_load(stems: Sequence[StickingStem], record: _Record) -> tuple[float
         sound = max(sound, with_load_step(record.linear, record.whitened))
     if wave > sound:
         sound = wave  # the load of a sticking valve may then have one as well
-        known = [each for each in stems if each.known]
-        waves = (with_load_wave(each.fit, each.behind, record.hints) + each.price for each in known)
+        waves = (with_load_wave(each.fit, each.behind, record.hints) + each.price for each in stems)
         best = max([best, *waves])
     return max(0.0, best - sound), wave >= max(sound, best)
 

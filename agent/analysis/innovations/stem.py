@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from agent.analysis.innovations.whitened import Fit, log_likelihood
-from agent.identify.objective import S
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,11 +16,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StickingStem:
-    """A stem behind each filter, with its process."""
+    """A stem and the process behind it."""
 
     fit: Fit
     behind: Sequence[Problem]
-    """The record behind each filter, with the stem in place of OP, or with the valve in the fit."""
+    """The record behind each filter, with the stem in place of OP."""
     bands: tuple[float, float]
     """S and J, OP spans."""
     price: float = 0.0
@@ -31,8 +30,3 @@ class StickingStem:
     def likelihood(self) -> float:
         """Return the log likelihood, nats, less a constant."""
         return log_likelihood(self.fit, self.behind[self.fit.noise]) + self.price
-
-    @property
-    def known(self) -> bool:
-        """Whether the stem is known, and each process of the sound model may stand behind it."""
-        return bool(self.fit.candidate[S] == 0.0)

@@ -48,7 +48,7 @@ def told(window: LoopWindow, found: Quantification) -> Told | None:
 
 
 def stems_of(valve: Told | None, whitened: Sequence[Problem], hints: LoopHints) -> Iterator[StickingStem]:
-    """Yield the best fit of the valve that was found and of that of a search, with the record behind it.
+    """Yield the stem of the valve that was found and of that of a search, with the process behind it.
 
     A stem counts whether it turns or not: where it stood while OP moved is told by the likelihood, and a load
     that did the same is in the innovations of both models. With its stem known, each valve gets the processes
@@ -58,7 +58,6 @@ def stems_of(valve: Told | None, whitened: Sequence[Problem], hints: LoopHints) 
     searched = best_valve(whitened, hints, None if valve is None else valve.bands)
     if searched is not None and searched.candidate[S] >= LEAST_S:
         s, j_ratio = searched.candidate[[S, J_RATIO]].tolist()
-        yield StickingStem(searched, whitened, (s, j_ratio * s))
         stems.append((valve_position(searched.candidate, whitened[searched.noise]), (s, j_ratio * s)))
     for stem, bands in stems:
         moved = [each._replace(op=stem[: len(each.op)]) for each in whitened]
@@ -71,5 +70,5 @@ def with_scatter(
     stems: Sequence[StickingStem], whitened: Sequence[Problem], hints: LoopHints
 ) -> ScatteredSlips | None:
     """Return the likeliest stem whose friction scatters, begun at those whose friction does not."""
-    found = [with_scattered_slips(each, whitened, hints) for each in stems if each.known]
+    found = [with_scattered_slips(each, whitened, hints) for each in stems]
     return max((each for each in found if each is not None), key=attrgetter("stem.likelihood"), default=None)
