@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.innovations.prewhitened import behind_autoregression
-from agent.identify.noise.autoregression import innovations
+from agent.identify.noise.autoregression import MOST_LAGS, innovations
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 AXES = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY), INTEGRATOR: (DELAY,)}
 """What is searched of a process; the second pole keeps its ratio."""
+LAGS = (MOST_LAGS, 15, 7, 3)
+"""Of the autoregression, which takes from the innovations what a filter of one pole left."""
 FREEDOM = 4.0
 """Degrees of freedom of Student's distribution: few, for loads step."""
 SCALE_STEPS = 12
@@ -88,9 +90,14 @@ def log_likelihood(fit: Fit, problem: Problem) -> float:
 
 
 def noise_of(fit: Fit, problem: Problem) -> Innovations | None:
-    """Return the autoregression of what a fit leaves behind its filter; None where samples are too few."""
+    """Return the autoregression of what a fit leaves behind its filter; None where samples are too few.
+
+    Where gaps leave too few samples in a row for many lags, it has fewer.
+    """
     left = residuals(fit.candidate, fit.structure, problem)
-    return innovations(np.where(problem.weight > 0, left, np.nan), longest=True)
+    left = np.where(problem.weight > 0, left, np.nan)
+    found = (innovations(left, longest=True, lags=lags) for lags in LAGS)
+    return next((each for each in found if each is not None), None)
 
 
 def student_likelihood(values: FloatArray, least: float) -> float:

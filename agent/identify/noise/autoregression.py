@@ -18,8 +18,6 @@ from scipy import linalg
 from agent.identify.noise.prediction_filter import unpredicted
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from agent.identify.arrays import FloatArray
 
 MOST_LAGS = 30
@@ -51,37 +49,28 @@ class Innovations:
         return left.reshape(series.shape).T
 
 
-def innovations(residual: FloatArray, *, longest: bool = False) -> Innovations | None:
+def innovations(residual: FloatArray, *, longest: bool = False, lags: int = MOST_LAGS) -> Innovations | None:
     """Fit an autoregression by least squares, its order by Schwarz's criterion (Ann. Statist. 6 (1978) 461).
 
     Args:
         residual: (n,), NaN where there is none.
-        longest: Of ``MOST_LAGS`` instead. What few lags leave of a load biases all that is fitted behind them
-            in closed loop.
+        longest: Of ``lags`` instead. What few lags leave of a load biases all that is fitted behind them in
+            closed loop.
+        lags: At most; fewer in a short residual.
 
     Returns:
-        None where there are too few samples, or the residual is constant. Where gaps leave too few samples in
-        a row for so many lags, these are halved until there are enough.
+        None where there are too few samples in a row, or the residual is constant.
     """
     # The first samples have no past of so many: they are no rows.
-    most = min(MOST_LAGS, (int(np.isfinite(residual).sum()) - ROWS_A_LAG) // (ROWS_A_LAG + 1))
-    while most >= 0:
-        rows = sliding_window_view(residual - np.nanmean(residual), most + 1)
-        complete = np.isfinite(rows).all(axis=1)
-        if complete.sum() >= ROWS_A_LAG * (most + 1):
-            return _of_rows(rows, complete, len(residual), longest=longest)
-        most = most // 2 if most else -1
-    return None
-
-
-def _of_rows(
-    rows: FloatArray, complete: NDArray[np.bool_], samples: int, *, longest: bool
-) -> Innovations | None:
-    """Fit the autoregression of rows (m, lags + 1) of a residual, the newest sample last."""
-    count, most = int(complete.sum()), rows.shape[1] - 1
-    now = rows[complete, -1]
-    if np.ptp(now) == 0:
+    most = min(lags, (int(np.isfinite(residual).sum()) - ROWS_A_LAG) // (ROWS_A_LAG + 1))
+    if most < 0:
         return None
+    rows = sliding_window_view(residual - np.nanmean(residual), most + 1)
+    complete = np.isfinite(rows).all(axis=1)
+    count = int(complete.sum())
+    if count < ROWS_A_LAG * (most + 1) or np.ptp(rows[complete, -1]) == 0:
+        return None
+    now = rows[complete, -1]
     past = np.column_stack((np.ones(count), rows[complete, -2::-1]))
     gram = past.T @ past
     gram[np.diag_indices_from(gram)] *= 1 + ROUND_OFF
@@ -92,6 +81,6 @@ def _of_rows(
     by_schwarz = 1 + int(np.argmin(count * np.log(squares / count) + terms * np.log(count)))
     kept = most + 1 if longest else by_schwarz
     solved = linalg.solve_triangular(factor[:kept, :kept].T, weights[:kept], check_finite=False)
-    values = np.full(samples, np.nan)
+    values = np.full(len(residual), np.nan)
     values[most:][complete] = now - past[:, :kept] @ solved
     return Innovations(values, solved[1:], float(squares[kept - 1] / (count - kept)))
