@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agent.identify.arrays import FloatArray
-from agent.identify.problem import Problem, to_blocks
+from agent.identify.problem import NUISANCE, OVER, Problem, along_column, to_blocks
 from agent.jit import fused_kernel, inlined_kernel, kernel, summing_kernel
 from agent.physics.valves.damped_stem import DAMPING, GIVE, REST, SUPPLY, damped_stem
 
@@ -212,7 +212,7 @@ def fit_gain(
         r1 += slope[t] * r
         r2 += memory[t] * r
     for t in range(m):
-        if startup < 1e-9:
+        if startup < OVER:
             break
         if problem.weight[t] > 0.0:
             ss += startup * startup
@@ -226,6 +226,11 @@ def fit_gain(
     rr -= r0 * r0 + r1 * r1 + r2 * r2
     rs -= r0 * s0 + r1 * s1 + r2 * s2
     ss_left = ss - (s0 * s0 + s1 * s1 + s2 * s2)
+    for k in range(NUISANCE, problem.basis.shape[1]):
+        along, along_startup = along_column(problem.basis.T[k], response, startup_pole)
+        rr -= along * along
+        rs -= along * along_startup
+        ss_left -= along_startup * along_startup
     if rr <= 1e-9 * raw:
         return yy, 0.0, 0.0
     determinant = rr * ss_left - rs * rs

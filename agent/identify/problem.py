@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agent.identify.arrays import FloatArray
-from agent.jit import kernel
+from agent.jit import kernel, summing_kernel
 from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
@@ -38,6 +38,10 @@ QUIET = 0.5
 SETTLES = 2.0
 """Periods after a long gap until the model has forgotten it: with half a period S of a simulated valve was
 12 % too small, with two 6 %."""
+NUISANCE = 3
+"""Columns that every basis has: level, slope and the end of the filter's memory."""
+OVER = 1e-9
+"""Start-up, over its first value, that has died away."""
 SHORT_GAP = 1 / 12
 """Length of a gap in OP, in periods, up to which a straight line stands for what is missing."""
 
@@ -210,6 +214,22 @@ def nuisance_basis(weight: FloatArray, keep: float) -> FloatArray:
     """Orthonormal columns for level, slope and the end of the filter's memory, (m, 3)."""
     orthonormal, _ = np.linalg.qr(_nuisance(len(weight), keep) * weight[:, None])
     return np.asfortranarray(orthonormal)
+
+
+@summing_kernel
+def along_column(column: FloatArray, response: FloatArray, startup_pole: float) -> tuple[float, float]:
+    """Return the parts of a response and of the start-up along one more column of a basis, (m,) each.
+
+    A record whose load is a wave has two more. ``startup_pole`` is 0 where there is no start-up.
+    """
+    startup = 0.0 if startup_pole == 0.0 else 1.0
+    along = along_startup = 0.0
+    for t in range(response.size):
+        along += column[t] * response[t]
+        if startup >= OVER:
+            along_startup += column[t] * startup
+        startup *= startup_pole
+    return along, along_startup
 
 
 def nuisance_of(passed: FloatArray, counts: NDArray[np.bool_], keep: float) -> FloatArray:

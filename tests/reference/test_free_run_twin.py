@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agent.analysis.innovations import local_search
+from agent.analysis.innovations import load_wave, local_search
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.identify import bank as banks
@@ -110,9 +110,12 @@ def test_the_first_slip_is_at_the_end_of_the_band_that_is_passed_first(seed, s, 
 
 
 @FEW
-@given(seed=SEEDS, structure=STRUCTURES, acting=ACTING, slowness=st.sampled_from([8, 30]))
-def test_the_error_is_that_of_least_squares(seed, structure, acting, slowness):
+@given(seed=SEEDS, structure=STRUCTURES, acting=ACTING, slowness=st.sampled_from([8, 30]), wave=st.booleans())
+def test_the_error_is_that_of_least_squares(seed, structure, acting, slowness, wave):
+    """With a wave of the load as well, which goes at the rhythm of OP."""
     problem = problem_of(seed, acting, slowness)
+    if wave:
+        problem = load_wave.beside_wave(problem, problem.block / (2 * np.pi * slowness))
     candidate = candidate_of(seed, problem)
     position = objective.valve_position(candidate, problem)
     response = objective.process_response(position, candidate, structure, problem.block, problem.keep)

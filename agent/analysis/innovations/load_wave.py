@@ -53,7 +53,7 @@ def with_load_wave(linear: Fit, whitened: Sequence[Problem], hints: LoopHints) -
         if abs(frequency - before) * len(behind.pv) < SETTLED:
             break
         before = frequency
-        beside = [_beside(each, frequency) for each in whitened]
+        beside = [beside_wave(each, frequency) for each in whitened]
         found = best_process(beside, hints)
         if found is None:
             break
@@ -76,7 +76,7 @@ def _highest(left: FloatArray, weight: FloatArray) -> float:
     return float(minimize_scalar(missed, bounds=(middle - apart, middle + apart), method="bounded").x)
 
 
-def _beside(problem: Problem, frequency: float) -> Problem:
+def beside_wave(problem: Problem, frequency: float) -> Problem:
     """Return the problem with a sinusoid of this frequency, of any amplitude and phase, projected out."""
     turns = 2 * np.pi * frequency * np.arange(len(problem.pv))
     wave = np.column_stack((np.cos(turns), np.sin(turns))) * problem.weight[:, None]

@@ -35,14 +35,16 @@ def test_every_detector_has_a_weight_and_none_counts_against_its_own_word():
 
 
 def test_odds_multiply():
-    found = weigh(FOUND, {"damarla": STICKS, "he_curve_fit": SLIDES}, stem_measured=False)
-    expected = BIAS + DETECTORS["damarla"] - DETECTORS["he_curve_fit"]
+    found = weigh(FOUND, {"damarla": STICKS, "rossi_scali": SLIDES}, stem_measured=False)
+    expected = BIAS + DETECTORS["damarla"] - DETECTORS["rossi_scali"]
     assert found.probability == pytest.approx(probability(expected))
-    assert {each.name for each in found.witnesses} == {"damarla", "he_curve_fit"}
+    assert {each.name for each in found.witnesses} == {"damarla", "rossi_scali"}
 
 
 def test_strongest_witness_comes_first():
-    found = weigh(replace(FOUND, evidence=9.0), {"yamashita": STICKS}, stem_measured=False)
+    found = weigh(
+        replace(FOUND, evidence=9.0, quick_evidence=9.0), {"yamashita": STICKS}, stem_measured=False
+    )
     assert [each.name for each in found.witnesses] == ["free_run", "yamashita"]
 
 

@@ -157,7 +157,7 @@ def test_the_probability_never_contradicts_the_verdict_of_all(told):
 
 
 def test_a_valve_that_pv_does_not_show_is_not_cleared_by_other_recordings():
-    windows, said = alone([replace(SOUND, log_likelihood_ratio=8.0), SOUND, SOUND, SOUND])
+    windows, said = alone([replace(SOUND, log_likelihood_ratio=12.0), SOUND, SOUND, SOUND])
     assert judged_together(windows, said)[0].verdict == "no_stiction"
     said[0] = replace(said[0], no_response=NoResponse("unknown", 0, N, 50.0, 9.0, 0.09, 3.0, 90.0, 0.95))
     assert judged_together(windows, said)[0].verdict == "undecided"
@@ -180,7 +180,7 @@ def test_firm_verdicts_stay_and_are_reported_of_the_contrary():
 
 
 def test_undecided_is_cleared_only_where_free_run_clears_it():
-    unsure = replace(SOUND, log_likelihood_ratio=8.0)
+    unsure = replace(SOUND, log_likelihood_ratio=12.0)
     denied = replace(unsure, decision="undecided", stiction=LITTLE.stiction)
     windows, said = alone([unsure, denied, SOUND, SOUND, SOUND])
     assert verdicts(said)[:2] == ["undecided"] * 2
@@ -188,7 +188,7 @@ def test_undecided_is_cleared_only_where_free_run_clears_it():
 
 
 def test_of_several_recordings_that_which_shows_most_counts():
-    unsure, hides = replace(SOUND, log_likelihood_ratio=8.0), replace(SOUND, would_show=0.1)
+    unsure, hides = replace(SOUND, log_likelihood_ratio=12.0), replace(SOUND, would_show=0.1)
     windows, said = alone([replace(unsure, would_show=0.1), hides, hides, hides])
     shown = replace(said[1], quantification=replace(hides, would_show=1.0))
     less, more = (judged_together(windows, [*said[:3], last])[0].confidence for last in (said[3], shown))
