@@ -217,7 +217,10 @@ async def connected(options: OpcUaOptions) -> AsyncIterator[Client]:
     with as_connection_lost(f"OPC UA server at {options.url}: "), ExitStack() as unless_connected:
         unless_connected.callback(client.disconnect_socket)
         await identify(client, options)
-        await ends_when_cancelled(client.connect())
+        try:
+            await ends_when_cancelled(client.connect())
+        except AssertionError as error:  # asyncua takes for granted what a server answers
+            raise ua.UaError("the server does not open a secure channel") from error
         unless_connected.pop_all()
     try:
         yield client
