@@ -74,13 +74,13 @@ def innovations(residual: FloatArray, *, longest: bool = False, lags: int = MOST
     past = np.column_stack((np.ones(count), rows[complete, -2::-1]))
     gram = past.T @ past
     gram[np.diag_indices_from(gram)] *= 1 + ROUND_OFF
-    factor = linalg.cholesky(gram, lower=True, overwrite_a=True, check_finite=False)
-    weights = linalg.solve_triangular(factor, past.T @ now, lower=True, check_finite=False)
+    factor = linalg.cholesky(gram, lower=True)
+    weights = linalg.solve_triangular(factor, past.T @ now, lower=True)
     squares = np.maximum(now @ now - np.cumsum(weights**2), np.finfo(float).tiny)
     terms = np.arange(1, most + 2)
     by_schwarz = 1 + int(np.argmin(count * np.log(squares / count) + terms * np.log(count)))
     kept = most + 1 if longest else by_schwarz
-    solved = linalg.solve_triangular(factor[:kept, :kept].T, weights[:kept], check_finite=False)
+    solved = linalg.solve_triangular(factor[:kept, :kept].T, weights[:kept])
     values = np.full(len(residual), np.nan)
     values[most:][complete] = now - past[:, :kept] @ solved
     return Innovations(values, solved[1:], float(squares[kept - 1] / (count - kept)))

@@ -1,4 +1,4 @@
-"""What a server answers while a connection is opened is its business: nothing of it is a fault of this program."""
+"""What a server answers while a connection is opened is no fault of this program."""
 
 import asyncio
 
