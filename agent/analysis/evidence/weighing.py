@@ -34,7 +34,7 @@ LITTLE_LIKELIHOOD, ENOUGH_LIKELIHOOD = 10.0, 100.0
 """Log likelihood ratios (nats) up to which one grows as its worth, since a search among many valves finds
 some by chance; and beyond which more does not count."""
 SURE = 0.8
-"""Probability from which stiction is reported, or excluded: none of 187 simulated sound loops exceeds it, each
+"""Probability from which stiction is reported, or excluded: none of 187 simulated sound loops exceeds it, if
 weighed with weights fitted to the others."""
 SHOWN = 0.77
 """Mean chance that a loop of those that the weights were learnt on would show a valve that sticks (83 loops,
