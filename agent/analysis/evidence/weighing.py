@@ -37,8 +37,8 @@ SURE = 0.8
 """Probability from which stiction is reported, or excluded: none of 187 simulated sound loops exceeds it, if
 weighed with weights fitted to the others."""
 SHOWN = 0.77
-"""Mean chance that a loop of those that the weights were learnt on would show a valve that sticks (83 loops,
-seeds 3000 to 3005)."""
+"""Mean chance that a loop of those that the weights were learnt on would show a valve that sticks (all
+346 of them)."""
 MOST = math.log(99)
 """Log odds beyond which the calibration has too few simulated loops to speak: 99 %."""
 COARSE, FINE = 12.0, 30.0

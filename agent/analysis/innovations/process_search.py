@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.innovations.prewhitened import behind_autoregression
-from agent.analysis.innovations.whitened import fitted, log_likelihood, noise_of
+from agent.analysis.innovations.whitened import behind_noise, fitted, likelihood_behind, log_likelihood
 from agent.analysis.quantify.free_run.problem import structures
 from agent.identify.objective import (
     FOPDT,
@@ -86,14 +85,14 @@ def refitted(fit: Fit, problem: Problem) -> Fit:
         fit: A process whose stem is known.
         problem: The record behind the filter of the fit, with that stem in place of OP.
     """
-    likelihood = log_likelihood(fit, problem)
+    behind = behind_noise(fit, problem)
+    likelihood = likelihood_behind(fit, problem, behind)
     for _ in range(TURNS):
-        noise = noise_of(fit, problem)
-        if noise is None:
+        if behind is None:
             break
-        behind = behind_autoregression(problem, noise)
         found = fitted(fit.candidate, fit.structure, behind, fit.noise, AGAIN, NEAR)
-        now = log_likelihood(found, problem) if math.isfinite(found.score) else -math.inf
+        behind = behind_noise(found, problem) if math.isfinite(found.score) else None
+        now = likelihood_behind(found, problem, behind)
         if now <= likelihood + WORTH:
             break
         fit, likelihood = found, now

@@ -81,10 +81,19 @@ def log_likelihood(fit: Fit, problem: Problem) -> float:
     coloured otherwise than a walk would else count the same evidence several times. And they are taken to
     have Student's distribution, so that one step of a load is no proof of a slip.
     """
+    return likelihood_behind(fit, problem, behind_noise(fit, problem))
+
+
+def behind_noise(fit: Fit, problem: Problem) -> Problem | None:
+    """Return the problem behind the autoregression of a fit; None where samples are too few."""
     noise = noise_of(fit, problem)
-    if noise is None:
+    return None if noise is None else behind_autoregression(problem, noise)
+
+
+def likelihood_behind(fit: Fit, problem: Problem, behind: Problem | None) -> float:
+    """Return the log likelihood of a fit to a problem that was made white; minus infinity for None."""
+    if behind is None:
         return -math.inf
-    behind = behind_autoregression(problem, noise)
     new = residuals(fit.candidate, fit.structure, behind)[behind.weight > 0]
     return student_likelihood(new, LEAST_SHARE * float(problem.pv @ problem.pv) / len(new))
 
