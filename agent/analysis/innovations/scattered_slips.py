@@ -121,7 +121,7 @@ def _seen(stem: StickingStem, op: FloatArray) -> tuple[ObservedPv, Process] | No
     """Return what stems of OP (n,) are weighed by: innovations and process of a fit behind another stem."""
     candidate, structure = stem.fit.candidate, stem.fit.structure
     filtered = stem.behind[stem.fit.noise]
-    noise = noise_of(stem.fit, filtered)
+    noise = noise_of(stem.fit, filtered, longest=False)
     if noise is None:
         return None
     behind = behind_autoregression(filtered, noise)

@@ -98,14 +98,14 @@ def likelihood_behind(fit: Fit, problem: Problem, behind: Problem | None) -> flo
     return student_likelihood(new, LEAST_SHARE * float(problem.pv @ problem.pv) / len(new))
 
 
-def noise_of(fit: Fit, problem: Problem) -> Innovations | None:
+def noise_of(fit: Fit, problem: Problem, *, longest: bool = True) -> Innovations | None:
     """Return the autoregression of what a fit leaves behind its filter; None where samples are too few.
 
-    Where gaps leave too few samples in a row for many lags, it has fewer.
+    Where gaps leave too few samples in a row for many lags, it has fewer. ``longest`` as in ``innovations``.
     """
     left = residuals(fit.candidate, fit.structure, problem)
     left = np.where(problem.weight > 0, left, np.nan)
-    found = (innovations(left, longest=True, lags=lags) for lags in LAGS)
+    found = (innovations(left, longest=longest, lags=lags) for lags in LAGS)
     return next((each for each in found if each is not None), None)
 
 

@@ -29,6 +29,7 @@ from agent.identify.objective import (
 )
 from agent.identify.problem import Problem
 from agent.identify.search.anywhere import draw_stem, drawn_bristles
+from agent.identify.search.bristles import exchange_bristles, move_bristles
 from agent.identify.search.population import Candidates, refit
 from agent.jit import kernel
 
@@ -120,7 +121,7 @@ def move_valve(
         moves = 1 + int(3.0 * rng.random())
     deviation = step * 10.0 ** (-DECADES * rng.random())
     for _ in range(moves):
-        take_step(candidate, bands, deviation, span, rng)
+        take_step(candidate, bands, deviation, problem, rng)
     s = min(max(bands[0], LEAST_S * span), span)
     candidate[S], candidate[J_RATIO] = s, min(max(bands[1] / s, 0.0), 1.0)
     if s != s_before:
@@ -145,10 +146,10 @@ def cross(candidate: FloatArray, bands: FloatArray, parents: FloatArray, rng: np
 
 @kernel
 def take_step(
-    candidate: FloatArray, bands: FloatArray, deviation: float, span: float, rng: np.random.Generator
+    candidate: FloatArray, bands: FloatArray, deviation: float, problem: Problem, rng: np.random.Generator
 ) -> None:
     """Move one coordinate, or two that belong together; ``bands`` are S and J, OP units."""
-    kind = int(MOVES * rng.random())
+    kind, span = int(MOVES * rng.random()), problem.op_span
     z = deviation * rng.standard_normal()
     if kind == 0:
         bands[0] += z * span
@@ -166,7 +167,7 @@ def take_step(
     elif kind == 7:
         move_rest(candidate, bands, REST_STEP * z)
     else:
-        move_bristles(candidate, GIVE_STEP * z, rng)
+        move_bristles(candidate, bands, GIVE_STEP * z, problem.op_speed, rng)
 
 
 @kernel
@@ -179,18 +180,6 @@ def move_rest(candidate: FloatArray, bands: FloatArray, z: float) -> None:
     now = math.exp(candidate[LOG_REST])
     bands[1] = stair / (1.0 - now)
     bands[0] = reversal - now * bands[1]
-
-
-@kernel
-def move_bristles(candidate: FloatArray, z: float, rng: np.random.Generator) -> None:
-    """Move what bristles give, or make them stiff, or make stiff ones give."""
-    if candidate[BRISTLES] == 0.0:
-        if rng.random() < 0.5:
-            candidate[BRISTLES] = drawn_bristles(rng)
-    elif rng.random() < 0.2:
-        candidate[BRISTLES] = 0.0
-    else:
-        candidate[BRISTLES] *= math.exp(z)
 
 
 @kernel
@@ -241,6 +230,7 @@ def scattered(
     """
     candidates = np.empty((count, SIZE))
     structures = np.empty(count, np.int64)
+    least = LEAST_S * problem.op_span
     for i in range(count):
         k = int(len(around.candidates) * rng.random() ** 2)
         candidate = candidates[i]
@@ -248,13 +238,16 @@ def scattered(
         structures[i] = around.structures[k]
         width = scale * 2.0 ** (int(3.0 * rng.random()) - 1) * problem.op_span
         before = candidate[S]
-        j = before * candidate[J_RATIO] + J_STEP * width * rng.standard_normal()
-        s = min(problem.op_span, max(LEAST_S * problem.op_span, before + width * rng.standard_normal()))
-        candidate[S], candidate[J_RATIO] = s, j / s
-        follow(candidate, s - before, problem, rng)
+        bands = np.array([before, before * candidate[J_RATIO]])
+        bands[1] += J_STEP * width * rng.standard_normal()
+        bands[0] = min(problem.op_span, max(least, before + width * rng.standard_normal()))
+        follow(candidate, bands[0] - before, problem, rng)
         if rng.random() < 0.7:
             draw_stem(candidate, rng)
             if rng.random() < 0.5:
-                candidate[BRISTLES] = 0.0 if rng.random() < 0.5 else drawn_bristles(rng)
+                give = 0.0 if rng.random() < 0.5 else drawn_bristles(rng)
+                exchange_bristles(candidate, bands, give, problem.op_speed)
+        candidate[S] = max(bands[0], least)
+        candidate[J_RATIO] = bands[1] / candidate[S]
         keep_in_bounds(candidate, problem)
     return Candidates(candidates, structures, np.zeros(count))

@@ -60,7 +60,7 @@ def test_a_small_budget_ends_a_search_after_its_first_turn(monkeypatch):
 def test_where_no_valve_explains_more_than_none_the_first_island_ends_a_search_unless_a_block_is_missing(
     missing,
 ):
-    record = simulate(random_plant(83100, "tuning"))
+    record = simulate(random_plant(83100, "sinusoid"))
     view = in_spans(LoopWindow("x", 0.0, 1.0, record.op, record.pv), SLOW)
     if missing:
         weight = view.weight.copy()
