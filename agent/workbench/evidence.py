@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -161,7 +161,9 @@ def _numbers(model: ModelAtBest) -> int:
 
 
 def _least_innovations(model: ModelAtBest, record: Record) -> Innovations | None:
+    """Return the innovations where a model predicts best; what is rounding counts as alike in all models."""
     if model.predicts is None:
         return innovations(residual_of(model.fit, record))
     predicts, best = model.predicts
-    return innovations(predicts.left(best), longest=True)
+    found = innovations(predicts.left(best), longest=True)
+    return None if found is None else replace(found, variance=max(found.variance, predicts.rounding))
