@@ -11,7 +11,7 @@ from agent.workbench.checks.adequate import adequate, nothing_else
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, likeliest_pair
 from agent.workbench.checks.rivals import against_rivals, hidden_words
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
-from agent.workbench.checks.wave_lines import or_slow_wave, wave_objections
+from agent.workbench.checks.wave_lines import is_pure, or_slow_wave, wave_objections
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
@@ -126,7 +126,7 @@ def judged(
         input_p=input_p,
         once={name for name, each in found.items() if each.once},
         seen={name for name, each in found.items() if not each.blind},
-        likelier={name: each.criterion for name, each in found.items()},
+        likelier={name: each.criterion for name, each in found.items() if not is_pure(models[name].fit)},
         comparable=() if smaller.predicts is None else comparable(found),
     )
     decision = or_slow_wave(_or_pair(_undoubted(judge_by, doubts), doubts), found)

@@ -114,7 +114,8 @@ def judge(
         once: Candidates of what happened once.
         seen: Candidates of which blocks are not blind (``Evidence.blind``): p of their signs does not count,
             only ``by_chance``.
-        likelier: How much likelier the record is with a candidate (``Evidence.criterion``).
+        likelier: How much likelier the record is with a candidate (``Evidence.criterion``). A wave without
+            harmonics has none: an autoregression predicts it, so that others seem likelier.
         comparable: Candidates that act on OP all the time. Between families of them the likelihood decides
             alone: one that lowers the error, and with which the record is not strongly less likely than with
             the best (very strongly, where that happened once), cannot be distinguished from it. Not if the

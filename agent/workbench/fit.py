@@ -13,7 +13,6 @@ from agent.workbench.projection import nuisance_part, target_of
 from agent.workbench.search import (
     STEP,
     Pinned,
-    Round,
     best_of,
     hypercube,
     lowered,
@@ -24,8 +23,6 @@ from agent.workbench.search import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from agent.analysis.record.recording import FloatArray
     from agent.identify.noise.autoregression import Innovations
     from agent.physics.loop_model import Layout, LoopModel
@@ -82,7 +79,7 @@ def fit(model: LoopModel, record: Record, weight: FloatArray, starts: FloatArray
 
 
 def nested_scan(
-    smaller: Fit,
+    known: FloatArray,
     model: LoopModel,
     record: Record,
     starts: FloatArray | None = None,
@@ -90,26 +87,27 @@ def nested_scan(
 ) -> tuple[FloatArray, float]:
     """Return the best points of the unit cube, (``kept``, k), best first, and the error of the best.
 
-    The values of ``smaller`` are kept, some of them moved, while those of the effect that ``model`` has more
-    are scanned. ``starts`` are values (m, k), own units, to look at besides.
+    Values of the smaller model, ``known`` (j,), own units, are kept, some of them moved, while those of the
+    effect that ``model`` has more are scanned. ``starts`` are values (m, k), own units, to look at besides.
     """
     objective = objective_of(model, record, target_of(record, record.weight, linear=model.base.linear))
-    points = nested_starts(smaller, objective.space)
+    points = nested_starts(known, objective.space)
     if starts is not None:
         points = np.vstack((objective.space.at(starts), points))
     best = np.array(best_of(objective, points, kept))
     return best, objective.error(best[0])
 
 
-def fit_from(model: LoopModel, record: Record, points: FloatArray, rounds: Sequence[Round] = ROUNDS) -> Fit:
+def fit_from(model: LoopModel, record: Record, points: FloatArray) -> Fit:
     """Fit a model to the whole record from points (m, k) of the unit cube; all values move together."""
     objective = objective_of(model, record, target_of(record, record.weight, linear=model.base.linear))
-    found = searched(objective, points, rounds)
+    (_, step, evaluations), *others = ROUNDS
+    found = searched(objective, points, ((len(points), step, evaluations), *others))
     if isinstance(model.base, StartingBase) and not model.base.linear:
         # What a smaller model needed in place of the effect may be far from what this one needs.
         own = model.base.starts(record.op, record.pv, record.facts)
         found = min(
-            found, searched(objective, spread_from(own, objective.space), rounds), key=objective.error
+            found, searched(objective, spread_from(own, objective.space), ROUNDS), key=objective.error
         )
     return fit_at(model, record, objective.target, objective.space.values(found))
 
@@ -122,14 +120,13 @@ def spread_from(own: FloatArray, space: Space) -> FloatArray:
     return space.at(values)
 
 
-def nested_starts(smaller: Fit, space: Space) -> FloatArray:
+def nested_starts(known: FloatArray, space: Space) -> FloatArray:
     """Return points of the unit cube, (m, k): the new parameters spread, the old as they are or a little off.
 
     Part of the delay that a smaller model needed may be the new effect's: the old go down more than up.
     """
-    known = len(smaller.values)
-    at = space.at(np.concatenate((smaller.values, space.values(np.zeros(len(space)))[known:])))
-    return spread_about(at, np.arange(len(space)) >= known, (-0.2, 0.1), SCAN)
+    at = space.at(np.concatenate((known, space.values(np.zeros(len(space)))[len(known) :])))
+    return spread_about(at, np.arange(len(space)) >= len(known), (-0.2, 0.1), SCAN)
 
 
 def refit(fitted: Fit, record: Record, weight: FloatArray, noise: Innovations | None = None) -> Fit:

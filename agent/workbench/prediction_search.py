@@ -143,17 +143,24 @@ def _variance(found: tuple[Predictor, FloatArray]) -> float:
 def _elsewhere(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray] | None:
     """Return where the predictions are best in another valley, if one is deeper; None where none is."""
     scanned = _scanned(predicts, at)
-    return _sought(predicts, scanned) if _is_deeper(predicts, at, scanned) else None
+    deeper = predicts.error(scanned) < (1 - CLEARLY) * predicts.error(at)
+    return _sought(predicts, scanned) if deeper else None
 
 
 def _deeper(found: tuple[Predictor, FloatArray], other: FloatArray) -> tuple[Predictor, FloatArray]:
-    """Return where the predictions are best from another point, if it is deeper; else what was found."""
-    sought = _sought(found[0], other) if _is_deeper(*found, other) else None
+    """Return where the predictions are best from another point, if it is deeper; else what was found.
+
+    Behind the autoregression of what was found, or behind its own: behind that of a wrong valley the wrong
+    one looks deeper, and behind its own a point that the slopes have not quite led down looks higher.
+    """
+    (predicts, at), own = found, renewed(found[0], other)
+    if own is None:
+        return found
+    deeper = predicts.error(other) < (1 - CLEARLY) * predicts.error(at)
+    if not deeper and own.variance(other) >= (1 - CLEARLY) * predicts.variance(at):
+        return found
+    sought = _settled(own, other)
     return found if sought is None else min(found, sought, key=_variance)
-
-
-def _is_deeper(predicts: Predictor, at: FloatArray, other: FloatArray) -> bool:
-    return predicts.error(other) < (1 - CLEARLY) * predicts.error(at)
 
 
 def _scanned(predicts: Predictor, at: FloatArray) -> FloatArray:

@@ -16,6 +16,7 @@ from agent.workbench.first.first_fit import FirstFit, first_fit
 from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
 from agent.workbench.folds import Folds, HeldOut, held_out
 from agent.workbench.instant_order import largest_first
+from agent.workbench.library import happens_once
 from agent.workbench.prediction_search import predictor
 from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.valve_starts import ValveStart, with_valve
@@ -101,10 +102,19 @@ def first_or_failed(trial: Trial) -> FirstFit | EffectError | None:
 
 
 def screened(trial: Trial) -> Screen:
-    """Scan the values of the effect; it tells which effects to try first, and where each should begin."""
+    """Scan the values of the effect; it tells which effects to try first, and where each should begin.
+
+    Beside both values of the smaller model: where its free run has the least error it may stand for the
+    effect, as a process that integrates does for a wave, and where it predicts best it does so less. What
+    happened once has its instants to begin from.
+    """
     starts = _starts(trial, trial.smaller.values, residual_of(trial.smaller, trial.record))
-    points, error = nested_scan(trial.smaller, _larger(trial), trial.record, starts)
-    return Screen(points, error)
+    found = [nested_scan(trial.smaller.values, _larger(trial), trial.record, starts)]
+    if trial.predicts is not None and not happens_once(trial.effect, trial.record.facts):
+        predicts, best = trial.predicts
+        found.append(nested_scan(predicts.space.values(best), _larger(trial), trial.record))
+    points, errors = zip(*found, strict=True)
+    return Screen(np.vstack(points), min(errors))
 
 
 def screened_or_failed(trial: Trial) -> Screen | EffectError:

@@ -53,7 +53,7 @@ def wave_objections(
     """
     objections = {}
     waves = {name: each.fit for name, each in models.items() if is_wave(each.fit)}
-    pure = [found[name].criterion for name, each in waves.items() if not _has_harmonics(each)]
+    pure = [found[name].criterion for name, each in waves.items() if is_pure(each)]
     for name, each in found.items():
         line = line_of(smaller, waves[name], each.by_chance) if name in waves else None
         harmonics = name in waves and _has_harmonics(waves[name])
@@ -71,13 +71,20 @@ def is_wave(larger: Fit) -> bool:
     return isinstance(larger.model.effects[-1], Sinusoid)
 
 
+def is_pure(larger: Fit) -> bool:
+    """Return whether the last effect of a fit is a wave without harmonics: an autoregression predicts it."""
+    return is_wave(larger) and not _has_harmonics(larger)
+
+
 def line_of(
     smaller: tuple[Predictor, FloatArray] | None, larger: Fit, by_chance: float = 1.0
 ) -> WaveLine | None:
     """Return which line the residual without a wave has there; None: not known.
 
-    One of the harmonics of a wave is enough. Between two lines of the spectrum a wave is lower than on one:
-    where it is not slow, the innovations may show it as well.
+    One of the harmonics of a wave is enough. The innovations may show a wave as well. They need no line where
+    it is not slow, for between two lines of the spectrum a wave is lower than on one; nor where it has
+    harmonics, which slow noise has not. A slow line that they show is certain: beside a wrong process it is
+    low.
 
     Args:
         smaller: Predictions of the model without the wave, and where they are best; None: not known.
@@ -87,17 +94,19 @@ def line_of(
     if smaller is None or not is_wave(larger):
         return None
     predicts, best = smaller
-    record = predicts.objective.record
+    record, harmonics, shown = predicts.objective.record, _has_harmonics(larger), by_chance < LEVEL
     frequency, duration = float(larger.values[-1]), record.facts.duration
-    if frequency * duration >= CERTAIN_CYCLES and by_chance < LEVEL:
+    if shown and (harmonics or frequency * duration >= CERTAIN_CYCLES):
         return "certain"
     found = line_spectrum(predicts.left(best), record.op, record.facts.ts)
     if found is None:
         return None  # there are gaps
-    multiples = range(1, 1 + (MULTIPLES if _has_harmonics(larger) else 1))
+    multiples = range(1, 1 + (MULTIPLES if harmonics else 1))
     if any(near(found.certain, multiple * frequency, duration) for multiple in multiples):
         return "certain"
-    return "slow" if near(found.lines, frequency, duration) else "none"
+    if near(found.lines, frequency, duration):
+        return "certain" if shown else "slow"
+    return "none"
 
 
 def or_slow_wave(decision: Decision, found: Mapping[str, Evidence]) -> Decision:

@@ -43,5 +43,5 @@ def slack(**options):
 
 def nested_fit(smaller, model, record, starts=None):
     """A model that has one effect more than ``smaller``, its last, fitted to the whole record."""
-    points, _ = nested_scan(smaller, model, record, starts)
+    points, _ = nested_scan(smaller.values, model, record, starts)
     return fit_from(model, record, points)
