@@ -93,7 +93,7 @@ def judge(
 
     An effect is confirmed where it reduces the error by at least ``LEAST_PERCENT``, and p, adjusted by Holm,
     is below ``LEVEL``: by the blocks or by chance. The interval of the reduction must be above zero but for
-    what lasts and is shown by chance.
+    what is shown by chance.
     The best is that with the least error, or, where it is comparable, the likeliest that is. Another differs
     from the best by the same rule: where the best reduces its error by as much, as significantly, and the
     record is not likelier with it.
@@ -139,7 +139,7 @@ def judge(
         numbers = found.percent, found.low, found.high, p_all
         ranked.append(Candidate(effect, families[effect], *numbers, objection))
     ranked.sort(key=lambda each: -each.error_reduction_percent)
-    shown = {each for each, chance in (by_chance or {}).items() if chance < LEVEL and each not in once}
+    shown = {each for each, chance in (by_chance or {}).items() if chance < LEVEL}
     large = [
         each
         for each in ranked
