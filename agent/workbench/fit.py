@@ -83,9 +83,8 @@ def nested_scan(
     model: LoopModel,
     record: Record,
     starts: FloatArray | None = None,
-    kept: int = ROUNDS[0][0],
 ) -> tuple[FloatArray, float]:
-    """Return the best points of the unit cube, (``kept``, k), best first, and the error of the best.
+    """Return the points of the unit cube to begin a fit from, (m, k), best first, and the error of the best.
 
     Values of the smaller model, ``known`` (j,), own units, are kept, some of them moved, while those of the
     effect that ``model`` has more are scanned. ``starts`` are values (m, k), own units, to look at besides.
@@ -94,7 +93,7 @@ def nested_scan(
     points = nested_starts(known, objective.space)
     if starts is not None:
         points = np.vstack((objective.space.at(starts), points))
-    best = np.array(best_of(objective, points, kept))
+    best = np.array(best_of(objective, points, ROUNDS[0][0]))
     return best, objective.error(best[0])
 
 

@@ -1,8 +1,9 @@
 """What rejects a wave: the residual without it has no line there, or its harmonics gain nothing.
 
 Of many frequencies one goes along with slow noise over a whole record, held-out blocks as well: what a search
-found is a wave only where the spectrum has a line that noise does not explain. An autoregression predicts a
-slow wave, so that the innovations hardly fall with it: where there is a line they say nothing against it.
+found is a wave only where the spectrum has a line that noise does not explain, or the innovations show it as
+``line_of`` says. An autoregression predicts a slow wave, so that they may hardly fall with it: where there is
+a line they say nothing against it.
 """
 
 from __future__ import annotations
