@@ -39,6 +39,13 @@ class Facts:
     """Of the process; 0 where it is not known."""
     stepped: bool = False
     """Whether OP stands at most samples: a test by hand, a relay. What feedback forbids is possible then."""
+    response: Literal["OP", "PV"] = "OP"
+    """Unit in which the base of a model responds: that of OP for a gain of one, or of PV itself."""
+
+    @property
+    def response_span(self) -> float:
+        """Max - min of OP, or of PV, in the unit in which the base responds."""
+        return self.op_span if self.response == "OP" else self.pv_high - self.pv_low
 
     @property
     def op_span(self) -> float:

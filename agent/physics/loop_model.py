@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
@@ -55,6 +55,7 @@ class LoopModel:
 
         In the order of the values that the other methods take.
         """
+        facts = facts if self.base.linear else replace(facts, response="PV")
         own = [(each.name, each) for each in self.base.parameters(facts)]
         for effect in self.effects:
             own += [(f"{effect.name}.{each.name}", each) for each in effect.parameters(facts)]

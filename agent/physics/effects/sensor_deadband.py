@@ -16,9 +16,15 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 
+BALANCES = ("two_tanks", "heater", "heat_exchanger", "neutralisation")
+"""Bases that respond in PV itself."""
+
+
 @dataclass(frozen=True, slots=True)
 class SensorDeadband:
-    """A band between PV and its measured value, counted in OP units: the gain is solved for.
+    """A band between PV and its measured value, in the unit in which the base responds.
+
+    That is OP's for a linear base, whose gain is solved for, and PV's for a balance.
 
     A band of the valve lies before the lags of the process and turns with OP, this one turns with PV.
     """
@@ -26,12 +32,12 @@ class SensorDeadband:
     name: str = "sensor_deadband"
     family: str = "sensor_hysteresis"
     stage: Stage = "sensor"
-    bases: tuple[str, ...] = LEVELLED
+    bases: tuple[str, ...] = (*LEVELLED, *BALANCES)
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return the width of the band, and where in it PV is at first: -1 and 1 are its edges."""
         return (
-            Parameter("band", "OP", 0.0, facts.op_span, null=0.0),
+            Parameter("band", facts.response, 0.0, facts.response_span, null=0.0),
             Parameter("start", "1", -1.0, 1.0, of_record=True, natural=True),
         )
 

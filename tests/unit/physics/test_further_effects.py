@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from agent.physics.bases import BASES
 from agent.physics.bases.heat_exchanger import HeatExchanger
-from agent.physics.bases.heater import Heater
+from agent.physics.bases.heater import Heater, HeaterBase
 from agent.physics.bases.lag_bases import Fopdt
 from agent.physics.bases.linear_process import LinearProcess
 from agent.physics.bases.neutralisation import Neutralisation
 from agent.physics.bases.oscillatory import Oscillatory
 from agent.physics.effect import Facts
+from agent.physics.effects.deadband import backlash
 from agent.physics.effects.process_friction import ProcessFriction
 from agent.physics.effects.pv_gain import PvGain
 from agent.physics.effects.sensor_deadband import SensorDeadband
@@ -20,6 +22,7 @@ from agent.physics.effects.titration import Titration
 from agent.physics.effects.transport_delay import TransportDelay
 from agent.physics.effects.wave import RepeatingWave
 from agent.physics.loop_model import LoopModel
+from agent.workbench.library import applies
 
 T = np.arange(400.0)
 WAVE = 50 + 10 * np.sin(2 * np.pi * T / 100)
@@ -187,3 +190,27 @@ def test_a_curve_over_pv_lies_at_the_level_of_op_on_every_base(base):
     op = np.repeat(np.linspace(40.0, 60.0, 21), 20)
     moves = np.diff(model.columns(op, values, facts)[19::20, 0])
     assert {*op[19::20][np.argsort(-moves)[:2]]} == {51.0, 52.0}  # to and from 52
+
+
+def test_a_band_of_a_sensor_is_in_pv_units_on_a_balance_and_in_op_units_on_a_linear_base():
+    facts = Facts(1.0, len(LEVELS), 40.0, 60.0, 100.0, 160.0, 50.0, 1.0, 1)
+    found = {}
+    for base in BASES:
+        if applies(SensorDeadband(), base):
+            named = dict(LoopModel(base, (SensorDeadband(),)).parameters(facts))
+            band = named["sensor_deadband.band"]
+            assert (band.unit, band.high) == (("OP", 20.0) if base.linear else ("PV", 60.0))
+            found[base.name] = base.linear
+    assert not all(found.values())
+    assert {each.name for each in BASES if not each.linear} <= set(found)
+
+
+def test_a_balance_is_measured_by_a_sensor_with_a_band():
+    vessel = (1.0, 0.4, 0.02, 0.05, 20.0, -273.0, 150.0)
+    facts = Facts(1.0, len(LEVELS), LEVELS.min(), LEVELS.max(), 100.0, 160.0, 50.0, 1.0, 1)
+    model = LoopModel(HeaterBase(), (SensorDeadband(),))
+    measured = model.columns(LEVELS, np.array([*vessel, 6.0, 0.0]), facts)
+    true = LoopModel(HeaterBase()).columns(LEVELS, np.array(vessel), facts)
+    off = np.abs(measured - true)
+    assert off.max() == pytest.approx(3.0)
+    np.testing.assert_allclose(measured[:, 0], backlash(true[:, 0], 6.0, float(true[0, 0])))
