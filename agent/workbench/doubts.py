@@ -19,7 +19,7 @@ from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
 from agent.workbench.checks.own_cycle import may_be_loops_own
 from agent.workbench.checks.pairs import as_likely_words, far_likelier_than, is_as_likely
 from agent.workbench.likeliest import less_likely
-from agent.workbench.other_event import is_another_gain, is_only_another_level
+from agent.workbench.other_event import does_what_op_does, is_another_gain, is_only_another_level
 from agent.workbench.residual.state_dependence import failing, removed_by, state_dependence, still_fails
 from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
@@ -37,6 +37,7 @@ UNLIKELY = "the record is far more likely with another effect"
 STANDS_FOR_ANOTHER = "with it the model still fails as before: it stands for another cause"
 BY_CHANCE = "the innovations show no such event: one as large appears by chance"
 OTHER_EVENT = "what happened was of another kind"
+STANDS_FOR_OP = "beside it PV would not respond to OP: it stands for the moves of OP"
 """What rejects an effect although it lowers the held-out error, in words for the user."""
 
 
@@ -88,7 +89,9 @@ class Doubts:
                 self.objections[each] = STANDS_FOR_ANOTHER
             if may_be_loops_own(self.smaller.predicts, self.models[each].fit):
                 self.lowered[each] = OWN_CYCLE
-            if self._is_another_event(each):
+            if self._stands_for_op(each):
+                self.objections[each] = STANDS_FOR_OP
+            elif self._is_another_event(each):
                 self.objections[each] = OTHER_EVENT
                 self.objections.update(dict.fromkeys(self._unlikelier_than_event(each), UNLIKELY))
             elif self.found[each].once and each not in self.objections:
@@ -147,6 +150,13 @@ class Doubts:
         family = self.found[name].family
         kin = {each for each, one in self.found.items() if one.family == family}
         return larger_dynamics(self.models, kin)
+
+    def _stands_for_op(self, name: str) -> bool:
+        """Whether what happened once leaves nothing to the moves of OP, which it knows nothing of."""
+        evidence, predicts = self.found[name], self.models[name].predicts
+        if not evidence.once or evidence.answers or predicts is None:
+            return False
+        return does_what_op_does(*predicts)
 
     def _is_another_event(self, name: str) -> bool:
         """Whether what seems to have happened once was of another kind.

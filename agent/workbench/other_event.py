@@ -8,7 +8,7 @@ another level and stays, as behind a stop, another answer there is one from then
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,6 +64,26 @@ def is_another_gain(predicts: Predictor, best: FloatArray) -> bool:
         if event.gains(step, gain) and event.unlikely(np.hstack((step, gain))) - least <= VERY_STRONG:
             return True
     return False
+
+
+def does_what_op_does(predicts: Predictor, best: FloatArray) -> bool:
+    """Return whether steps of a load stand for the moves of OP: beside them PV need not answer OP.
+
+    Without them it must. A step where OP moves does what PV answers to that move, and where OP moves a few
+    times only, some steps do all of it: three of them and a gain of a hundredth in place of two moves of a
+    bump test, in which a sensor sticks (``sensor_deadband`` 91393).
+
+    Args:
+        predicts: Of a model whose last effect is steps.
+        best: The point of the unit cube where its predictions are best, (k,).
+    """
+    if predicts.objective.target.fixed_gain:
+        return False  # the response of a balance is PV itself
+    event = _event(predicts, best)
+    response, others = event.rest[:, :1], event.rest[:, 1:]
+    nothing = event.own[:, :0]
+    alone, beside = (replace(event, rest=np.hstack((others, each))) for each in (nothing, event.own))
+    return alone.gains(nothing, response) and not beside.gains(nothing, response)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,9 +13,12 @@ from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.first.first_fit import first_fit
 from agent.workbench.fit import fit
-from agent.workbench.other_event import is_another_gain, is_only_another_level
+from agent.workbench.other_event import does_what_op_does, is_another_gain, is_only_another_level
 from agent.workbench.prediction_search import predictor
+from agent.workbench.predictor import predictor_behind
+from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record
+from agent.workbench.search import objective_of
 from agent.workbench.trial import beside
 
 LATER = np.arange(N) > 1000
@@ -79,3 +82,18 @@ def test_steps_where_op_moved_once_before_the_gain_changed_are_another_gain():
     op, pv = open_loop((0, 0, 4, 4, 4, 0, -2, -2, 3, 1))
     pv += 2.0 * answered_more(op, LATER)
     assert is_another_gain(*told(LoadStepEffect(), op, pv))
+
+
+@pytest.mark.parametrize(("instants", "stand"), [((301.0, 501.0), True), ((301.0, 1400.0), False)])
+def test_steps_at_all_moves_of_op_stand_for_them(instants, stand):
+    """With the lag of the process they do what PV answers to OP."""
+    op = np.where((np.arange(N) > 300) & (np.arange(N) <= 500), -5.0, 0.0)
+    pv = free_run(op, 0.0) + 0.02 * np.random.default_rng(1).standard_normal(N)
+    record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
+    model = LoopModel(Fopdt(), (LoadStepEffect(steps=2),))
+    objective = objective_of(model, record, target_of(record, record.weight, linear=True))
+    predicts = predictor_behind(objective, free_run(op, 0.0))
+    named = {"delay": 1.0, "tau": 9.5, "load_step.tau": 9.5}
+    named |= dict(zip(("load_step.time", "load_step.time_2"), instants, strict=True))
+    at = objective.space.at(np.array([named[each] for each in objective.space.names]))
+    assert does_what_op_does(predicts, at) == stand
