@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -83,22 +83,23 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
     before, after = (_least_innovations(each, record) for each in (smaller, larger))
     if before is None or after is None:
         return Evidence(True, 1.0, 0.0, effect.family, answers, once, blind)
+    least = _rounding(larger)
     searched = len(larger.fit.values) - len(smaller.fit.values)
     added = _numbers(larger) - _numbers(smaller)
-    criterion = _criterion(before, after, _priced(smaller, larger, record))
+    criterion = _criterion(before, after, _priced(smaller, larger, record), least)
     if isinstance(effect, HysteresisEffect) and smaller.predicts and larger.predicts:
         # Most strokes show little of a stem's constants: Schwarz's price of seven numbers hides a valve.
         price = _price(*larger.predicts) - _price(*smaller.predicts)
         if math.isfinite(price):
-            criterion = max(criterion, likelihood_ratio(before, after) - price)
+            criterion = max(criterion, likelihood_ratio(before, after, least) - price)
     chance = 1.0
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
     if answers or not blind or very_strong(criterion, candidates):
-        chance = by_chance(before, after, added, candidates * _scanned(effect, record))
+        chance = by_chance(before, after, added, candidates * _scanned(effect, record), least)
     explains = (
         very_strong(criterion, candidates)
         if once
-        else lowers_innovations(before, after, searched if answers else added)
+        else lowers_innovations(before, after, searched if answers else added, least)
     )
     return Evidence(explains, chance, criterion, effect.family, answers, once, blind)
 
@@ -120,12 +121,18 @@ def far_likelier(smaller: ModelAtBest, larger: ModelAtBest, record: Record) -> b
     before, after = (_least_innovations(each, record) for each in (smaller, larger))
     if before is None or after is None:
         return False
-    return _criterion(before, after, _priced(smaller, larger, record)) > VERY_STRONG
+    priced = _priced(smaller, larger, record)
+    return _criterion(before, after, priced, _rounding(larger)) > VERY_STRONG
 
 
-def _criterion(before: Innovations, after: Innovations, priced: int) -> float:
+def _criterion(before: Innovations, after: Innovations, priced: int, least: float) -> float:
     count = np.count_nonzero(np.isfinite(before.values))
-    return likelihood_ratio(before, after) - priced * math.log(count)
+    return likelihood_ratio(before, after, least) - priced * math.log(count)
+
+
+def _rounding(model: ModelAtBest) -> float:
+    """Return the mean square below which innovations are rounding, PV units squared."""
+    return model.predicts[0].rounding if model.predicts else 0.0
 
 
 def _price(predicts: Predictor, best: FloatArray) -> float:
@@ -161,9 +168,8 @@ def _numbers(model: ModelAtBest) -> int:
 
 
 def _least_innovations(model: ModelAtBest, record: Record) -> Innovations | None:
-    """Return the innovations where a model predicts best; what is rounding counts as alike in all models."""
+    """Return the innovations where a model predicts best."""
     if model.predicts is None:
         return innovations(residual_of(model.fit, record))
     predicts, best = model.predicts
-    found = innovations(predicts.left(best), longest=True)
-    return None if found is None else replace(found, variance=max(found.variance, predicts.rounding))
+    return innovations(predicts.left(best), longest=True)

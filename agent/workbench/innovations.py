@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
+from agent.identify.noise.student import student_likelihood
+
 if TYPE_CHECKING:
     from agent.identify.noise.autoregression import Innovations
 
-TINY = np.finfo(float).tiny
 
-
-def lowers_innovations(smaller: Innovations, larger: Innovations, parameters: int) -> bool:
+def lowers_innovations(
+    smaller: Innovations, larger: Innovations, parameters: int, least: float = 0.0
+) -> bool:
     """Return whether a larger model lowers the innovations of its residual by more than its size would.
 
     In closed loop this distinguishes a better model from one that answers to the disturbance. OP holds the
@@ -28,18 +30,30 @@ def lowers_innovations(smaller: Innovations, larger: Innovations, parameters: in
         smaller: Of the smaller model.
         larger: Of the larger one.
         parameters: That it has more. 0: it need only be no worse.
+        least: As in ``likelihood_ratio``.
     """
     count = np.count_nonzero(np.isfinite(smaller.values))
-    return bool(likelihood_ratio(smaller, larger) >= parameters * np.log(count))
+    return bool(likelihood_ratio(smaller, larger, least) >= parameters * np.log(count))
 
 
-def likelihood_ratio(smaller: Innovations, larger: Innovations) -> float:
-    """Return twice the logarithm of how much likelier a larger model makes the record."""
-    count = np.count_nonzero(np.isfinite(smaller.values))
-    return float(count * np.log(smaller.variance / max(larger.variance, TINY)))
+def likelihood_ratio(smaller: Innovations, larger: Innovations, least: float = 0.0) -> float:
+    """Return twice the logarithm of how much likelier a larger model makes the record.
+
+    Innovations have Student's distribution, as in the diagnosis (``agent.identify.noise.student``).
+
+    Args:
+        smaller: Of the smaller model.
+        larger: Of the larger one.
+        least: Mean square below which innovations are rounding.
+    """
+    known = np.isfinite(smaller.values) & np.isfinite(larger.values)
+    before, after = (student_likelihood(each.values[known], least) for each in (smaller, larger))
+    return 2.0 * (after - before)
 
 
-def by_chance(smaller: Innovations, larger: Innovations, parameters: int, tries: int) -> float:
+def by_chance(
+    smaller: Innovations, larger: Innovations, parameters: int, tries: int, least: float = 0.0
+) -> float:
     """Return how likely the innovations fall as far where nothing is missing.
 
     Innovations are white, so that here samples are independent and the likelihood ratio has the distribution
@@ -50,5 +64,7 @@ def by_chance(smaller: Innovations, larger: Innovations, parameters: int, tries:
         larger: Of the larger one.
         parameters: That it has more.
         tries: Among which it is the best.
+        least: As in ``likelihood_ratio``.
     """
-    return float(min(1.0, tries * stats.chi2.sf(likelihood_ratio(smaller, larger), parameters)))
+    ratio = likelihood_ratio(smaller, larger, least)
+    return float(min(1.0, tries * stats.chi2.sf(ratio, parameters)))

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.identify.noise.student import student_likelihood
 from agent.physics.signals.steps import lagged_steps
 from agent.workbench.instant_order import instants_of
 from agent.workbench.residual.very_strong import VERY_STRONG
@@ -126,7 +127,7 @@ class _Event:
         Less a constant.
         """
         left = self.predicts.left_by(self.predicts.whitened(np.hstack((self.rest, columns))))
-        return float(len(left) * math.log(left @ left))
+        return -2.0 * student_likelihood(left, self.predicts.rounding)
 
     def gains(self, beside: FloatArray, columns: FloatArray) -> bool:
         """Return whether the record is very much likelier with columns beside others (Schwarz)."""

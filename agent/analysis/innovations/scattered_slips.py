@@ -18,8 +18,9 @@ from agent.analysis.innovations.prewhitened import behind_autoregression
 from agent.analysis.innovations.process_search import best_process
 from agent.analysis.innovations.slip_filter import HOLDS, Friction, ObservedPv, likeliest_history
 from agent.analysis.innovations.stem import StickingStem
-from agent.analysis.innovations.whitened import FREEDOM, LEAST_SHARE, Fit, noise_of, student_scale
+from agent.analysis.innovations.whitened import LEAST_SHARE, Fit, noise_of
 from agent.identify.noise.prediction_filter import unpredicted
+from agent.identify.noise.student import FREEDOM, student_scale
 from agent.identify.objective import (
     Process,
     fit_gain,

@@ -10,6 +10,7 @@ import numpy as np
 
 from agent.analysis.innovations.prewhitened import behind_autoregression
 from agent.identify.noise.autoregression import MOST_LAGS, innovations
+from agent.identify.noise.student import student_likelihood
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -31,10 +32,6 @@ AXES = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY), INTEGRATOR: (DELAY,)}
 """What is searched of a process; the second pole keeps its ratio."""
 LAGS = (MOST_LAGS, 15, 7, 3)
 """Of the autoregression, which takes from the innovations what a filter of one pole left."""
-FREEDOM = 4.0
-"""Degrees of freedom of Student's distribution: few, for loads step."""
-SCALE_STEPS = 12
-"""Of the iteration for its scale (expectation, maximisation)."""
 LEAST_SHARE = 1e-12
 """Mean square below which an error is rounding, over that of PV."""
 
@@ -107,28 +104,3 @@ def noise_of(fit: Fit, problem: Problem, *, longest: bool = True) -> Innovations
     left = np.where(problem.weight > 0, left, np.nan)
     found = (innovations(left, longest=longest, lags=lags) for lags in LAGS)
     return next((each for each in found if each is not None), None)
-
-
-def student_likelihood(values: FloatArray, least: float) -> float:
-    """Return the log likelihood, nats, less a constant, of independent values of Student's distribution.
-
-    Args:
-        values: Shape (n,), n >= 1.
-        least: Mean square below which they are rounding.
-    """
-    scale = student_scale(values, least)
-    far = float(np.sum(np.log1p(values * values / (FREEDOM * scale))))
-    return -0.5 * len(values) * math.log(scale) - 0.5 * (FREEDOM + 1) * far
-
-
-def student_scale(values: FloatArray, least: float) -> float:
-    """Return the square of the scale of Student's distribution that makes values (n,) most likely.
-
-    ``least`` as in ``student_likelihood``.
-    """
-    squares = values * values
-    scale = max(float(np.mean(squares)), least, 1e-300)
-    for _ in range(SCALE_STEPS):
-        weights = (FREEDOM + 1) / (FREEDOM + squares / scale)
-        scale = max(float(np.mean(weights * squares)), least, 1e-300)
-    return scale

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.identify.noise.autoregression import innovations
+from agent.identify.noise.student import student_likelihood
 from agent.physics.bases import BASES
 from agent.workbench.library import base_named
 from agent.workbench.residual.very_strong import VERY_STRONG
@@ -89,6 +90,6 @@ def far_likelier(one: Predicted, other: Predicted) -> bool:
     count = int(np.count_nonzero(both))
     if not count:
         return False
-    squares = [max(float(np.sum(each.innovations[both] ** 2)), count * each.least) for each in (other, one)]
-    gained = count * math.log(squares[0] / squares[1])
+    before, after = (student_likelihood(each.innovations[both], each.least) for each in (other, one))
+    gained = 2.0 * (after - before)
     return gained - (one.numbers - other.numbers) * math.log(count) > VERY_STRONG

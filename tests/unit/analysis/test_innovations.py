@@ -10,11 +10,11 @@ from scipy.signal import lfilter
 
 from agent.analysis.innovations import innovations_say
 from agent.analysis.innovations.noise_models import noise_models
-from agent.analysis.innovations.whitened import student_likelihood
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Quantification
 from agent.identify.first_slip import first_slip
+from agent.identify.noise.student import student_likelihood
 from agent.physics.valves.he2007 import he2007
 
 N = 600

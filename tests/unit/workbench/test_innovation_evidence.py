@@ -7,7 +7,7 @@ from scipy import stats
 from test_closed_loop import N, answered_more, loop
 
 from agent.analysis.record.recording import LoopWindow
-from agent.identify.noise.autoregression import innovations
+from agent.identify.noise.autoregression import Innovations, innovations
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.gain_change import GainChange
@@ -123,3 +123,24 @@ def test_the_price_of_a_stems_constants_is_what_the_record_reports_of_them(slack
     assert very_strong(found.criterion, CANDIDATES) == bool(slack)
     likelier = stats.chi2.isf(found.by_chance / (CANDIDATES * VALVES), VALUES) if slack else 0.0
     assert not very_strong(likelier - VALUES * np.log(N), CANDIDATES)
+
+
+def test_what_explains_a_burst_is_no_proof():
+    """Three wild innovations of 600: less than three of the normal distribution would be."""
+    white = np.random.default_rng(3).standard_normal(600)
+    wild = white.copy()
+    wild[300:303] = (9.0, -8.0, 7.0)
+    ratio = likelihood_ratio(Innovations(wild, np.zeros(0), wild.var()), Innovations(white, np.zeros(0), 1.0))
+    assert 0 < ratio < 0.5 * len(white) * np.log(wild.var() / white.var())
+
+
+def test_a_smaller_scale_counts_as_much_as_of_the_normal_distribution():
+    one, other = (scale * np.random.default_rng(4).standard_normal(4000) for scale in (1.1, 1.0))
+    ratio = likelihood_ratio(*(Innovations(each, np.zeros(0), each.var()) for each in (one, other)))
+    assert ratio == pytest.approx(4000 * np.log(1.1**2), rel=1e-3)
+
+
+def test_what_is_rounding_is_alike():
+    one, other = (scale * np.random.default_rng(4).standard_normal(400) for scale in (1e-9, 1e-10))
+    ones, others = (Innovations(each, np.zeros(0), each.var()) for each in (one, other))
+    assert likelihood_ratio(ones, others, least=1e-12) == pytest.approx(0.0, abs=1e-2)
