@@ -23,6 +23,15 @@ if TYPE_CHECKING:
     from agent.workbench.step import Step
     from agent.workbench.trial import Optimum
 
+    Rival = tuple[Effect, str, float]
+    """An effect, what to say where it stands, and how much likelier, twice a logarithm, the record must be
+    without it: with the effect that it rivals."""
+
+
+def hidden_rival(effect: Effect) -> Rival:
+    """Return an effect that the record cannot show as a rival."""
+    return effect, hidden_words(effect), VERY_STRONG
+
 
 def hidden_words(effect: Effect) -> str:
     """Return what an effect that the record cannot show makes of a decision, in words."""
@@ -33,7 +42,7 @@ def against_rivals(
     decision: Decision,
     smaller: Step,
     found: Mapping[str, Evidence],
-    rivals: Iterable[tuple[Effect, str]],
+    rivals: Iterable[Rival],
     together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
 ) -> Decision:
@@ -43,7 +52,7 @@ def against_rivals(
         decision: On what was tried.
         smaller: The model without any effect of ``found``.
         found: What the innovations say of what was tried.
-        rivals: Effects, and what to say where one makes the record as likely.
+        rivals: In the place of its effect.
         together: Tries an effect on top of the smaller model.
         record: What all are fitted to.
     """
@@ -51,8 +60,8 @@ def against_rivals(
     if not (own.answers or own.once):
         return decision  # a wave: an autoregression predicts it, so that likelihoods do not compare it
     likeliest = max(found[each].criterion for each in (str(decision.effect), *decision.indistinguishable))
-    for effect, words in rivals:
+    for effect, words, least in rivals:
         rival = evidence_of(smaller, together(smaller, effect), record, len(found)).criterion
-        if likeliest - rival <= VERY_STRONG:
+        if likeliest - rival <= least:
             decision = replace(decision, kind="suggested", lacks=(*decision.lacks, words))
     return decision

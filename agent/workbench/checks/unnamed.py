@@ -16,13 +16,14 @@ import numpy as np
 from agent.physics.bases.linear_process import lagged
 from agent.physics.effect import Facts, Parameter, Stage
 from agent.physics.effects.inverse_response import MOST_LEAD
+from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.physics.bases import Base
     from agent.physics.bases.linear_process import LinearProcess
-    from agent.physics.effect import Effect
+    from agent.workbench.checks.rivals import Rival
 
     FloatArray = NDArray[np.float64]
 
@@ -70,9 +71,11 @@ class DynamicsBehind:
         return np.asarray(slow - lead * np.diff(slow, prepend=slow[0]), dtype=np.float64)
 
 
-def dynamics_on(base: Base) -> Effect:
-    """Return the rival on a base."""
-    return LinearDynamics() if base.linear else DynamicsBehind()
+def dynamics_beside(family: str | None, base: Base) -> tuple[Rival, ...]:
+    """Return the rival of an effect of a family on a base; none of one that is a part of it."""
+    if family in LINEAR:
+        return ()
+    return ((LinearDynamics() if base.linear else DynamicsBehind(), AS_LIKELY, VERY_STRONG),)
 
 
 def _numbers(facts: Facts) -> tuple[Parameter, ...]:
