@@ -39,15 +39,22 @@ HONEST = {"none_of_the_known", "suggested"}
 Job = tuple[HiddenTruth, int, RecordKind]
 
 
-def run(options: Options) -> None:
-    """Print the tables; with ``options.save`` continue from the saved cases beside that file."""
+def run(options: Options, name: str = "hidden_effects", first: int = FIRST_SEED, bursts: float = 0.0) -> None:
+    """Print the tables; with ``options.save`` continue from the saved cases beside that file.
+
+    Args:
+        options: Of the command line.
+        name: In the name of that file.
+        first: Seed of the first loop of each truth.
+        bursts: As in ``judge``.
+    """
     count = options.loops or (LOOPS_FULL if options.full else LOOPS)
-    jobs = jobs_of(count)
-    file = None if options.save is None else options.save.with_suffix(".hidden_effects.jsonl")
+    jobs = jobs_of(count, first)
+    file = None if options.save is None else options.save.with_suffix(f".{name}.jsonl")
     done = {(case.truth, case.seed, case.record): case for case in read(file)} if file else {}
     left = [job for job in jobs if job not in done]
     console = Console(stderr=True)
-    for case in track(judged(left), "hidden effects", len(left), console=console, disable=not left):
+    for case in track(judged(left, bursts), "hidden effects", len(left), console=console, disable=not left):
         done[case.truth, case.seed, case.record] = case
         if file is not None:
             append(file, case)
@@ -59,20 +66,20 @@ def run(options: Options) -> None:
         print(part)
 
 
-def jobs_of(count: int) -> list[Job]:
+def jobs_of(count: int, first: int = FIRST_SEED) -> list[Job]:
     """Return loops of each truth, seed by seed, in records of each kind in equal parts."""
     kinds = len(RECORD_KINDS)
     return [
-        (truth, FIRST_SEED + i, RECORD_KINDS[(i + at) % kinds])
+        (truth, first + i, RECORD_KINDS[(i + at) % kinds])
         for i in range(count)
         for at, truth in enumerate(TRUTHS)
     ]
 
 
-def judged(jobs: Sequence[Job]) -> Iterator[HiddenCase]:
+def judged(jobs: Sequence[Job], bursts: float) -> Iterator[HiddenCase]:
     """Judge the loops in a process for each core."""
     with process_pool() as pool:
-        for future in as_completed([pool.submit(judge, *job) for job in jobs]):
+        for future in as_completed([pool.submit(judge, *job, bursts) for job in jobs]):
             yield future.result()
 
 

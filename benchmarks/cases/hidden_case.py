@@ -18,12 +18,15 @@ from agent.workbench.session import Workbench
 from agent.workbench.step import Step, Verdict
 from benchmarks.cases.decoy import Decoy
 from simulators.draws.effect_draws import SETTLING
-from simulators.draws.hidden_effects import HiddenEffectPlant, HiddenTruth, hidden_effect_plant
+from simulators.draws.hidden_effects import EVEN, HiddenEffectPlant, HiddenTruth, hidden_effect_plant
 from simulators.draws.open_records import open_record
+from simulators.parameters import Bursts
 
 RecordKind = Literal["closed_loop", "steps", "bump", "prbs"]
 RECORD_KINDS: tuple[RecordKind, ...] = get_args(RecordKind)
 DECOYS = 2
+BURST = 10.0
+"""How long a burst lasts, s."""
 FAMILIES = {effect.name: effect.family for effect in EFFECTS}
 LAG_FAMILY = "extra_lag"
 LAGS = tuple(name for name, family in FAMILIES.items() if family == LAG_FAMILY)
@@ -115,13 +118,19 @@ def effects_of(truth: HiddenTruth) -> tuple[str, ...]:
 
 
 def judge(
-    truth: HiddenTruth, seed: int, record: RecordKind = "closed_loop", *, test_without: bool = True
+    truth: HiddenTruth,
+    seed: int,
+    record: RecordKind = "closed_loop",
+    bursts: float = 0.0,
+    *,
+    test_without: bool = True,
 ) -> HiddenCase:
     """Draw one loop and let the workbench find what it hides in a record of this kind.
 
+    ``bursts``: deviation of the logarithm of how strong noise and loads are.
     ``test_without``: where one effect is hidden, run it again with the true family out of the library.
     """
-    plant, window = drawn(truth, seed, record)
+    plant, window = drawn(truth, seed, record, bursts)
     decoys = tuple(Decoy(DECOYS * seed + each) for each in range(DECOYS))
     started = time.process_time()
     bench = Workbench(window, extra=decoys)
@@ -161,13 +170,16 @@ def judge(
     )
 
 
-def drawn(truth: HiddenTruth, seed: int, record: RecordKind) -> tuple[HiddenEffectPlant, LoopWindow]:
+def drawn(
+    truth: HiddenTruth, seed: int, record: RecordKind, bursts: float = 0.0
+) -> tuple[HiddenEffectPlant, LoopWindow]:
     """Return a loop in a record of this kind, and what the workbench gets of it: in manual no set point."""
-    plant = hidden_effect_plant(seed, truth)
+    uneven = Bursts(std=bursts, correlation=BURST) if bursts else EVEN
+    plant = hidden_effect_plant(seed, truth, bursts=uneven)
     scenario = plant.scenario
     if record == "closed_loop":
         return plant, LoopWindow(scenario.loop, 0.0, scenario.ts, plant.op, plant.pv, plant.sp)
-    manual = open_record(seed, record, truth)
+    manual = open_record(seed, record, truth, uneven)
     plant = replace(
         plant, scenario=manual.scenario, op=manual.op, pv=manual.pv, sp=manual.pv, floor=manual.floor
     )

@@ -18,6 +18,7 @@ from simulators.draws.beyond_the_valve import log_uniform
 from simulators.draws.effect_draws import HIDE, SETTLING, EffectName
 from simulators.field import response
 from simulators.parameters import (
+    Bursts,
     ControllerParameters,
     Drift,
     Noise,
@@ -53,6 +54,8 @@ PEAK_SENSITIVITY = 2.0
 """No loop is tuned more tightly."""
 REACHED = 3.0
 """OP must keep within its limits, and a valve that sticks must have moved by so many times S in all."""
+EVEN = Bursts()
+"""Noise and loads that are as strong all the time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,9 +115,14 @@ class HiddenEffectPlant:
 
 
 def hidden_effect_plant(
-    seed: int, truth: HiddenTruth, samples: tuple[float, float] = SAMPLES
+    seed: int,
+    truth: HiddenTruth,
+    samples: tuple[float, float] = SAMPLES,
+    bursts: Bursts = EVEN,
 ) -> HiddenEffectPlant:
     """Draw a loop of a length between two numbers of ``samples``; the same seed gives the same loop.
+
+    Its noise and loads come in ``bursts``.
 
     - ``none``: set-point steps, a load that wanders, white noise; the others have these as well.
     - ``coloured_noise``: noise four times as high, with a memory of 3 to 30 s.
@@ -130,7 +138,7 @@ def hidden_effect_plant(
     else:
         effects = tuple(name for name in get_args(EffectName) if name == truth)
     while True:
-        scenario = _with_nothing(rng, truth, seed, samples)
+        scenario = _with_nothing(rng, truth, seed, samples).model_copy(update={"bursts": bursts})
         for effect in effects:
             scenario = HIDE[effect](rng, scenario)
         if scenario.peak_sensitivity > PEAK_SENSITIVITY:

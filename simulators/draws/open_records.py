@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
-from simulators.disturbance import FirstOrderNoise
-from simulators.draws.hidden_effects import hidden_effect_plant
+from simulators.disturbance import FirstOrderNoise, strength_of
+from simulators.draws.hidden_effects import EVEN, hidden_effect_plant
 from simulators.field import Field, response
 from simulators.parameters import Drift, Noise, Quantisation, Wander
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from simulators.draws.hidden_effects import HiddenTruth
+    from simulators.parameters import Bursts
     from simulators.scenario import Scenario
 
     FloatArray = NDArray[np.float64]
@@ -50,15 +51,15 @@ class OpenRecord:
     """Part of PV that no model of OP explains, PV units."""
 
 
-def open_record(seed: int, kind: OpenKind, truth: HiddenTruth = "none") -> OpenRecord:
-    """Draw a record; the same seed gives the same one.
+def open_record(seed: int, kind: OpenKind, truth: HiddenTruth = "none", bursts: Bursts = EVEN) -> OpenRecord:
+    """Draw a record; the same seed gives the same one. Its noise and loads come in ``bursts``.
 
     - ``steps``: OP steps to a new level of either direction whenever PV has settled.
     - ``bump``: OP rests, is moved by one step, stays, and is moved back.
     - ``prbs``: OP changes at random between two levels.
     - ``on_off``: a thermostat: OP goes to one of two levels as PV leaves a band.
     """
-    plant = hidden_effect_plant(seed, truth)
+    plant = hidden_effect_plant(seed, truth, bursts=bursts)
     rng = np.random.default_rng([seed, *kind.encode()])
     first = plant.scenario.controller.op
     travel = max(abs(each.sp - plant.scenario.controller.sp) for each in plant.scenario.set_points)
@@ -84,7 +85,8 @@ def open_record(seed: int, kind: OpenKind, truth: HiddenTruth = "none") -> OpenR
     quiet = {"noise": Noise(), "drift": Drift(), "wander": Wander(), "quantisation": Quantisation()}
     floor = pv - response(scenario.model_copy(update=quiet), op)
     noise = FirstOrderNoise(scenario.noise.std, scenario.noise.correlation, ts, rng)
-    measured = np.array([noise.next() for _ in range(count)])
+    strength = strength_of(bursts, ts, rng)
+    measured = np.array([noise.next() * (strength.next() if strength else 1.0) for _ in range(count)])
     return OpenRecord(kind, truth, scenario, op, pv + measured, floor + measured)
 
 
