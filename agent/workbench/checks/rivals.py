@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from agent.workbench.checks.in_its_place import InItsPlace
 from agent.workbench.evidence import evidence_of
 from agent.workbench.residual.very_strong import VERY_STRONG
 
@@ -23,14 +24,10 @@ if TYPE_CHECKING:
     from agent.workbench.step import Step
     from agent.workbench.trial import Optimum
 
-    Rival = tuple[Effect, str, float]
-    """An effect, what to say where it stands, and how much likelier, twice a logarithm, the record must be
-    without it: with the effect that it rivals."""
 
-
-def hidden_rival(effect: Effect) -> Rival:
+def hidden_rival(effect: Effect) -> InItsPlace:
     """Return an effect that the record cannot show as a rival."""
-    return effect, hidden_words(effect), VERY_STRONG
+    return InItsPlace(effect, hidden_words(effect), VERY_STRONG)
 
 
 def hidden_words(effect: Effect) -> str:
@@ -42,7 +39,7 @@ def against_rivals(
     decision: Decision,
     smaller: Step,
     found: Mapping[str, Evidence],
-    rivals: Iterable[Rival],
+    rivals: Iterable[InItsPlace],
     together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
 ) -> Decision:

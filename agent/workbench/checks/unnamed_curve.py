@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effect import Facts, Parameter, Stage
+from agent.workbench.checks.in_its_place import InItsPlace
 from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.physics.bases import Base
-    from agent.workbench.checks.rivals import Rival
 
     FloatArray = NDArray[np.float64]
 
@@ -63,8 +63,8 @@ class Curve:
 AT_VALVE, AT_SENSOR = Curve("curve_of_valve", "valve"), Curve("curve_of_sensor", "sensor")
 
 
-def curves_beside(family: str | None, base: Base) -> tuple[Rival, ...]:
+def curves_beside(family: str | None, base: Base) -> tuple[InItsPlace, ...]:
     """Return the rivals of an effect of a family on a base."""
     if family not in CURVES or not base.linear:
         return ()
-    return tuple((each, BETTER, -VERY_STRONG) for each in (AT_VALVE, AT_SENSOR))
+    return tuple(InItsPlace(each, BETTER, -VERY_STRONG) for each in (AT_VALVE, AT_SENSOR))
