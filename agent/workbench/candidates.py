@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate, nothing_else
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, likeliest_pair
-from agent.workbench.checks.rivals import against_rivals, hidden_rival
-from agent.workbench.checks.unnamed import dynamics_beside
-from agent.workbench.checks.unnamed_curve import curves_beside
+from agent.workbench.checks.rivals import against_rivals, hidden_words
+from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
 from agent.workbench.checks.wave_lines import is_pure, or_slow_wave, wave_objections
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
@@ -135,9 +134,7 @@ def judged(
         decision = replace(decision, kind="suggested")
     decision = _lowered(decision, doubts, smaller, models, worse)
     if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
-        family, base = decision.family, smaller.fit.model.base
-        unnamed = (*dynamics_beside(family, base), *curves_beside(family, base))
-        rivals = (*unnamed, *(hidden_rival(each) for each in hidden_rivals))
+        rivals = (*_unnamed(decision, smaller), *((each, hidden_words(each)) for each in hidden_rivals))
         decision = against_rivals(decision, smaller, found, rivals, together, record)
     if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
         decision = adequate(decision, models, also, together, record)
@@ -153,6 +150,11 @@ def _at_once(found: Mapping[str, Evidence], input_p: Mapping[str, float]) -> dic
         elif each.answers and not each.explains:
             objections[name] = ANSWERS
     return objections
+
+
+def _unnamed(decision: Decision, smaller: Step) -> tuple[tuple[Effect, str], ...]:
+    """Return linear dynamics without a name as a rival; none of an effect that is a part of them."""
+    return () if decision.family in LINEAR else ((dynamics_on(smaller.fit.model.base), AS_LIKELY),)
 
 
 def _is_weak(decision: Decision, found: Mapping[str, Evidence]) -> bool:

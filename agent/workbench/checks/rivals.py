@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from agent.workbench.checks.in_its_place import InItsPlace
 from agent.workbench.evidence import evidence_of
 from agent.workbench.residual.very_strong import VERY_STRONG
 
@@ -25,11 +24,6 @@ if TYPE_CHECKING:
     from agent.workbench.trial import Optimum
 
 
-def hidden_rival(effect: Effect) -> InItsPlace:
-    """Return an effect that the record cannot show as a rival."""
-    return InItsPlace(effect, hidden_words(effect), VERY_STRONG)
-
-
 def hidden_words(effect: Effect) -> str:
     """Return what an effect that the record cannot show makes of a decision, in words."""
     return f"{effect.name.replace('_', ' ')}, which this record cannot show, makes it as likely"
@@ -39,7 +33,7 @@ def against_rivals(
     decision: Decision,
     smaller: Step,
     found: Mapping[str, Evidence],
-    rivals: Iterable[InItsPlace],
+    rivals: Iterable[tuple[Effect, str]],
     together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
 ) -> Decision:
@@ -49,7 +43,7 @@ def against_rivals(
         decision: On what was tried.
         smaller: The model without any effect of ``found``.
         found: What the innovations say of what was tried.
-        rivals: In the place of its effect.
+        rivals: Effects, and what to say where one makes the record as likely.
         together: Tries an effect on top of the smaller model.
         record: What all are fitted to.
     """
@@ -57,8 +51,8 @@ def against_rivals(
     if not (own.answers or own.once):
         return decision  # a wave: an autoregression predicts it, so that likelihoods do not compare it
     likeliest = max(found[each].criterion for each in (str(decision.effect), *decision.indistinguishable))
-    for effect, words, least in rivals:
+    for effect, words in rivals:
         rival = evidence_of(smaller, together(smaller, effect), record, len(found)).criterion
-        if likeliest - rival <= least:
+        if likeliest - rival <= VERY_STRONG:
             decision = replace(decision, kind="suggested", lacks=(*decision.lacks, words))
     return decision

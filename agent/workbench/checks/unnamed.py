@@ -16,14 +16,13 @@ import numpy as np
 from agent.physics.bases.linear_process import lagged
 from agent.physics.effect import Facts, Parameter, Stage
 from agent.physics.effects.inverse_response import MOST_LEAD
-from agent.workbench.checks.in_its_place import InItsPlace
-from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.physics.bases import Base
     from agent.physics.bases.linear_process import LinearProcess
+    from agent.physics.effect import Effect
 
     FloatArray = NDArray[np.float64]
 
@@ -71,12 +70,9 @@ class DynamicsBehind:
         return np.asarray(slow - lead * np.diff(slow, prepend=slow[0]), dtype=np.float64)
 
 
-def dynamics_beside(family: str | None, base: Base) -> tuple[InItsPlace, ...]:
-    """Return the rival of an effect of a family on a base; none of one that is a part of it."""
-    if family in LINEAR:
-        return ()
-    dynamics = LinearDynamics() if base.linear else DynamicsBehind()
-    return (InItsPlace(dynamics, AS_LIKELY, VERY_STRONG),)
+def dynamics_on(base: Base) -> Effect:
+    """Return the rival on a base."""
+    return LinearDynamics() if base.linear else DynamicsBehind()
 
 
 def _numbers(facts: Facts) -> tuple[Parameter, ...]:

@@ -9,10 +9,8 @@ from loops import slack
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects import EFFECTS
-from agent.workbench import candidates
 from agent.workbench.checks.adequate import NOT_IN_LIBRARY
 from agent.workbench.checks.remainder import remainder
-from agent.workbench.checks.unnamed_curve import BETTER
 from agent.workbench.checks.wave_lines import SLOW_LINE
 from agent.workbench.hooks import silent
 from agent.workbench.residual.very_strong import VERY_STRONG
@@ -48,14 +46,9 @@ def test_the_true_effect_leaves_noise_and_the_model_without_it_and_a_wrong_one_d
     assert (found.decision.kind, found.decision.effect, found.decision.lacks) == ("confirmed", "deadband", ())
 
 
-def test_a_trim_that_stands_for_a_curve_behind_the_lags_is_suggested(monkeypatch):
+def test_a_trim_that_stands_for_a_curve_behind_the_lags_is_suggested():
     record = open_record(91127, "steps", "pv_gain")
     decision = judged(record, "valve_characteristic")
-    assert (decision.kind, decision.family) == ("suggested", "valve_characteristic")
-    assert BETTER in decision.lacks
-    with monkeypatch.context() as patched:  # what remains says it as well
-        patched.setattr(candidates, "curves_beside", lambda *_: ())
-        decision = judged(record, "valve_characteristic")
     assert (decision.kind, decision.family) == ("suggested", "valve_characteristic")
     assert NOT_IN_LIBRARY in decision.lacks
     named = judged(record, "valve_characteristic", "pv_gain")
