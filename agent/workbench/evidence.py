@@ -84,18 +84,19 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
     if before is None or after is None:
         return Evidence(True, 1.0, 0.0, effect.family, answers, once, blind)
     least = _rounding(larger)
+    ratio = likelihood_ratio(before, after, least)
     searched = len(larger.fit.values) - len(smaller.fit.values)
     added = _numbers(larger) - _numbers(smaller)
-    criterion = _criterion(before, after, _priced(smaller, larger, record), least)
+    criterion = _criterion(ratio, before, _priced(smaller, larger, record))
     if isinstance(effect, HysteresisEffect) and smaller.predicts and larger.predicts:
         # Most strokes show little of a stem's constants: Schwarz's price of seven numbers hides a valve.
         price = _price(*larger.predicts) - _price(*smaller.predicts)
         if math.isfinite(price):
-            criterion = max(criterion, likelihood_ratio(before, after, least) - price)
+            criterion = max(criterion, ratio - price)
     chance = 1.0
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
     if answers or not blind or very_strong(criterion, candidates):
-        chance = by_chance(before, after, added, candidates * _scanned(effect, record), least)
+        chance = by_chance(ratio, added, candidates * _scanned(effect, record))
     explains = (
         very_strong(criterion, candidates)
         if once
@@ -121,13 +122,12 @@ def far_likelier(smaller: ModelAtBest, larger: ModelAtBest, record: Record) -> b
     before, after = (_least_innovations(each, record) for each in (smaller, larger))
     if before is None or after is None:
         return False
-    priced = _priced(smaller, larger, record)
-    return _criterion(before, after, priced, _rounding(larger)) > VERY_STRONG
+    ratio = likelihood_ratio(before, after, _rounding(larger))
+    return _criterion(ratio, before, _priced(smaller, larger, record)) > VERY_STRONG
 
 
-def _criterion(before: Innovations, after: Innovations, priced: int, least: float) -> float:
-    count = np.count_nonzero(np.isfinite(before.values))
-    return likelihood_ratio(before, after, least) - priced * math.log(count)
+def _criterion(ratio: float, before: Innovations, priced: int) -> float:
+    return ratio - priced * math.log(np.count_nonzero(np.isfinite(before.values)))
 
 
 def _rounding(model: ModelAtBest) -> float:

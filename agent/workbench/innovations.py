@@ -51,20 +51,15 @@ def likelihood_ratio(smaller: Innovations, larger: Innovations, least: float = 0
     return 2.0 * (after - before)
 
 
-def by_chance(
-    smaller: Innovations, larger: Innovations, parameters: int, tries: int, least: float = 0.0
-) -> float:
+def by_chance(ratio: float, parameters: int, tries: int) -> float:
     """Return how likely the innovations fall as far where nothing is missing.
 
     Innovations are white, so that here samples are independent and the likelihood ratio has the distribution
     of the books; at a boundary it has less. The search takes the best of many values: each counts as a try.
 
     Args:
-        smaller: Of the smaller model.
-        larger: Of the larger one.
-        parameters: That it has more.
+        ratio: As of ``likelihood_ratio``.
+        parameters: That the larger model has more.
         tries: Among which it is the best.
-        least: As in ``likelihood_ratio``.
     """
-    ratio = likelihood_ratio(smaller, larger, least)
     return float(min(1.0, tries * stats.chi2.sf(ratio, parameters)))
