@@ -69,7 +69,7 @@ def bounds(effect: Effect) -> None:
     for samples in LENGTHS:
         for each in effect.parameters(replace(FACTS, samples=samples)):
             with where(f"{each.name}, {samples} samples"):
-                require(-np.inf < each.low < each.high < np.inf, f"bounds are {each.low} and {each.high}")
+                require(-np.inf < each.low <= each.high < np.inf, f"bounds are {each.low} and {each.high}")
                 require(not each.log or each.low > 0, f"searched by its logarithm from {each.low}")
                 within = each.null is None or each.low <= each.null <= each.high
                 require(within, f"null {each.null} is not between {each.low} and {each.high}")
@@ -133,10 +133,10 @@ def nothing_at_the_null(effect: Effect) -> None:
 
 @demand("effect", "must change its response with each of its parameters")
 def every_parameter_counts(effect: Effect) -> None:
-    """Move one parameter at a time."""
+    """Move one parameter at a time, but for constants, which are not searched."""
     for base, model in models_of(effect):
-        left = [name for name, _ in model.parameters(FACTS)]
-        places = {name: at for at, name in enumerate(left)}
+        places = {name: at for at, (name, _) in enumerate(model.parameters(FACTS))}
+        left = [name for name, each in model.parameters(FACTS) if not each.constant]
         random = np.random.default_rng(0)
         for _ in range(DRAWS):
             shares = random.uniform(0, 0.8, len(places))

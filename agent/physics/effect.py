@@ -67,6 +67,8 @@ class Parameter:
     """``OP``, ``PV``, ``s``, ``1/s``, ``OP/s``, ``OP*s``, ``1/OP`` or ``1``."""
     low: float
     high: float
+    """Where it is ``low``, the number is not searched: a constant of the record that is fitted, with which
+    other numbers mean the same in another record."""
     null: float | None = None
     """Value that removes the effect; None where no value of this parameter alone removes it."""
     log: bool = False
@@ -78,6 +80,11 @@ class Parameter:
     by_law: float = 0.0
     """Part of its value by which it may differ under another law of the same effect. The true law is not
     known, so the interval is at least so wide."""
+
+    @property
+    def constant(self) -> bool:
+        """Whether it is not searched."""
+        return self.low == self.high
 
     @property
     def instant(self) -> bool:

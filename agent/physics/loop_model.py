@@ -123,10 +123,7 @@ class Layout:
 
     def response(self, position: FloatArray, values: FloatArray) -> FloatArray:
         """Return the measured response to a valve position, OP units, for gain one, (n,)."""
-        process = self.base.process(values[self.own])
-        for altering, own, guarded in self.process:
-            alter = partial(altering.change, process, values[own])
-            process = cast("RespondingProcess", result_of(altering, alter) if guarded else alter())
+        process = self._changed_process(values)
         response = process.respond(position, self.ts)
         if not self.sensor:
             return response
@@ -141,13 +138,22 @@ class Layout:
                 response = effect.apply(response, values[own], self.ts)
         return response - level
 
+    def _changed_process(self, values: FloatArray) -> RespondingProcess:
+        """Return the process of the base as the effects have changed it."""
+        process = self.base.process(values[self.own])
+        for altering, own, guarded in self.process:
+            alter = partial(altering.change, process, values[own])
+            process = cast("RespondingProcess", result_of(altering, alter) if guarded else alter())
+        return process
+
     def answers(self, position: FloatArray, moves: FloatArray, values: FloatArray) -> FloatArray:
         """Return what the response does more for small moves of the valve, (n, k), its unit a unit of move.
 
-        ``moves``: (n, k). Of a linear process the response to them; behind a law of a balance, or where a
-        sensor may have a curve, its derivative along ``position``.
+        ``moves``: (n, k). Of a linear process the response to them; behind a law of a balance, behind losses
+        or friction of an effect, or where a sensor may have a curve, its derivative along ``position``.
         """
-        if self.base.linear and not self.sensor:
+        process = self._changed_process(values)
+        if isinstance(process, LinearProcess) and process.superposes and not self.sensor:
             return np.column_stack([self.response(each, values) for each in moves.T])
         there, span = self.response(position, values), float(np.ptp(position))
         found = np.zeros_like(moves)

@@ -85,8 +85,8 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
         return Evidence(True, 1.0, 0.0, effect.family, answers, once, blind)
     least = _rounding(larger)
     ratio = likelihood_ratio(before, after, least)
-    searched = len(larger.fit.values) - len(smaller.fit.values)
-    added = _numbers(larger) - _numbers(smaller)
+    searched = _searched(larger, record) - _searched(smaller, record)
+    added = _numbers(larger, record) - _numbers(smaller, record)
     criterion = _criterion(ratio, before, _priced(smaller, larger, record))
     if isinstance(effect, HysteresisEffect) and smaller.predicts and larger.predicts:
         # Most strokes show little of a stem's constants: Schwarz's price of seven numbers hides a valve.
@@ -157,14 +157,18 @@ def _priced(smaller: ModelAtBest, larger: ModelAtBest, record: Record) -> int:
     information criterion", Biometrics 63, 2007).
     """
     one, other = (
-        _numbers(each) + sum(instants(effect, record.facts) for effect in each.fit.model.effects)
+        _numbers(each, record) + sum(instants(effect, record.facts) for effect in each.fit.model.effects)
         for each in (smaller, larger)
     )
     return other - one
 
 
-def _numbers(model: ModelAtBest) -> int:
-    return len(model.fit.values) + len(model.fit.coefficients)
+def _numbers(model: ModelAtBest, record: Record) -> int:
+    return _searched(model, record) + len(model.fit.coefficients)
+
+
+def _searched(model: ModelAtBest, record: Record) -> int:
+    return sum(not each.constant for _, each in model.fit.model.parameters(record.facts))
 
 
 def _least_innovations(model: ModelAtBest, record: Record) -> Innovations | None:

@@ -85,6 +85,8 @@ def estimated(found: Tried, record: Record) -> Estimate:
     half = np.tile(QUANTILE * freed.spread(best), (2, 1))
     for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
         what = name.partition(".")[2]  # of an effect; empty for the base
+        if parameter.constant:
+            continue
         if not parameter.of_record:
             half[:, i] *= WIDER
         if parameter.instant or (what and what not in MOTION and not parameter.of_record):

@@ -32,6 +32,11 @@ class Space:
     def __len__(self) -> int:
         return len(self.names)
 
+    @property
+    def searched(self) -> int:
+        """How many of them are searched."""
+        return sum(not each.constant for each in self.parameters)
+
     def values(self, at: FloatArray) -> FloatArray:
         """Return the values, own units, of points of the unit cube, (..., k)."""
         inner = self.low + np.minimum(np.maximum(at, 0.0), 1.0) * (self.high - self.low)
@@ -40,7 +45,8 @@ class Space:
     def at(self, values: FloatArray) -> FloatArray:
         """Return where values, own units, (..., k), lie in the unit cube; the nearest point of it."""
         inner = np.where(self.log, np.log(np.where(self.log, np.maximum(values, 1e-300), 1.0)), values)
-        return np.clip((inner - self.low) / (self.high - self.low), 0.0, 1.0)
+        width = np.where(self.high > self.low, self.high - self.low, 1.0)
+        return np.clip((inner - self.low) / width, 0.0, 1.0)
 
     def at_bound(self, values: FloatArray) -> tuple[str, ...]:
         """Return the names of parameters that ran into a bound of the search: a sign that they mean nothing.
@@ -54,7 +60,7 @@ class Space:
             end = parameter.low if value < AT_BOUND else parameter.high
             inside = AT_BOUND <= value <= 1 - AT_BOUND
             nature = parameter.natural or end == parameter.null or end == 0.0 == parameter.low
-            if not (inside or parameter.of_record or nature):
+            if not (inside or parameter.of_record or parameter.constant or nature):
                 found.append(name)
         return tuple(found)
 

@@ -28,6 +28,7 @@ EFFECT_VALUES: dict[str, tuple[float, ...]] = {
     "characteristic": (3.0,),
     "split_range": (0.35, 0.15, 2.0),
     "pv_gain": (2.0,),
+    "loss_curve": (1.5, 0.5),
     "square_law": (-0.1,),
     "titration": (0.5, 0.1),
     "sensor_deadband": (0.25, 0.0),
@@ -44,7 +45,7 @@ EFFECT_VALUES: dict[str, tuple[float, ...]] = {
     "gain_change": (100.0, 0.0, 8.0),
 }
 """Values in s, and in OP spans where the unit has OP in it."""
-FROM_ZERO = {"u_low", "u_high", "place", "middle", "no_flow"}
+FROM_ZERO = {"u_low", "u_high", "place", "middle", "no_flow", "level"}
 """Parameters that are values of OP, given above the least OP."""
 
 

@@ -19,7 +19,7 @@ FAMILIES = {
     "process_limits": {"overflow"},
     "disturbance": {"sinusoid", "load_step", "wave"},
     "gain": {"gain_change"},
-    "pv_gain": {"pv_gain", "square_law", "titration"},
+    "pv_gain": {"pv_gain", "loss_curve", "square_law", "titration"},
     "sensor_hysteresis": {"sensor_deadband"},
     "process_delay": {"transport_delay"},
     "process_friction": {"process_friction"},

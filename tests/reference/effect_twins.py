@@ -27,6 +27,16 @@ def slewed_branches(command, step):
     return positions
 
 
+def held_in_small_steps(inputs, tau, curvature, steps=2000):
+    """Return what a vessel holds whose losses grow as an exponential, by small steps of Euler."""
+    held, x = [], 0.0
+    for u in inputs:
+        held.append(x)
+        for _ in range(steps):
+            x += (u - (math.exp(curvature * x) - 1) / curvature) / (tau * steps)
+    return held
+
+
 def process_step_response(lags, lead, integrates):
     """Return the step response of (1 - lead s) / ((1 + lag s) ...) or / (s (1 + lag s)), lags differ."""
 

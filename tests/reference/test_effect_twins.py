@@ -5,11 +5,17 @@ from hypothesis import strategies as st
 
 from agent.physics.bases import BASES
 from agent.physics.bases.linear_process import LinearProcess
+from agent.physics.bases.losing_process import held
 from agent.physics.effect import Facts
 from agent.physics.effects.deadband import backlash
 from agent.physics.effects.rate_limit import slewed
 from agent.physics.loop_model import LoopModel
-from tests.reference.effect_twins import backlash_branches, process_step_response, slewed_branches
+from tests.reference.effect_twins import (
+    backlash_branches,
+    held_in_small_steps,
+    process_step_response,
+    slewed_branches,
+)
 from tests.reference.process_superposition import STEP_RESPONSES, summed_steps, superposition
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -41,6 +47,17 @@ def test_a_limited_rate_follows_as_fast_as_it_may(seed, step):
 
 def test_nothing_is_slewed_to_nothing():
     assert slewed(np.empty(0), 1.0).shape == (0,)
+
+
+@pytest.mark.parametrize("curvature", [-0.04, -1e-9, 1e-9, 0.04])
+@settings(deadline=None, max_examples=5)
+@given(seed=SEEDS, tau=st.floats(1, 30))
+def test_a_vessel_holds_what_its_balance_says(curvature, seed, tau):
+    inputs = 18 * np.sin(walk(seed, 40) / 3)
+    inputs -= inputs[0]
+    inputs *= 20 / np.abs(inputs).max()
+    expected = held_in_small_steps(inputs, tau, curvature)
+    np.testing.assert_allclose(held(inputs, tau, curvature), expected, rtol=0, atol=0.02)
 
 
 @pytest.mark.parametrize("name", STEP_RESPONSES)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -27,6 +27,8 @@ NO_LAG = 0.01
 class LinearProcess:
     """Between valve position and PV."""
 
+    superposes: ClassVar[bool] = True
+    """Whether the response to two moves is the sum of those to each."""
     delay: float
     """Dead time plus the sample for which a position is held, s, at least one sample."""
     lags: tuple[float, ...] = ()

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -54,6 +54,7 @@ def speeds(drive: FloatArray, tau: float, friction: float) -> FloatArray:
 class SlidingProcess(LinearProcess):
     """The same with friction on what its longest lag moves; a lead or creep is not kept."""
 
+    superposes: ClassVar[bool] = False
     friction: float = 0.0
     """F, OP units."""
     no_drive: float = 0.0

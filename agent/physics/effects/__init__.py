@@ -14,6 +14,7 @@ from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.integrating import Integrating
 from agent.physics.effects.inverse_response import InverseResponse
 from agent.physics.effects.load_step import LoadStepEffect
+from agent.physics.effects.loss_curve import LossCurve
 from agent.physics.effects.overflow import Overflow
 from agent.physics.effects.process_friction import ProcessFriction
 from agent.physics.effects.pv_gain import PvGain
@@ -40,6 +41,7 @@ EFFECTS: tuple[Effect, ...] = (
     Characteristic(),
     SplitRange(),
     PvGain(),
+    LossCurve(),
     SquareLaw(),
     Titration(),
     RateLimit(),

@@ -78,7 +78,7 @@ def first_fit(
     found, end = _behind_own_noise(replace(predicts, objective=free_run, behind=larger), ends)
     count = len(predicts.pv)
     columns = larger.columns(end).shape[1] - predicts.behind.columns(best).shape[1]
-    numbers = len(space) - known + columns + instants(effect, record.facts)
+    numbers = space.searched - predicts.space.searched + columns + instants(effect, record.facts)
     criterion = max(
         count * math.log(predicts.variance(best) / max(variance, np.finfo(float).tiny))
         - (numbers - fewer * NUMBERS_OF_A_STEP) * math.log(count)

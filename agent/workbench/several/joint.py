@@ -183,7 +183,8 @@ def _judged(joint: Joint, at: FloatArray) -> JointFit | None:
         count = int(np.count_nonzero(np.isfinite(left.values)))
         unlikely += count * float(np.log(max(left.variance, np.finfo(float).tiny)))
         samples += count
-    numbers = len(at) + sum(len(one.coefficients) for one in fits)
+    constants = len(joint.space) - joint.space.searched
+    numbers = len(at) - constants + sum(len(one.coefficients) for one in fits)
     return JointFit(joint, at, fits, unlikely + numbers * float(np.log(samples)))
 
 

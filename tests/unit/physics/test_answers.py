@@ -10,7 +10,13 @@ from agent.physics.loop_model import LoopModel
 
 OP = 50 + 10 * np.sin(2 * np.pi * np.arange(300.0) / 60)
 FACTS = Facts(1.0, len(OP), 40.0, 60.0, 0.0, 1.0, 60.0, 1.0, 1)
-VALUES = {"pv_gain": (0.06,), "square_law": (35.0,), "titration": (52.0, 3.0), "sensor_lag": (5.0,)}
+VALUES = {
+    "pv_gain": (0.06,),
+    "square_law": (35.0,),
+    "titration": (52.0, 3.0),
+    "sensor_lag": (5.0,),
+    "loss_curve": (0.05, 50.0),
+}
 
 
 @pytest.mark.parametrize("name", [*VALUES, ""])
