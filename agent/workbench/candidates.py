@@ -18,7 +18,7 @@ from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.likeliest import comparable, likelier_otherwise
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.state_dependence import LEVEL as FOLLOWED
-from agent.workbench.residual.state_dependence import fails, removed_by, resolves, state_dependence
+from agent.workbench.residual.state_dependence import fails, state_dependence
 from agent.workbench.residual.very_strong import very_strong
 from agent.workbench.step import Step, Verdict
 
@@ -52,7 +52,7 @@ class AllTried:
     def at_bound(self) -> tuple[str, ...]:
         """Parameters of the effect that was decided for which ran into a bound."""
         effect = self.decision.effect
-        return () if effect is None else own_at_bound(self.models[effect].fit)
+        return () if effect is None else own_at_bound(self.models[effect])
 
 
 def no_other_record(smaller: Fit, larger: Fit) -> bool:  # noqa: ARG001
@@ -89,14 +89,6 @@ def judged(
         hidden_rivals: Effects that may be there, but that the record cannot show.
     """
 
-    def both_needed(name: str, other: str) -> bool:
-        larger = together(models[name], models[other].fit.model.effects[-1])
-        if not all(far_likelier(models[each], larger, record) for each in (name, other)):
-            return False
-        predicts = larger.predicts
-        removed = removed_by(smaller.predicts, predicts)
-        return predicts is None or resolves(smaller.estimate.dependence, state_dependence(*predicts), removed)
-
     def beside_dynamics(name: str, other: str) -> bool:
         larger = together(models[name], models[other].fit.model.effects[-1])
         predicts = larger.predicts
@@ -110,7 +102,7 @@ def judged(
     def pair() -> Pair | None:
         return likeliest_pair(found, models, answering, together, record)
 
-    doubts = Doubts(smaller, models, found, both_needed, beside_dynamics, pair)
+    doubts = Doubts(smaller, models, found, beside_dynamics, pair)
     by_chance = {name: each.by_chance for name, each in found.items()}
     doubts.objections.update(wave_objections(smaller.predicts, models, found))
     doubts.objections.update(_at_once(found, input_p))
@@ -121,10 +113,9 @@ def judged(
         smaller.held_out.losses,
         {name: each.held_out.losses for name, each in models.items()},
         {name: each.family for name, each in found.items()},
-        at_bound=[name for name, each in models.items() if own_at_bound(each.fit)],
+        at_bound=[name for name, each in models.items() if own_at_bound(each)],
         by_chance=by_chance,
         input_p=input_p,
-        once={name for name, each in found.items() if each.once},
         seen={name for name, each in found.items() if not each.blind},
         likelier={name: each.criterion for name, each in found.items() if not is_pure(models[name].fit)},
         comparable=() if smaller.predicts is None else comparable(found),
@@ -137,7 +128,7 @@ def judged(
         rivals = (*_unnamed(decision, smaller), *((each, hidden_words(each)) for each in hidden_rivals))
         decision = against_rivals(decision, smaller, found, rivals, together, record)
     if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
-        decision = adequate(decision, models, also, together, record)
+        decision = adequate(decision, models, found, also, together, record)
     return AllTried(decision, models, frozenset(doubts.lowered))
 
 
@@ -215,10 +206,17 @@ def _lowered(
     return replace(decision, kind=decision.kind if words is None else "suggested", lacks=lacks)
 
 
-def own_at_bound(fitted: Fit) -> tuple[str, ...]:
-    """Return the parameters of the last effect of a fit that ran into a bound."""
-    effect = fitted.model.effects[-1].name
-    return tuple(name for name in fitted.at_bound if name.startswith(f"{effect}."))
+def own_at_bound(found: Optimum) -> tuple[str, ...]:
+    """Return the parameters of a model's last effect that ran into a bound, where it predicts best.
+
+    There its numbers are those that are reported: in closed loop a free run drifts to bounds, as it answers
+    to the load.
+    """
+    effect, stopped = found.fit.model.effects[-1].name, found.fit.at_bound
+    if found.predicts is not None:
+        predicts, best = found.predicts
+        stopped = predicts.space.at_bound(predicts.space.values(best))
+    return tuple(name for name in stopped if name.startswith(f"{effect}."))
 
 
 def verdict_of(

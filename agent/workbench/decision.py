@@ -13,7 +13,7 @@ import numpy as np
 from agent.workbench.likeliest import less_likely
 from agent.workbench.paired_blocks import reduction, sign_flip_p
 from agent.workbench.residual.holm import LEVEL, holm
-from agent.workbench.residual.very_strong import STRONG, VERY_STRONG
+from agent.workbench.residual.very_strong import STRONG
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
@@ -82,7 +82,6 @@ def judge(
     *,
     by_chance: Mapping[str, float] | None = None,
     input_p: Mapping[str, float] | None = None,
-    once: Collection[str] = (),
     seen: Collection[str] = (),
     likelier: Mapping[str, float] | None = None,
     comparable: Collection[str] = (),
@@ -111,15 +110,14 @@ def judge(
             load that wanders blocks scatter more than what an effect does in them.
         input_p: Of measured inputs: how likely one explains as much where it does not act. It must be below
             ``LEVEL`` as well.
-        once: Candidates of what happened once.
         seen: Candidates of which blocks are not blind (``Evidence.blind``): p of their signs does not count,
             only ``by_chance``.
         likelier: How much likelier the record is with a candidate (``Evidence.criterion``). A wave without
             harmonics has none: an autoregression predicts it, so that others seem likelier.
         comparable: Candidates that act on OP all the time. Between families of them the likelihood decides
             alone: one that lowers the error, and with which the record is not strongly less likely than with
-            the best (very strongly, where that happened once), cannot be distinguished from it. Not if the
-            best is a wave, which innovations hardly show.
+            the best, cannot be distinguished from it. Not if the best happened once, or is a wave, which
+            innovations hardly show.
         objections: Candidates that something rejects whatever their p, and what; none is confirmed.
         rng: Of the bootstrap; None: always the same draws.
     """
@@ -150,7 +148,7 @@ def judge(
         likely = likelier or {}
         best = _likeliest([each for each in confirmed if each.effect in comparable], confirmed[0], likely)
         sure = [each for each in large if each.low > 0 or best.low <= 0]
-        alike = _as_good(best, sure, own, likely, comparable, once, draws)
+        alike = _as_good(best, sure, own, likely, comparable, draws)
         kin = {each for each in alike & likely.keys() if families[each] == best.family}
         poor = less_likely({each: likely[each] for each in kin})
         ordered = sorted((effect for effect in own if effect in alike), key=poor.__contains__)
@@ -173,21 +171,19 @@ def _as_good(
     losses: Mapping[str, FloatArray],
     likely: Mapping[str, float],
     comparable: Collection[str],
-    once: Collection[str],
     rng: np.random.Generator,
 ) -> set[str]:
     """Return the effects that cannot be distinguished from the best, itself among them.
 
     Between families of what acts on OP the likelihood decides, and for all else the held-out error.
     """
-    judges = best.effect in {*comparable, *once}
-    margin = VERY_STRONG if best.effect in once else STRONG
+    judges = best.effect in comparable
     alike = set()
     for each in large:
         if each.objection is not None:
             continue
         if judges and each.effect in comparable and each.family != best.family:
-            good = likely[best.effect] - likely[each.effect] <= margin
+            good = likely[best.effect] - likely[each.effect] <= STRONG
         else:
             likelier = likely.get(each.effect, -np.inf) >= likely.get(best.effect, np.inf)
             alone = each.p < LEVEL

@@ -18,10 +18,8 @@ from agent.workbench.checks.lacking import (
 from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
 from agent.workbench.checks.own_cycle import may_be_loops_own
 from agent.workbench.checks.pairs import as_likely_words, far_likelier_than, is_as_likely
-from agent.workbench.likeliest import less_likely
 from agent.workbench.other_event import does_what_op_does, is_another_gain, is_only_another_level
 from agent.workbench.residual.state_dependence import failing, removed_by, state_dependence, still_fails
-from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
 if TYPE_CHECKING:
     from agent.workbench.checks.pairs import Pair
@@ -58,8 +56,6 @@ class Doubts:
     models: Mapping[str, Tried]
     """By the effect that was added, like ``found``."""
     found: Mapping[str, Evidence]
-    both_needed: Callable[[str, str], bool]
-    """Whether the record is far likelier with two of the effects than with either, and they explain it."""
     beside_dynamics: Callable[[str, str], bool] = never
     """Whether an effect is needed beside larger dynamics, the second, and both explain the record."""
     pair: Callable[[], Pair | None] = no_pair
@@ -76,10 +72,7 @@ class Doubts:
     _dependences: dict[str, Mapping[str, Dependence]] = field(default_factory=dict)
 
     def object_to(self, decision: Decision) -> bool:
-        """Add what speaks against a decision's effect and its rivals; return whether anything new does.
-
-        What is rejected makes no other effect unlikely, so likelihoods are compared last.
-        """
+        """Add what speaks against a decision's effect and its rivals; return whether anything new does."""
         rivals = (str(decision.effect), *decision.rivals)
         new = [each for each in rivals if each not in self._seen]
         self._seen.update(new)
@@ -93,12 +86,8 @@ class Doubts:
                 self.objections[each] = STANDS_FOR_OP
             elif self._is_another_event(each):
                 self.objections[each] = OTHER_EVENT
-                self.objections.update(dict.fromkeys(self._unlikelier_than_event(each), UNLIKELY))
             elif self.found[each].once and each not in self.objections:
                 self._compare_with_pair(each)
-        if len(self.objections) == before:
-            criteria = {each: self.found[each].criterion for each in rivals}
-            self.objections.update(dict.fromkeys(less_likely(criteria), UNLIKELY))
         return len(self.objections) > before
 
     def _compare_with_pair(self, name: str) -> None:
@@ -135,8 +124,6 @@ class Doubts:
         """Whether what an effect leaves on some axes has another cause."""
         if not self.found[name].once and not self.smaller.fit.model.base.linear:
             return True  # the law of a balance is a guess: what remains is named, and may be its own
-        if self._another_is_missing_too(name):
-            return True
         return left <= DYNAMICS and any(
             self.beside_dynamics(name, other) for other in self._larger_dynamics(name)
         )
@@ -167,41 +154,6 @@ class Doubts:
         if not evidence.once or predicts is None:
             return False
         return is_only_another_level(*predicts) if evidence.answers else is_another_gain(*predicts)
-
-    def _unlikelier_than_event(self, name: str) -> list[str]:
-        """Return what answers OP and is far less likely than what happened once, of whatever kind."""
-        most = self.found[name].criterion
-        return [
-            other
-            for other, each in self.found.items()
-            if each.answers and not each.once and most - each.criterion > VERY_STRONG
-        ]
-
-    def _another_is_missing_too(self, beside: str) -> bool:
-        """Whether another effect is needed as much beside one, which else may stand for it.
-
-        Of each family the likeliest that may be is tried.
-        """
-        tried: set[str] = set()
-        for name in sorted(self.models, key=lambda each: -self.found[each].criterion):
-            family = self.found[name].family
-            if family not in tried and self._may_be_missing_too(name, beside):
-                tried.add(family)
-                if self.both_needed(name, beside):
-                    return True
-        return False
-
-    def _may_be_missing_too(self, name: str, beside: str) -> bool:
-        """Whether an effect is of another family, strong, and what makes the smaller model fail."""
-        own = self.found[name]
-        return (
-            own.family != self.found[beside].family
-            and own.answers
-            and not own.once
-            and own.explains
-            and very_strong(own.criterion, len(self.models))
-            and not self._leaves(name) & self._leaves(beside)
-        )
 
     def _leaves(self, name: str) -> set[str]:
         """Return the axes on which what made the smaller model fail is still there, with an effect."""

@@ -2,7 +2,9 @@
 
 What remains with an effect (``remainder.py``) may be another effect of the library: then both are needed, and
 nothing remains with both. Else the true cause may be one that is not in the library, which the effect stands
-for: it is suggested. One price for all effects, whether they act on OP, happened once, or go on all the time.
+for: it is suggested, unless what remains is a trifle beside what it explains, and no other family explains
+nearly as much: no law is quite that of the plant. One price for all effects, whether they act on OP, happened
+once, or go on all the time.
 """
 
 from __future__ import annotations
@@ -10,9 +12,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from agent.workbench.checks.lacking import is_likeliest_by_far
 from agent.workbench.checks.remainder import remainder
 from agent.workbench.evidence import far_likelier
 from agent.workbench.library import happens_once
+from agent.workbench.residual.state_dependence import PART_LEFT
 from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
@@ -20,6 +24,7 @@ if TYPE_CHECKING:
 
     from agent.physics.effect import Effect
     from agent.workbench.decision import Decision
+    from agent.workbench.evidence import Evidence
     from agent.workbench.record import Record
     from agent.workbench.step import Step
     from agent.workbench.trial import Optimum, Tried
@@ -39,6 +44,7 @@ def nothing_else(found: Optimum) -> Iterable[Effect]:  # noqa: ARG001
 def adequate(
     decision: Decision,
     models: Mapping[str, Tried],
+    found: Mapping[str, Evidence],
     also: Callable[[Optimum], Iterable[Effect]],
     together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
@@ -48,24 +54,34 @@ def adequate(
     Args:
         decision: On ``models``.
         models: By the effect that was added.
+        found: What the innovations say of each.
         also: What of the library the innovations hint at beside the last effect of a model, the best first.
         together: Tries an effect on top of one of the models.
         record: What they were fitted to.
     """
-    model: Optimum = models[str(decision.effect)]
+    name = str(decision.effect)
+    model: Optimum = models[name]
     once = happens_once(model.fit.model.effects[-1], record.facts)
     added: list[str] = []
     while not _is_noise(model):
         larger = _larger(model, models, also, together, record) if len(added) < MOST_BESIDE else None
         if larger is None:
             # The law of a balance is a guess: what remains may be its own, or an event may stand for it.
-            kind = "suggested" if once or model.fit.model.base.linear else decision.kind
+            guessed = not once and not model.fit.model.base.linear
+            kind = decision.kind if guessed or _is_trifle(name, models[name], found) else "suggested"
             return replace(decision, kind=kind, lacks=(*decision.lacks, NOT_IN_LIBRARY))
         model = larger
         added.append(model.fit.model.effects[-1].name.replace("_", " "))
     if not added:
         return decision
     return replace(decision, lacks=(*decision.lacks, f"with it {' and '.join(added)} is still missing"))
+
+
+def _is_trifle(name: str, model: Tried, found: Mapping[str, Evidence]) -> bool:
+    """Return whether what remains with the likeliest effect is little beside what it explains."""
+    if model.predicts is None or not is_likeliest_by_far(name, found):
+        return False
+    return remainder(*model.predicts) <= PART_LEFT * found[name].criterion
 
 
 def _larger(

@@ -94,14 +94,6 @@ def fails(found: Mapping[str, Dependence]) -> bool:
     return bool(failing(found))
 
 
-def resolves(before: Mapping[str, Dependence], after: Mapping[str, Dependence], removed: float) -> bool:
-    """Return whether a larger model removes most of what the smaller one failed by, on all axes.
-
-    Where it does not, the added effect stands in for another one and explains only a part of it.
-    """
-    return not still_fails(before, after, removed)
-
-
 def still_fails(
     before: Mapping[str, Dependence], after: Mapping[str, Dependence], removed: float
 ) -> set[str]:

@@ -70,13 +70,14 @@ def test_a_slow_wave_may_stand_for_an_integrator_and_a_number_at_its_bound_leave
     assert (named.kind, named.effect) == ("confirmed", "integrating")
 
 
-def test_what_remains_may_be_another_effect_and_lowers_nothing_then():
+@pytest.mark.parametrize(("bend", "alone"), [(0.03, "confirmed"), (0.3, "suggested")], ids=["trifle", "more"])
+def test_what_remains_may_be_another_effect_or_a_trifle_and_lowers_nothing_then(bend, alone):
     window = slack(noise=0.02)
     away = window.pv - window.pv.mean()
-    bent = replace(window, pv=window.pv + 0.03 * away**2 / np.ptp(window.pv))
-    trials, alone = opened(bent, Fopdt(), map, silent)
-    base = step_of(alone, trials.record, None)
-    alone = trials.judged_on(base, [NAMED["deadband"]]).decision
-    assert (alone.kind, alone.effect, alone.lacks) == ("suggested", "deadband", (NOT_IN_LIBRARY,))
+    bent = replace(window, pv=window.pv + bend * away**2 / np.ptp(window.pv))
+    trials, opening = opened(bent, Fopdt(), map, silent)
+    base = step_of(opening, trials.record, None)
+    decision = trials.judged_on(base, [NAMED["deadband"]]).decision
+    assert (decision.kind, decision.effect, decision.lacks) == (alone, "deadband", (NOT_IN_LIBRARY,))
     able = trials.judged_on(base, [NAMED["deadband"]], [NAMED["pv_gain"]]).decision
     assert (able.kind, able.lacks) == ("confirmed", ("with it pv gain is still missing",))

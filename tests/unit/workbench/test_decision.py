@@ -109,8 +109,8 @@ def test_an_interval_that_holds_zero_confirms_nothing_but_with_what_the_innovati
     assert found.kind == "none"
     assert judged(base, losses, by_chance={"stiction": 1e-6}).kind == "confirmed"
     event = {"load_step": losses["stiction"]}
-    assert judged(base, event, once={"load_step"}, seen={"load_step"}).kind == "none"
-    found = judged(base, event, once={"load_step"}, seen={"load_step"}, by_chance={"load_step": 1e-6})
+    assert judged(base, event, seen={"load_step"}).kind == "none"
+    found = judged(base, event, seen={"load_step"}, by_chance={"load_step": 1e-6})
     assert (found.kind, found.effect) == ("confirmed", "load_step")
     small = {"stiction": np.where(np.arange(14) < 2, 0.8, 1.0)}
     assert judged(base, small, by_chance={"stiction": 1e-6}).kind == "none"  # of 3 % of the error

@@ -12,7 +12,13 @@ from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import fit
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
-from agent.workbench.residual.state_dependence import DOUBTED, LEVEL, Dependence, resolves, state_dependence
+from agent.workbench.residual.state_dependence import (
+    DOUBTED,
+    LEVEL,
+    Dependence,
+    state_dependence,
+    still_fails,
+)
 from agent.workbench.residual.where import beside, where_it_fails
 
 AXES = {"op_level", "op_rate", "travel_since_reversal", "time"}
@@ -53,9 +59,9 @@ def test_slack_shows_in_the_travel_and_is_gone_once_it_is_modelled(seed, plaines
     assert found["travel_since_reversal"].p < 1e-6
     modelled = dependence(*loop(seed, slack=1.5), slack=True)
     assert min(each.p for each in modelled.values()) > 1e-3
-    assert resolves(found, modelled, 0.0)
-    assert not resolves(found, found, 0.0)
-    assert resolves(modelled, found, 0.0)  # it did not fail: there was nothing to take away
+    assert not still_fails(found, modelled, 0.0)
+    assert still_fails(found, found, 0.0)
+    assert not still_fails(modelled, found, 0.0)  # it did not fail: there was nothing to take away
 
 
 def test_what_is_left_on_another_axis_is_not_resolved():
@@ -69,16 +75,16 @@ def test_what_is_left_on_another_axis_is_not_resolved():
     )
     for excess, p, resolved in left:
         after = {"op_level": Dependence(1.0, 0.0), "time": Dependence(p, excess)}
-        assert resolves(before, after, 0.9) == resolved
+        assert (not still_fails(before, after, 0.9)) == resolved
 
 
 def test_what_remains_is_compared_with_what_the_effect_removes_where_that_is_more():
     """Behind a curve of the sensor the larger model sees on its axes what the smaller one does not."""
     before, after = {"op_level": Dependence(1e-4, 1.0)}, {"op_level": Dependence(1e-4, 0.9)}
-    assert not resolves(before, after, 1.0)
-    assert resolves(before, after, 10.0)
+    assert still_fails(before, after, 1.0)
+    assert not still_fails(before, after, 10.0)
     plain = {"op_level": Dependence(1e-9, 0.9)}
-    assert not resolves(before, plain, 8.0)
+    assert still_fails(before, plain, 8.0)
 
 
 @pytest.mark.parametrize(
