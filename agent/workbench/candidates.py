@@ -8,7 +8,7 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate, nothing_else
-from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, likeliest_pair
+from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, is_beside, likeliest_pair
 from agent.workbench.checks.rivals import against_rivals, hidden_words
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
 from agent.workbench.checks.wave_lines import is_pure, or_slow_wave, wave_objections
@@ -102,7 +102,10 @@ def judged(
     def pair() -> Pair | None:
         return likeliest_pair(found, models, answering, together, record)
 
-    doubts = Doubts(smaller, models, found, beside_dynamics, pair)
+    def beside_pair(name: str, other: Pair) -> bool:
+        return is_beside(other, models[name], together, record)
+
+    doubts = Doubts(smaller, models, found, beside_dynamics, beside_pair, pair)
     by_chance = {name: each.by_chance for name, each in found.items()}
     doubts.objections.update(wave_objections(smaller.predicts, models, found))
     doubts.objections.update(_at_once(found, input_p))

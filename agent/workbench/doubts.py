@@ -6,12 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from agent.workbench.checks.lacking import (
     DYNAMICS,
-    NEARLY_ALL,
     is_likeliest_by_far,
+    is_trifle,
     lacks_words,
     larger_dynamics,
 )
@@ -39,7 +37,7 @@ STANDS_FOR_OP = "beside it PV would not respond to OP: it stands for the moves o
 """What rejects an effect although it lowers the held-out error, in words for the user."""
 
 
-def never(name: str, other: str) -> bool:  # noqa: ARG001
+def never(name: str, other: object) -> bool:  # noqa: ARG001
     """Return that nothing else helps."""
     return False
 
@@ -58,6 +56,8 @@ class Doubts:
     found: Mapping[str, Evidence]
     beside_dynamics: Callable[[str, str], bool] = never
     """Whether an effect is needed beside larger dynamics, the second, and both explain the record."""
+    beside_pair: Callable[[str, Pair], bool] = never
+    """Whether an event explains another part of the record than two effects do."""
     pair: Callable[[], Pair | None] = no_pair
     """The likeliest two effects that act on OP; fitted only where an event would be confirmed."""
     objections: dict[str, str] = field(default_factory=dict)
@@ -91,14 +91,14 @@ class Doubts:
         return len(self.objections) > before
 
     def _compare_with_pair(self, name: str) -> None:
-        """Reject an event where two effects are far likelier; lower it where they are as likely."""
+        """Reject an event where two effects are far likelier; lower it where they may stand in its place."""
         pair = self.pair()
         if pair is None:
             return
         if far_likelier_than(pair, self.found[name]):
             self.objections[name] = UNLIKELY
             self.likelier_pair = pair
-        elif is_as_likely(pair, self.found[name]):
+        elif is_as_likely(pair, self.found[name]) and not self.beside_pair(name, pair):
             self.lowered[name] = as_likely_words(pair)
 
     def _stands_for_another(self, name: str) -> bool:
@@ -116,7 +116,7 @@ class Doubts:
         explained = self._is_explained(name, left)
         if not explained and not is_likeliest_by_far(name, self.found):
             return True
-        plain = explained or self._part_explained(name) >= NEARLY_ALL
+        plain = explained or is_trifle(name, self.models[name], self.found)
         (self.lacks if plain else self.lowered)[name] = lacks_words(left)
         return False
 
@@ -127,11 +127,6 @@ class Doubts:
         return left <= DYNAMICS and any(
             self.beside_dynamics(name, other) for other in self._larger_dynamics(name)
         )
-
-    def _part_explained(self, name: str) -> float:
-        """Return the part of the held-out squared error of the smaller model that an effect explains."""
-        base, own = self.smaller.held_out.losses, self.models[name].held_out.losses
-        return 1 - float(np.nansum(own) / np.nansum(base))
 
     def _larger_dynamics(self, name: str) -> tuple[str, ...]:
         family = self.found[name].family

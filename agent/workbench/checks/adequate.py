@@ -12,11 +12,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from agent.workbench.checks.lacking import is_likeliest_by_far
+from agent.workbench.checks.lacking import is_trifle
 from agent.workbench.checks.remainder import remainder
 from agent.workbench.evidence import far_likelier
 from agent.workbench.library import happens_once
-from agent.workbench.residual.state_dependence import PART_LEFT
 from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
@@ -68,20 +67,13 @@ def adequate(
         if larger is None:
             # The law of a balance is a guess: what remains may be its own, or an event may stand for it.
             guessed = not once and not model.fit.model.base.linear
-            kind = decision.kind if guessed or _is_trifle(name, models[name], found) else "suggested"
+            kind = decision.kind if guessed or is_trifle(name, models[name], found) else "suggested"
             return replace(decision, kind=kind, lacks=(*decision.lacks, NOT_IN_LIBRARY))
         model = larger
         added.append(model.fit.model.effects[-1].name.replace("_", " "))
     if not added:
         return decision
     return replace(decision, lacks=(*decision.lacks, f"with it {' and '.join(added)} is still missing"))
-
-
-def _is_trifle(name: str, model: Tried, found: Mapping[str, Evidence]) -> bool:
-    """Return whether what remains with the likeliest effect is little beside what it explains."""
-    if model.predicts is None or not is_likeliest_by_far(name, found):
-        return False
-    return remainder(*model.predicts) <= PART_LEFT * found[name].criterion
 
 
 def _larger(

@@ -1,29 +1,28 @@
 """What a model still lacks with an effect that the record plainly shows: it rejects no such effect.
 
-Where the effect explains nearly all of the error and every other cause is far less likely, a remainder on an
-axis is another effect, not a sign that the first is not there; where it explains less, it is suggested. Where
-only the dynamics object, larger dynamics are tried beside it first.
+Where every other cause is far less likely, and what remains is little beside what the effect explains, it is
+another effect, or a law that is not quite that of the plant, no sign that the first is not there; where more
+remains, it is suggested. Where only the dynamics object, larger dynamics are tried beside it first.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from agent.workbench.checks.remainder import remainder
+from agent.workbench.residual.state_dependence import PART_LEFT
 from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from agent.workbench.evidence import Evidence
-    from agent.workbench.trial import Tried
+    from agent.workbench.trial import Optimum, Tried
 
 DYNAMICS = frozenset({"op_rate"})
 """Axes on which missing lags and leads show."""
 LARGER_DYNAMICS = ("second_order", "inverse_response", "integrating")
 """Effects that make the process larger, in the order in which they are tried."""
-NEARLY_ALL = 0.95
-"""Part of the held-out squared error that an effect explains, from which on the rest is another effect:
-with less a neighbour of the true cause may do as much (docs/decisions/0062)."""
 
 
 def is_likeliest_by_far(name: str, found: Mapping[str, Evidence]) -> bool:
@@ -44,6 +43,19 @@ def is_likeliest_by_far(name: str, found: Mapping[str, Evidence]) -> bool:
             if each.family != own.family
         )
     )
+
+
+def is_trifle(name: str, model: Optimum, found: Mapping[str, Evidence]) -> bool:
+    """Return whether what remains with the likeliest effect is little beside what it explains.
+
+    Args:
+        name: Of the effect.
+        model: With it.
+        found: What the innovations say of all candidates.
+    """
+    if model.predicts is None or not is_likeliest_by_far(name, found):
+        return False
+    return remainder(*model.predicts) <= PART_LEFT * found[name].criterion
 
 
 def larger_dynamics(models: Mapping[str, Tried], beside: Collection[str]) -> tuple[str, ...]:

@@ -3,14 +3,15 @@
 Steps of a load have heights, instants and a lag of their own, so that they may take over what two effects do,
 where neither of these alone does as much. So an event is compared with the likeliest pair of effects that act
 on OP, as it is with each of them alone; and with the likeliest one where no other gains beside it, even if
-that stands for another cause: then this one acts on OP, and did not happen once.
+that stands for another cause: then this one acts on OP, and did not happen once. Where the record is far
+likelier with the event beside them than with either, they explain another part of it and are no rivals.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from agent.workbench.evidence import evidence_of
+from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.likeliest import comparable
 from agent.workbench.residual.very_strong import VERY_STRONG
 
@@ -30,6 +31,8 @@ class Pair(NamedTuple):
     names: tuple[str, ...]
     criterion: float
     """How much likelier the record is with them: ``Evidence.criterion`` of one after one."""
+    model: Optimum
+    """With them."""
 
 
 def likeliest_pair(
@@ -54,11 +57,20 @@ def likeliest_pair(
     first = max(able, key=lambda name: found[name].criterion)
     larger = {each.name: together(models[first], each) for each in also(models[first])}
     pairs = [
-        Pair((first, name), found[first].criterion + second.criterion)
+        Pair((first, name), found[first].criterion + second.criterion, each)
         for name, each in larger.items()
         if (second := evidence_of(models[first], each, record, len(models))).answers and second.explains
     ]
-    return max(pairs, key=lambda each: each.criterion, default=Pair((first,), found[first].criterion))
+    alone = Pair((first,), found[first].criterion, models[first])
+    return max(pairs, key=lambda each: each.criterion, default=alone)
+
+
+def is_beside(
+    pair: Pair, event: Tried, together: Callable[[Step | Optimum, Effect], Optimum], record: Record
+) -> bool:
+    """Return whether an event explains another part of the record than a pair does, so that it needs both."""
+    both = together(pair.model, event.fit.model.effects[-1])
+    return all(far_likelier(each, both, record) for each in (pair.model, event))
 
 
 def far_likelier_than(pair: Pair, event: Evidence) -> bool:

@@ -13,7 +13,7 @@ from agent.physics.effects import EFFECTS
 from agent.physics.loop_model import LoopModel
 from agent.workbench import candidates
 from agent.workbench.checks import pairs
-from agent.workbench.checks.pairs import Pair, as_likely_words, far_likelier_words, likeliest_pair
+from agent.workbench.checks.pairs import Pair, as_likely_words, far_likelier_words, is_beside, likeliest_pair
 from agent.workbench.evidence import Evidence, evidence_of
 from agent.workbench.hooks import silent
 from agent.workbench.record import bare_record
@@ -52,18 +52,22 @@ def test_a_pair_is_the_likeliest_that_acts_on_op_and_the_likeliest_beside_it(mon
         ("slack", "trim"): evidence(40.0, "trim"),
         ("slack", "idle"): evidence(200.0, "lag", explains=False),
     }
-    assert pair_of(monkeypatch, found, beside) == Pair(("slack", "rate"), 190.0)
+    assert pair_of(monkeypatch, found, beside) == Pair(("slack", "rate"), 190.0, "rate")
 
 
 def test_an_effect_beside_which_none_gains_is_compared_alone(monkeypatch):
     step = evidence(180.0, "load", answers=False, once=True)
     assert pair_of(monkeypatch, {"step": step}, {}) is None
-    assert pair_of(monkeypatch, {"step": step, "slack": evidence(90.0)}, {}) == Pair(("slack",), 90.0)
+    assert pair_of(monkeypatch, {"step": step, "slack": evidence(90.0)}, {}) == Pair(
+        ("slack",), 90.0, "slack"
+    )
 
 
 def test_what_is_compared_is_named_in_words():
-    assert "with rate limit and slack together the" in far_likelier_words(Pair(("rate_limit", "slack"), 1.0))
-    assert as_likely_words(Pair(("slack",), 1.0)) == "with slack the record is as likely"
+    assert "with rate limit and slack together the" in far_likelier_words(
+        Pair(("rate_limit", "slack"), 1.0, None)
+    )
+    assert as_likely_words(Pair(("slack",), 1.0, None)) == "with slack the record is as likely"
 
 
 @pytest.fixture(scope="module")
@@ -78,22 +82,37 @@ def stepped():
 
 
 @pytest.mark.parametrize(
-    ("more", "verdict"),
+    ("more", "beside", "verdict"),
     [
-        (-1.5 * VERY_STRONG, ("confirmed", "load_step")),
-        (0.5 * VERY_STRONG, ("suggested", "load_step")),
-        (1.5 * VERY_STRONG, ("suggested", "rate_limit")),
+        (-1.5 * VERY_STRONG, False, ("confirmed", "load_step")),
+        (0.5 * VERY_STRONG, False, ("suggested", "load_step")),
+        (0.5 * VERY_STRONG, True, ("confirmed", "load_step")),
+        (1.5 * VERY_STRONG, True, ("suggested", "rate_limit")),
     ],
-    ids=["far less likely", "as likely", "far likelier"],
+    ids=["far less likely", "as likely", "as likely, of another part", "far likelier"],
 )
-def test_an_event_stands_by_how_likely_the_record_is_with_two_effects(monkeypatch, stepped, more, verdict):
+def test_an_event_stands_by_how_likely_the_record_is_with_two_effects(
+    monkeypatch, stepped, more, beside, verdict
+):
     trials, base, criterion = stepped
-    pair = Pair(("rate_limit", "saturation"), criterion + more)
+    pair = Pair(("rate_limit", "saturation"), criterion + more, None)
     monkeypatch.setattr(candidates, "likeliest_pair", lambda *_: pair)
+    monkeypatch.setattr(candidates, "is_beside", lambda *_: beside)
     decision = trials.judged_on(base, [NAMED["rate_limit"], NAMED["load_step"]]).decision
     assert (decision.kind, decision.effect) == verdict
     assert (as_likely_words(pair) in decision.lacks) == (verdict == ("suggested", "load_step"))
     assert (far_likelier_words(pair) in decision.lacks) == (verdict == ("suggested", "rate_limit"))
+
+
+@pytest.mark.parametrize("height", [0.6, 0.0], ids=["a step", "no step"])
+def test_an_event_and_a_lag_need_each_other_where_both_are_there(height):
+    window = made((NAMED["second_order"],), (4.0,))
+    pv = window.pv + height * (np.arange(len(window)) > 430)
+    trials, alone = opened(replace(window, pv=pv), Fopdt(), map, silent)
+    base = step_of(alone, trials.record, None)
+    together = trials.begun.together
+    lag, step = (together(base, NAMED[name]) for name in ("second_order", "load_step"))
+    assert is_beside(Pair(("second_order",), 1.0, lag), step, together, trials.record) == (height > 0)
 
 
 @pytest.fixture(scope="module")
