@@ -15,7 +15,7 @@ import numpy as np
 
 from agent.identify.noise.student import student_likelihood
 from agent.physics.signals.steps import lagged_steps
-from agent.workbench.instant_order import instants_of
+from agent.workbench.fit_order import instants_of
 from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:

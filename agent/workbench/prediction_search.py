@@ -15,7 +15,7 @@ import numpy as np
 
 from agent.physics.bases.base import StartingBase
 from agent.workbench.fit import SCAN
-from agent.workbench.instant_order import instants_of
+from agent.workbench.fit_order import instants_of
 from agent.workbench.library import happens_once
 from agent.workbench.predictor import predictor_behind, renewed
 from agent.workbench.projection import target_of

@@ -14,8 +14,8 @@ from agent.physics.foreign import EffectError
 from agent.workbench.evidence import far_likelier
 from agent.workbench.first.first_fit import FirstFit, first_fit
 from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
+from agent.workbench.fit_order import largest_first
 from agent.workbench.folds import Folds, HeldOut, held_out
-from agent.workbench.instant_order import largest_first
 from agent.workbench.library import happens_once
 from agent.workbench.prediction_search import predictor
 from agent.workbench.solved.fewest_steps import with_steps
