@@ -11,7 +11,7 @@ from agent.workbench.checks.adequate import adequate, nothing_else
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, is_beside, likeliest_pair
 from agent.workbench.checks.rivals import against_rivals, hidden_words
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
-from agent.workbench.checks.wave_lines import is_pure, or_slow_wave, wave_objections
+from agent.workbench.checks.wave_lines import is_pure, is_wave, or_slow_wave, wave_objections
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
@@ -213,10 +213,10 @@ def own_at_bound(found: Optimum) -> tuple[str, ...]:
     """Return the parameters of a model's last effect that ran into a bound, where it predicts best.
 
     There its numbers are those that are reported: in closed loop a free run drifts to bounds, as it answers
-    to the load.
+    to the load. Of a wave the free run says more, for an autoregression predicts it at any frequency.
     """
     effect, stopped = found.fit.model.effects[-1].name, found.fit.at_bound
-    if found.predicts is not None:
+    if found.predicts is not None and not is_wave(found.fit):
         predicts, best = found.predicts
         stopped = predicts.space.at_bound(predicts.space.values(best))
     return tuple(name for name in stopped if name.startswith(f"{effect}."))
