@@ -70,6 +70,7 @@ def judged(
     also: Callable[[Optimum], Iterable[Effect]] = nothing_else,
     answering: Callable[[Optimum], Iterable[Effect]] = nothing_else,
     hidden_rivals: Iterable[Effect] = (),
+    screened: int = 1,
 ) -> AllTried:
     """Judge effects by their held-out errors, and by what the innovations say of each.
 
@@ -87,6 +88,7 @@ def judged(
         also: What of the library the innovations hint at beside an effect, the best first.
         answering: The same of what acts on OP all the time.
         hidden_rivals: Effects that may be there, but that the record cannot show.
+        screened: How many effects were scored, of which ``models`` were fitted: each was a try.
     """
 
     def beside_dynamics(name: str, other: str) -> bool:
@@ -96,7 +98,8 @@ def judged(
             return False
         return not fails(state_dependence(*predicts))
 
-    found = {name: evidence_of(smaller, each, record, len(models)) for name, each in models.items()}
+    tries = max(screened, len(models))
+    found = {name: evidence_of(smaller, each, record, tries) for name, each in models.items()}
 
     @cache
     def pair() -> Pair | None:
@@ -124,7 +127,7 @@ def judged(
         comparable=() if smaller.predicts is None else comparable(found),
     )
     decision = or_slow_wave(_or_pair(_undoubted(judge_by, doubts), doubts), found)
-    if smaller.predicts is not None and _is_weak(decision, found):
+    if smaller.predicts is not None and _is_weak(decision, found, tries):
         decision = replace(decision, kind="suggested")
     decision = _lowered(decision, doubts, smaller, models, worse)
     if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
@@ -151,12 +154,12 @@ def _unnamed(decision: Decision, smaller: Step) -> tuple[tuple[Effect, str], ...
     return () if decision.family in LINEAR else ((dynamics_on(smaller.fit.model.base), AS_LIKELY),)
 
 
-def _is_weak(decision: Decision, found: Mapping[str, Evidence]) -> bool:
+def _is_weak(decision: Decision, found: Mapping[str, Evidence], tries: int) -> bool:
     """Return whether an effect that acts on OP is decided for without very strong support."""
     if decision.effect is None:
         return False
     alike = [found[each] for each in (decision.effect, *decision.indistinguishable)]
-    return all(each.answers and not very_strong(each.criterion, len(found)) for each in alike)
+    return all(each.answers and not very_strong(each.criterion, tries) for each in alike)
 
 
 def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts) -> Decision:

@@ -75,7 +75,7 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
         smaller: The model without the effect.
         larger: The model with it.
         record: What they were fitted to.
-        candidates: How many effects were tried on the smaller one.
+        candidates: How many effects were tried on the smaller one, with those that were only scored.
     """
     effect = larger.fit.model.effects[-1]
     answers, once = acts_on_op(effect, record.facts), happens_once(effect, record.facts)

@@ -147,7 +147,18 @@ class Trials:
 
         input_p = self.chances.of(step, effects)
         models, together = self._tried(step, effects), self.begun.together
-        return judged(step, models, self.record, input_p, together, self.is_worse, also, answering, hidden)
+        return judged(
+            step,
+            models,
+            self.record,
+            input_p,
+            together,
+            self.is_worse,
+            also,
+            answering,
+            hidden,
+            len(able),
+        )
 
     def _hidden_rivals(self, step: Step, tried: Sequence[Effect]) -> list[Effect]:
         """Return the simplest effect of each family that may be there, but that the record cannot show."""
