@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import TYPE_CHECKING
 
-from agent.workbench.checks.adequate import adequate, nothing_else
+from agent.workbench.checks.adequate import adequate
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, is_beside, likeliest_pair
 from agent.workbench.checks.rivals import against_rivals, hidden_words
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
@@ -55,22 +55,17 @@ class AllTried:
         return () if effect is None else own_at_bound(self.models[effect])
 
 
-def no_other_record(smaller: Fit, larger: Fit) -> bool:  # noqa: ARG001
-    """Return that nothing is worse: there is no other recording."""
-    return False
-
-
 def judged(
     smaller: Step,
     models: Mapping[str, Tried],
     record: Record,
     input_p: Mapping[str, float],
     together: Callable[[Step | Optimum, Effect], Optimum],
-    worse: Callable[[Fit, Fit], bool] = no_other_record,
-    also: Callable[[Optimum], Iterable[Effect]] = nothing_else,
-    answering: Callable[[Optimum], Iterable[Effect]] = nothing_else,
-    hidden_rivals: Iterable[Effect] = (),
-    screened: int = 1,
+    worse: Callable[[Fit, Fit], bool],
+    also: Callable[[Optimum], Iterable[Effect]],
+    answering: Callable[[Optimum], Iterable[Effect]],
+    hidden_rivals: Iterable[Effect],
+    screened: int,
 ) -> AllTried:
     """Judge effects by their held-out errors, and by what the innovations say of each.
 

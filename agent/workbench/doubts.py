@@ -37,15 +37,6 @@ STANDS_FOR_OP = "beside it PV would not respond to OP: it stands for the moves o
 """What rejects an effect although it lowers the held-out error, in words for the user."""
 
 
-def never(name: str, other: object) -> bool:  # noqa: ARG001
-    """Return that nothing else helps."""
-    return False
-
-
-def no_pair() -> None:
-    """Return that there are no two effects to compare with."""
-
-
 @dataclass(slots=True)
 class Doubts:
     """Of the candidates on top of one model."""
@@ -54,11 +45,11 @@ class Doubts:
     models: Mapping[str, Tried]
     """By the effect that was added, like ``found``."""
     found: Mapping[str, Evidence]
-    beside_dynamics: Callable[[str, str], bool] = never
+    beside_dynamics: Callable[[str, str], bool]
     """Whether an effect is needed beside larger dynamics, the second, and both explain the record."""
-    beside_pair: Callable[[str, Pair], bool] = never
+    beside_pair: Callable[[str, Pair], bool]
     """Whether an event explains another part of the record than two effects do."""
-    pair: Callable[[], Pair | None] = no_pair
+    pair: Callable[[], Pair | None]
     """The likeliest two effects that act on OP; fitted only where an event would be confirmed."""
     objections: dict[str, str] = field(default_factory=dict)
     """What rejects an effect, in words; ``object_to`` adds to it."""

@@ -15,6 +15,7 @@ from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import by_chance, likelihood_ratio, lowers_innovations
 from agent.workbench.library import acts_on_op, happens_once, instants
 from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
+from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -168,7 +169,7 @@ def _numbers(model: ModelAtBest, record: Record) -> int:
 
 
 def _searched(model: ModelAtBest, record: Record) -> int:
-    return sum(not each.constant for _, each in model.fit.model.parameters(record.facts))
+    return space_of(model.fit.model, record.facts).searched
 
 
 def _least_innovations(model: ModelAtBest, record: Record) -> Innovations | None:

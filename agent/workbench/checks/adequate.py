@@ -35,11 +35,6 @@ MOST_BESIDE = 2
 """Effects of the library that are tried beside it, one after the other: more in one loop are seldom."""
 
 
-def nothing_else(found: Optimum) -> Iterable[Effect]:  # noqa: ARG001
-    """Return that no other effect may be missing."""
-    return ()
-
-
 def adequate(
     decision: Decision,
     models: Mapping[str, Tried],
