@@ -123,7 +123,7 @@ class Layout:
 
     def response(self, position: FloatArray, values: FloatArray) -> FloatArray:
         """Return the measured response to a valve position, OP units, for gain one, (n,)."""
-        process = self._changed_process(values)
+        process = self.process_of(values)
         response = process.respond(position, self.ts)
         if not self.sensor:
             return response
@@ -138,7 +138,7 @@ class Layout:
                 response = effect.apply(response, values[own], self.ts)
         return response - level
 
-    def _changed_process(self, values: FloatArray) -> RespondingProcess:
+    def process_of(self, values: FloatArray) -> RespondingProcess:
         """Return the process of the base as the effects have changed it."""
         process = self.base.process(values[self.own])
         for altering, own, guarded in self.process:
@@ -152,7 +152,7 @@ class Layout:
         ``moves``: (n, k). Of a linear process the response to them; behind a law of a balance, behind losses
         or friction of an effect, or where a sensor may have a curve, its derivative along ``position``.
         """
-        process = self._changed_process(values)
+        process = self.process_of(values)
         if isinstance(process, LinearProcess) and process.superposes and not self.sensor:
             return np.column_stack([self.response(each, values) for each in moves.T])
         there, span = self.response(position, values), float(np.ptp(position))

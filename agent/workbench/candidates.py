@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate
+from agent.workbench.checks.lacking import OF_A_LAW, may_be_of_a_law
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, is_beside, likeliest_pair
 from agent.workbench.checks.rivals import against_rivals, hidden_words
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
@@ -19,7 +20,6 @@ from agent.workbench.likeliest import comparable, likelier_otherwise
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.state_dependence import LEVEL as FOLLOWED
 from agent.workbench.residual.state_dependence import fails, state_dependence
-from agent.workbench.residual.very_strong import very_strong
 from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def judged(
 
     @cache
     def pair() -> Pair | None:
-        return likeliest_pair(found, models, answering, together, record)
+        return likeliest_pair(found, models, answering, together, record, tries)
 
     def beside_pair(name: str, other: Pair) -> bool:
         return is_beside(other, models[name], together, record)
@@ -122,7 +122,7 @@ def judged(
         comparable=() if smaller.predicts is None else comparable(found),
     )
     decision = or_slow_wave(_or_pair(_undoubted(judge_by, doubts), doubts), found)
-    if smaller.predicts is not None and _is_weak(decision, found, tries):
+    if smaller.predicts is not None and _is_weak(decision, found):
         decision = replace(decision, kind="suggested")
     decision = _lowered(decision, doubts, smaller, models, worse)
     if smaller.predicts is not None and decision.kind in {"confirmed", "family"}:
@@ -149,12 +149,12 @@ def _unnamed(decision: Decision, smaller: Step) -> tuple[tuple[Effect, str], ...
     return () if decision.family in LINEAR else ((dynamics_on(smaller.fit.model.base), AS_LIKELY),)
 
 
-def _is_weak(decision: Decision, found: Mapping[str, Evidence], tries: int) -> bool:
+def _is_weak(decision: Decision, found: Mapping[str, Evidence]) -> bool:
     """Return whether an effect that acts on OP is decided for without very strong support."""
     if decision.effect is None:
         return False
     alike = [found[each] for each in (decision.effect, *decision.indistinguishable)]
-    return all(each.answers and not very_strong(each.criterion, tries) for each in alike)
+    return all(each.answers and not each.plain for each in alike)
 
 
 def _undoubted(judge_by: Callable[..., Decision], doubts: Doubts) -> Decision:
@@ -197,6 +197,12 @@ def _lowered(
     if effect is None:
         return decision
     words = doubts.lowered.get(effect)
+    if (
+        words is None
+        and not is_wave(models[effect].fit)
+        and may_be_of_a_law(doubts.found[effect], smaller.of_laws)
+    ):
+        words = OF_A_LAW
     if words is None and decision.kind != "suggested" and worse(smaller.fit, models[effect].fit):
         words = WORSE_ELSEWHERE
     pair, together = doubts.likelier_pair, None

@@ -16,7 +16,8 @@ from agent.workbench.checks.lacking import (
 from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
 from agent.workbench.checks.own_cycle import may_be_loops_own
 from agent.workbench.checks.pairs import as_likely_words, far_likelier_than, is_as_likely
-from agent.workbench.other_event import does_what_op_does, is_another_gain, is_only_another_level
+from agent.workbench.other_event import begins_with_op, is_another_gain, is_only_another_level
+from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.state_dependence import failing, removed_by, state_dependence, still_fails
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ UNLIKELY = "the record is far more likely with another effect"
 STANDS_FOR_ANOTHER = "with it the model still fails as before: it stands for another cause"
 BY_CHANCE = "the innovations show no such event: one as large appears by chance"
 OTHER_EVENT = "what happened was of another kind"
-STANDS_FOR_OP = "beside it PV would not respond to OP: it stands for the moves of OP"
+STANDS_FOR_OP = "it happens where PV answers moves of OP: it stands for a part of that answer"
 """What rejects an effect although it lowers the held-out error, in words for the user."""
 
 
@@ -125,11 +126,11 @@ class Doubts:
         return larger_dynamics(self.models, kin)
 
     def _stands_for_op(self, name: str) -> bool:
-        """Whether what happened once leaves nothing to the moves of OP, which it knows nothing of."""
+        """Whether what happened once, and knows nothing of OP, did so where PV answers moves of OP."""
         evidence, predicts = self.found[name], self.models[name].predicts
         if not evidence.once or evidence.answers or predicts is None:
             return False
-        return does_what_op_does(*predicts)
+        return begins_with_op(*predicts) < LEVEL
 
     def _is_another_event(self, name: str) -> bool:
         """Whether what seems to have happened once was of another kind.

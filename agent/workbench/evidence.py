@@ -59,6 +59,8 @@ class Evidence:
     """Whether it acts on OP, so that it can answer to whatever OP answers to."""
     once: bool
     """Whether it happened at an instant."""
+    plain: bool = False
+    """Whether it is very strongly supported, each effect that was scored a try."""
     blind: bool = True
     """Whether the blocks that a fit did not see tell of it. Not where it happened once: refits know when. Nor
     of a load that knows nothing of OP and is no wave, measured or not: slow noise goes along with whatever is
@@ -83,7 +85,7 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
     blind = not once and (answers or isinstance(effect, Sinusoid))
     before, after = (_least_innovations(each, record) for each in (smaller, larger))
     if before is None or after is None:
-        return Evidence(True, 1.0, 0.0, effect.family, answers, once, blind)
+        return Evidence(True, 1.0, 0.0, effect.family, answers, once, blind=blind)
     least = _rounding(larger)
     ratio = likelihood_ratio(before, after, least)
     searched = _searched(larger, record) - _searched(smaller, record)
@@ -94,16 +96,12 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
         price = _price(*larger.predicts) - _price(*smaller.predicts)
         if math.isfinite(price):
             criterion = max(criterion, ratio - price)
-    chance = 1.0
+    chance, plain = 1.0, very_strong(criterion, candidates)
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
-    if answers or not blind or very_strong(criterion, candidates):
+    if answers or not blind or plain:
         chance = by_chance(ratio, added, candidates * _scanned(effect, record))
-    explains = (
-        very_strong(criterion, candidates)
-        if once
-        else lowers_innovations(before, after, searched if answers else added, least)
-    )
-    return Evidence(explains, chance, criterion, effect.family, answers, once, blind)
+    explains = plain if once else lowers_innovations(before, after, searched if answers else added, least)
+    return Evidence(explains, chance, criterion, effect.family, answers, once, plain, blind)
 
 
 def _scanned(effect: Effect, record: Record) -> int:
@@ -118,13 +116,21 @@ def _scanned(effect: Effect, record: Record) -> int:
     return int(SCAN ** max(1, instants(effect, record.facts)))
 
 
-def far_likelier(smaller: ModelAtBest, larger: ModelAtBest, record: Record) -> bool:
-    """Return whether the record is very much likelier with a larger model, each where it predicts best."""
+def criterion_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record) -> float:
+    """Return how much likelier a record is with a larger model, twice a logarithm, by Schwarz's criterion.
+
+    Each where it predicts best; minus infinity where that is not known.
+    """
     before, after = (_least_innovations(each, record) for each in (smaller, larger))
     if before is None or after is None:
-        return False
+        return -math.inf
     ratio = likelihood_ratio(before, after, _rounding(larger))
-    return _criterion(ratio, before, _priced(smaller, larger, record)) > VERY_STRONG
+    return _criterion(ratio, before, _priced(smaller, larger, record))
+
+
+def far_likelier(smaller: ModelAtBest, larger: ModelAtBest, record: Record) -> bool:
+    """Return whether the record is very much likelier with a larger model, each where it predicts best."""
+    return criterion_of(smaller, larger, record) > VERY_STRONG
 
 
 def _criterion(ratio: float, before: Innovations, priced: int) -> float:

@@ -13,7 +13,6 @@ from agent.workbench.projection import nuisance_part, target_of
 from agent.workbench.search import (
     STEP,
     Pinned,
-    best_of,
     hypercube,
     lowered,
     objective_of,
@@ -21,6 +20,7 @@ from agent.workbench.search import (
     spread_about,
     whitened,
 )
+from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -72,43 +72,41 @@ def fit(model: LoopModel, record: Record, weight: FloatArray, starts: FloatArray
     if isinstance(model.base, StartingBase) and not model.effects:
         own = model.base.starts(record.op, record.pv, record.facts)
         points = np.vstack((objective.space.at(own), points))
+    elif isinstance(model.base, StartingBase) and not model.base.linear:
+        points = _spread_from_base(model.base, record, objective.space)
     if starts is not None:
         points = np.vstack((objective.space.at(starts), points))
     found = searched(objective, points, ROUNDS)
     return fit_at(model, record, objective.target, objective.space.values(found))
 
 
-def nested_scan(
-    known: FloatArray,
-    model: LoopModel,
-    record: Record,
-    starts: FloatArray | None = None,
-) -> tuple[FloatArray, float]:
-    """Return the points of the unit cube to begin a fit from, (m, k), best first, and the error of the best.
+def nested_fit(known: FloatArray, model: LoopModel, record: Record, starts: FloatArray | None = None) -> Fit:
+    """Fit a model that has one effect more than a smaller one, its last, to the whole record.
 
-    Values of the smaller model, ``known`` (j,), own units, are kept, some of them moved, while those of the
-    effect that ``model`` has more are scanned. ``starts`` are values (m, k), own units, to look at besides.
+    Args:
+        known: Values of the smaller model, (j,), own units: to begin from, as they are or a little off.
+        model: Base and effects.
+        record: OP and PV.
+        starts: Values (m, k), own units, to begin from besides; None: there are none.
     """
-    objective = objective_of(model, record, target_of(record, record.weight, linear=model.base.linear))
-    points = nested_starts(known, objective.space)
-    if starts is not None:
-        points = np.vstack((objective.space.at(starts), points))
-    best = np.array(best_of(objective, points, ROUNDS[0][0]))
-    return best, objective.error(best[0])
+    space = space_of(model, record.facts)
+    nested = space.values(nested_starts(known, space))
+    return fit(model, record, record.weight, nested if starts is None else np.vstack((starts, nested)))
 
 
-def fit_from(model: LoopModel, record: Record, points: FloatArray) -> Fit:
-    """Fit a model to the whole record from points (m, k) of the unit cube; all values move together."""
+def fit_from(model: LoopModel, record: Record, values: FloatArray) -> Fit:
+    """Fit a model to the whole record from values near the best, (k,), own units; all move together."""
     objective = objective_of(model, record, target_of(record, record.weight, linear=model.base.linear))
-    (_, step, evaluations), *others = ROUNDS
-    found = searched(objective, points, ((len(points), step, evaluations), *others))
+    found = lowered(objective, objective.space.at(values), *NEAR)
     if isinstance(model.base, StartingBase) and not model.base.linear:
         # What a smaller model needed in place of the effect may be far from what this one needs.
-        own = model.base.starts(record.op, record.pv, record.facts)
-        found = min(
-            found, searched(objective, spread_from(own, objective.space), ROUNDS), key=objective.error
-        )
+        spread = _spread_from_base(model.base, record, objective.space)
+        found = min(found, searched(objective, spread, ROUNDS), key=objective.error)
     return fit_at(model, record, objective.target, objective.space.values(found))
+
+
+def _spread_from_base(base: StartingBase, record: Record, space: Space) -> FloatArray:
+    return spread_from(base.starts(record.op, record.pv, record.facts), space)
 
 
 def spread_from(own: FloatArray, space: Space) -> FloatArray:

@@ -8,12 +8,14 @@ another level and stays, as behind a stop, another answer there is one from then
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy import stats
 
 from agent.identify.noise.student import student_likelihood
+from agent.physics.bases.linear_process import LinearProcess
 from agent.physics.signals.steps import lagged_steps
 from agent.workbench.fit_order import instants_of
 from agent.workbench.residual.very_strong import VERY_STRONG
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 
 LAGS = (0.0, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0)
 """Of the steps, dominant periods."""
+MOVE = 0.01
+"""Of the valve in a sample, part of its span, from which on it moves."""
 LEVELS = np.linspace(0.05, 0.95, 19)
 """Of OP, parts of the record below them."""
 
@@ -67,24 +71,31 @@ def is_another_gain(predicts: Predictor, best: FloatArray) -> bool:
     return False
 
 
-def does_what_op_does(predicts: Predictor, best: FloatArray) -> bool:
-    """Return whether steps of a load stand for the moves of OP: beside them PV need not answer OP.
+def begins_with_op(predicts: Predictor, best: FloatArray) -> float:
+    """Return how likely steps of a load begin by chance as near to where PV begins to answer moves of OP.
 
-    Without them it must. A step where OP moves does what PV answers to that move, and where OP moves a few
-    times only, some steps do all of it: three of them and a gain of a hundredth in place of two moves of a
-    bump test, in which a sensor sticks (``sensor_deadband`` 91393).
+    A load from outside knows nothing of OP: its instants have any distance to the moves before them. What a
+    model lacks of PV's answer shows where PV answers: steps after both moves of a bump test stand for a dead
+    time that depends on flow (``transport_delay`` 91467). A move after a step may be OP's answer to it, and
+    does not count. The chances of all steps together: R. A. Fisher, Statistical Methods for Research Workers
+    (1932), 21.1.
 
     Args:
         predicts: Of a model whose last effect is steps.
         best: The point of the unit cube where its predictions are best, (k,).
     """
-    if predicts.objective.target.fixed_gain:
-        return False  # the response of a balance is PV itself
     event = _event(predicts, best)
-    response, others = event.rest[:, :1], event.rest[:, 1:]
-    nothing = event.own[:, :0]
-    alone, beside = (replace(event, rest=np.hstack((others, each))) for each in (nothing, event.own))
-    return alone.gains(nothing, response) and not beside.gains(nothing, response)
+    process = predicts.objective.layout.process_of(event.values)
+    if not isinstance(process, LinearProcess):
+        return 1.0  # the response of a balance is PV itself
+    ts, position = predicts.objective.record.facts.ts, event.position
+    moves = ts * (1 + np.flatnonzero(np.abs(np.diff(position)) > MOVE * np.ptp(position)))
+    by_chance = 0.0
+    for instant in event.instants:
+        answers = moves[moves <= instant] + process.delay
+        distance = float(np.abs(answers - instant).min(initial=ts * len(position)))
+        by_chance += math.log(min(1.0, len(moves) * (2 * distance + ts) / (ts * len(position))))
+    return float(stats.chi2.sf(-2 * by_chance, 2 * len(event.instants)))
 
 
 @dataclass(frozen=True, slots=True)

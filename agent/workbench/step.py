@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from agent.workbench.evidence import criterion_of
 from agent.workbench.intervals import Estimate, FittedParameter, estimated
+from agent.workbench.library import acts_on_op
 from agent.workbench.validation import rmse_on
 
 if TYPE_CHECKING:
@@ -60,6 +62,8 @@ class Step:
     """That led to it; None for the base, and where an effect was taken out by hand."""
     rmse_validation: float | None
     """On the other recording, PV units; None without one."""
+    of_laws: float = 0.0
+    """How much likelier the record is with the effects of the model that act on OP, twice a logarithm."""
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -85,8 +89,12 @@ def step_of(
     *,
     added: str | None = None,
     dropped: str | None = None,
+    before: Step | None = None,
 ) -> Step:
-    """Return the step to a model that was tried on ``record``, scored on ``validation`` too."""
+    """Return the step to a model that was tried on ``record``, scored on ``validation`` too.
+
+    ``before``: the step that it was made from, with or without one effect; None of the base.
+    """
     counts = record.weight > 0
     missed = (record.pv - found.fit.pv)[counts]
     spread = float(np.linalg.norm(record.pv[counts] - record.pv[counts].mean()))
@@ -101,4 +109,14 @@ def step_of(
         estimate=estimated(found, record),
         verdict=verdict,
         rmse_validation=None if validation is None else rmse_on(found.fit, validation),
+        of_laws=_of_laws(found, record, before, added),
     )
+
+
+def _of_laws(found: Tried, record: Record, before: Step | None, added: str | None) -> float:
+    """Return how much likelier the record is with what acts on OP; one that is taken out was idle."""
+    if before is None:
+        return 0.0
+    if added is None or not acts_on_op(found.fit.model.effects[-1], record.facts):
+        return before.of_laws
+    return before.of_laws + criterion_of(before, found, record)

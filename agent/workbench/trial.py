@@ -10,13 +10,13 @@ import numpy as np
 from agent.physics.effect import SpottedEffect
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.load_step import LoadStepEffect
+from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.foreign import EffectError
 from agent.workbench.evidence import far_likelier
 from agent.workbench.first.first_fit import FirstFit, first_fit
-from agent.workbench.fit import Fit, fit_from, nested_scan, refit, residual_of
+from agent.workbench.fit import Fit, fit_from, nested_fit, refit, residual_of
 from agent.workbench.fit_order import largest_first
 from agent.workbench.folds import Folds, HeldOut, held_out
-from agent.workbench.library import happens_once
 from agent.workbench.prediction_search import predictor
 from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.valve_starts import ValveStart, with_valve
@@ -27,16 +27,6 @@ if TYPE_CHECKING:
     from agent.physics.loop_model import LoopModel
     from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
-
-
-@dataclass(frozen=True, slots=True)
-class Screen:
-    """A quick look at an effect: a scan of its values, none of them refined."""
-
-    points: FloatArray
-    """The best ones, of the unit cube of the larger model, best first, (m, k)."""
-    error: float
-    """Of the best one, sum of squares, PV units squared."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,15 +43,13 @@ class Trial:
     """That the quantifier found, to start from."""
     instants: FloatArray | None = None
     """Values of an effect that happened once, own units, (m, k), to start from."""
-    screen: Screen | None = None
-    """Of ``screened``; None: the whole search is done at once."""
     first: FirstFit | None = None
     """Of ``first_of``; None: it is made with the search."""
 
     @property
-    def seen_error(self) -> float:
-        """Error of its quick look, sum of squares, PV units squared; infinite before it."""
-        return np.inf if self.screen is None else self.screen.error
+    def criterion(self) -> float:
+        """How much likelier the record is by the first fit, twice a logarithm; infinite without one."""
+        return np.inf if self.first is None else self.first.criterion
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,30 +89,6 @@ def first_or_failed(trial: Trial) -> FirstFit | EffectError | None:
         return error
 
 
-def screened(trial: Trial) -> Screen:
-    """Scan the values of the effect; it tells which effects to try first, and where each should begin.
-
-    Beside both values of the smaller model: where its free run has the least error it may stand for the
-    effect, as a process that integrates does for a wave, and where it predicts best it does so less. What
-    happened once has its instants to begin from.
-    """
-    starts = _starts(trial, trial.smaller.values, residual_of(trial.smaller, trial.record))
-    found = [nested_scan(trial.smaller.values, _larger(trial), trial.record, starts)]
-    if trial.predicts is not None and not happens_once(trial.effect, trial.record.facts):
-        predicts, best = trial.predicts
-        found.append(nested_scan(predicts.space.values(best), _larger(trial), trial.record))
-    points, errors = zip(*found, strict=True)
-    return Screen(np.vstack(points), min(errors))
-
-
-def screened_or_failed(trial: Trial) -> Screen | EffectError:
-    """Return ``screened``, or how an effect that others wrote failed."""
-    try:
-        return screened(trial)
-    except EffectError as error:
-        return error
-
-
 def tried_or_failed(trial: Trial) -> Tried | EffectError:
     """Return ``tried``, or how an effect that others wrote failed."""
     try:
@@ -139,12 +103,17 @@ def tried(trial: Trial) -> Tried:
 
 
 def optimum(trial: Trial) -> Optimum:
-    """Fit the model with the effect."""
-    screen, first = trial.screen or screened(trial), trial.first or first_of(trial)
-    fitted = fit_from(_larger(trial), trial.record, screen.points)
+    """Fit the model with the effect, from its first fit; a wave, which an autoregression predicts, anew."""
+    model, record, first = _larger(trial), trial.record, trial.first or first_of(trial)
+    if first is None or isinstance(trial.effect, Sinusoid):
+        known = trial.smaller.values
+        starts = _starts(trial, known, residual_of(trial.smaller, record))
+        fitted = nested_fit(known, model, record, starts)
+    else:
+        fitted = fit_from(model, record, first.values)
     nested = None if first is None else first.values
-    found = _optimum(fitted, trial.record, nested, _where_it_predicts(trial))
-    return _with_fewest_steps(found, trial.record)
+    found = _optimum(fitted, record, nested, _where_it_predicts(trial))
+    return _with_fewest_steps(found, record)
 
 
 def _with_fewest_steps(found: Optimum, record: Record) -> Optimum:

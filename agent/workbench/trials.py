@@ -32,7 +32,6 @@ from agent.workbench.trial import (
     Optimum,
     Tried,
     predicted,
-    screened_or_failed,
     tried_or_failed,
     with_held_out,
 )
@@ -265,17 +264,10 @@ class Trials:
 
     def _tried(self, smaller: Step, effects: Sequence[Effect]) -> dict[str, Tried]:
         """Try effects, the most promising first; one that fails is left out from then on."""
-        self.progress("a quick look at each", 0, len(effects))
-        trials, looks = self.begun.of(smaller, effects), []
-        for trial, look in zip(trials, self.run(screened_or_failed, trials), strict=True):
-            if isinstance(look, EffectError):
-                self.left_out[trial.effect.name] = str(look)
-            else:
-                looks.append(replace(trial, screen=look))
-        looks.sort(key=lambda each: each.seen_error)
-        names = [each.effect.name for each in looks]
+        trials = sorted(self.begun.of(smaller, effects), key=lambda each: -each.criterion)
+        names = [each.effect.name for each in trials]
         models = {}
-        for done, found in enumerate(self.run(tried_or_failed, looks)):
+        for done, found in enumerate(self.run(tried_or_failed, trials)):
             if isinstance(found, EffectError):
                 self.left_out[names[done]] = str(found)
             else:

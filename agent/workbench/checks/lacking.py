@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from agent.workbench.checks.remainder import remainder
 from agent.workbench.residual.state_dependence import PART_LEFT
-from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
+from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 DYNAMICS = frozenset({"op_rate"})
 """Axes on which missing lags and leads show."""
+OF_A_LAW = "it is little beside the effects that the model has: their laws are not quite those of the plant"
+"""In words, of what ``may_be_of_a_law``."""
 LARGER_DYNAMICS = ("second_order", "inverse_response", "integrating")
 """Effects that make the process larger, in the order in which they are tried."""
 
@@ -36,7 +38,7 @@ def is_likeliest_by_far(name: str, found: Mapping[str, Evidence]) -> bool:
     return (
         own.answers
         and not own.once
-        and very_strong(own.criterion, len(found))
+        and own.plain
         and all(
             own.criterion - each.criterion > VERY_STRONG
             for each in found.values()
@@ -56,6 +58,16 @@ def is_trifle(name: str, model: Optimum, found: Mapping[str, Evidence]) -> bool:
     if model.predicts is None or not is_likeliest_by_far(name, found):
         return False
     return remainder(*model.predicts) <= PART_LEFT * found[name].criterion
+
+
+def may_be_of_a_law(found: Evidence, of_laws: float) -> bool:
+    """Return whether an effect is little beside those that a model has: no law is quite that of the plant.
+
+    Args:
+        found: What the innovations say of the effect.
+        of_laws: How much likelier the record is with what acts on OP in the model, ``Step.of_laws``.
+    """
+    return of_laws > 0.0 and found.criterion <= PART_LEFT * of_laws
 
 
 def larger_dynamics(models: Mapping[str, Tried], beside: Collection[str]) -> tuple[str, ...]:

@@ -41,6 +41,7 @@ def likeliest_pair(
     also: Callable[[Optimum], Iterable[Effect]],
     together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
+    tries: int,
 ) -> Pair | None:
     """Return the likeliest effects, two at most, that act on OP all the time; None where there are none.
 
@@ -50,6 +51,7 @@ def likeliest_pair(
         also: Those that the innovations hint at beside the effect of a model, the best first.
         together: Tries an effect on top of one of the models.
         record: What they were fitted to.
+        tries: How many effects were scored beside each.
     """
     able = [name for name in comparable(found) if found[name].explains]
     if not able:
@@ -59,7 +61,7 @@ def likeliest_pair(
     pairs = [
         Pair((first, name), found[first].criterion + second.criterion, each)
         for name, each in larger.items()
-        if (second := evidence_of(models[first], each, record, len(models))).answers and second.explains
+        if (second := evidence_of(models[first], each, record, tries)).answers and second.explains
     ]
     alone = Pair((first,), found[first].criterion, models[first])
     return max(pairs, key=lambda each: each.criterion, default=alone)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.checks.lacking import LARGER_DYNAMICS
 from agent.workbench.inputs.measured_input import MeasuredInput
@@ -25,7 +23,7 @@ def gaining(trials: Sequence[Trial], anyway: Collection[str] = ()) -> list[Effec
     somebody named; those named in ``anyway``; all where there are no predictions; and beside what gains the
     larger dynamics, with which a check may explain what remains.
     """
-    found = {each.effect.name: _criterion(each) for each in trials}
+    found = {each.effect.name: each.criterion for each in trials}
     families = {each.effect.family for each in trials if found[each.effect.name] > WORTH_A_FIT}
     names = {*anyway, *(LARGER_DYNAMICS if families else ()), max(found, key=found.__getitem__, default="")}
     return [
@@ -37,11 +35,7 @@ def gaining(trials: Sequence[Trial], anyway: Collection[str] = ()) -> list[Effec
 
 def gains(trial: Trial) -> bool:
     """Return whether an effect alone gains what is worth a whole fit, or its first fit does not say."""
-    return _criterion(trial) > WORTH_A_FIT or _is_not_known(trial)
-
-
-def _criterion(trial: Trial) -> float:
-    return np.inf if trial.first is None else trial.first.criterion
+    return trial.criterion > WORTH_A_FIT or _is_not_known(trial)
 
 
 def _is_not_known(trial: Trial) -> bool:

@@ -268,7 +268,10 @@ class Bench:
         dropped: str | None = None,
     ) -> Step:
         """Make a model that was tried the newest step, and return it."""
-        step = step_of(found, self.record, self._validation, verdict, added=added, dropped=dropped)
+        before = self._steps[-1] if self._steps else None
+        step = step_of(
+            found, self.record, self._validation, verdict, added=added, dropped=dropped, before=before
+        )
         self._made[self._path(added, dropped)] = step
         self._steps.append(step)
         return step

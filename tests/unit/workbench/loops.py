@@ -8,7 +8,6 @@ from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import fit_from, nested_scan
 from agent.workbench.record import bare_record
 
 DELAY, TAU, GAIN, LEVEL = 4.0, 9.0, -1.5, 60.0
@@ -39,9 +38,3 @@ def made(effects=(), values=(), noise=0.05, samples=800, seed=0, loop="made"):
 def slack(**options):
     """The same with a dead band of ``S``."""
     return made((Deadband(),), (S, 0.0, STEM), **options)
-
-
-def nested_fit(smaller, model, record, starts=None):
-    """A model that has one effect more than ``smaller``, its last, fitted to the whole record."""
-    points, _ = nested_scan(smaller.values, model, record, starts)
-    return fit_from(model, record, points)

@@ -13,6 +13,7 @@ from agent.workbench.checks.lacking import is_likeliest_by_far, lacks_words, lar
 from agent.workbench.checks.own_cycle import keeps_time_of_loop
 from agent.workbench.checks.unnamed import AS_LIKELY
 from agent.workbench.checks.wave_lines import NO_LINE
+from agent.workbench.residual.very_strong import very_strong
 from agent.workbench.session import Workbench
 from agent.workbench.space import Space
 from simulators.draws.open_records import open_record
@@ -46,7 +47,16 @@ def test_slow_noise_that_goes_along_with_a_wave_is_none():
 
 def evidence(family, criterion, **other):
     return SimpleNamespace(
-        **({"answers": True, "once": False, "family": family, "criterion": criterion} | other)
+        **(
+            {
+                "answers": True,
+                "once": False,
+                "family": family,
+                "criterion": criterion,
+                "plain": very_strong(criterion, 3),
+            }
+            | other
+        )
     )
 
 

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from loops import DELAY, GAIN, TAU, S, made, nested_fit, slack
+from loops import DELAY, GAIN, TAU, S, made, slack
 
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
@@ -8,7 +8,7 @@ from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import contributions, fit, fit_at, refit, spread_from
+from agent.workbench.fit import contributions, fit, fit_at, nested_fit, refit, spread_from
 from agent.workbench.folds import FEWEST_BLOCKS, FOLDS, block_losses, folds_of, held_out
 from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record
@@ -29,7 +29,7 @@ def test_a_nested_fit_finds_the_band_and_gives_the_delay_back():
     record = bare_record(slack())
     base = fit(FOPDT, record, record.weight)
     assert base.values[0] > DELAY + 0.5  # the delay that it needs to stand for the slack
-    larger = nested_fit(base, LoopModel(Fopdt(), (Deadband(),)), record)
+    larger = nested_fit(base.values, LoopModel(Fopdt(), (Deadband(),)), record)
     assert larger.values[:3] == pytest.approx([DELAY, TAU, S], rel=0.05)
     assert larger.error < 0.1 * base.error
 
@@ -40,7 +40,7 @@ def test_contributions_add_up_to_the_model():
     record = bare_record(type(window)("wave", 0.0, 1.0, window.op, window.pv + wave))
     base = fit(FOPDT, record, record.weight)
     starts = np.array([[*base.values, 0.011]])
-    larger = nested_fit(base, LoopModel(Fopdt(), (Sinusoid(),)), record, starts)
+    larger = nested_fit(base.values, LoopModel(Fopdt(), (Sinusoid(),)), record, starts)
     added = contributions(larger, record)["sinusoid"]
     assert added == pytest.approx(wave, abs=0.05)
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from loops import nested_fit
 from scipy import stats
 from test_closed_loop import N, answered_more, loop
 
@@ -17,7 +16,7 @@ from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.evidence import VALVES, evidence_of
 from agent.workbench.first.first_fit import first_fit
-from agent.workbench.fit import fit
+from agent.workbench.fit import fit, nested_fit
 from agent.workbench.folds import HeldOut
 from agent.workbench.innovations import likelihood_ratio
 from agent.workbench.likeliest import less_likely
@@ -55,7 +54,7 @@ def evidence(effect, base, record):
 
 
 def with_effect(effect, base, record):
-    model = nested_fit(base.fit, LoopModel(Fopdt(), (effect,)), record)
+    model = nested_fit(base.fit.values, LoopModel(Fopdt(), (effect,)), record)
     first = first_fit(*base.predicts, effect)
     return Tried(model, predictor(model, record, first.values), blank(model))
 

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
-from loops import S, made, nested_fit, slack
+from loops import S, made, slack
 
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import fit
+from agent.workbench.fit import fit, nested_fit
 from agent.workbench.likelihood_profile import likelihood_profile
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
@@ -16,7 +16,7 @@ WITH_BAND = LoopModel(Fopdt(), (Deadband(),))
 def ends_of(window):
     record = bare_record(window)
     base = fit(LoopModel(Fopdt()), record, record.weight)
-    predicts, best = predictor(nested_fit(base, WITH_BAND, record), record)
+    predicts, best = predictor(nested_fit(base.values, WITH_BAND, record), record)
     ends = np.tile(best, (3, 1))
     ends[1:, 2] = likelihood_profile(predicts, best, 2)
     return predicts.space.values(ends)[:, 2]

@@ -36,7 +36,7 @@ def pair_of(monkeypatch, found, beside):
     def also(model):
         return [SimpleNamespace(name=other) for first, other in beside if first == model]
 
-    return likeliest_pair(found, models, also, lambda _, other: other.name, None)
+    return likeliest_pair(found, models, also, lambda _, other: other.name, None, len(found))
 
 
 def test_a_pair_is_the_likeliest_that_acts_on_op_and_the_likeliest_beside_it(monkeypatch):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from loops import S, nested_fit, slack
+from loops import S, slack
 from test_closed_loop import free_run, loop
 
 from agent.analysis.record.recording import LoopWindow
@@ -18,7 +18,7 @@ from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.first.first_fit import first_fit
-from agent.workbench.fit import fit, fit_at
+from agent.workbench.fit import fit, fit_at, nested_fit
 from agent.workbench.folds import HeldOut, folds_of, held_out
 from agent.workbench.intervals import estimated
 from agent.workbench.prediction_search import predictor, with_other_values
@@ -36,7 +36,7 @@ def fitted(request):
     op, pv = loop(request.param, slack=BAND)
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
     base = fit(LoopModel(Fopdt()), record, record.weight)
-    return nested_fit(base, LoopModel(Fopdt(), (Deadband(),)), record), record
+    return nested_fit(base.values, LoopModel(Fopdt(), (Deadband(),)), record), record
 
 
 def test_its_intervals_hold_what_the_free_run_has_biased(fitted):
@@ -66,7 +66,7 @@ def test_its_free_run_falls_hardly_below_the_floor(fitted):
 def test_what_the_law_of_friction_leaves_open_is_in_the_interval(fitted):
     model, record = fitted
     with_law = LoopModel(Fopdt(), (Stiction(),))
-    asked = nested_fit(fit(LoopModel(Fopdt()), record, record.weight), with_law, record)
+    asked = nested_fit(fit(LoopModel(Fopdt()), record, record.weight).values, with_law, record)
     blank = HeldOut(np.zeros(0), np.zeros((0, len(asked.values))), model.pv)
     found = {
         each.name: each
@@ -147,7 +147,7 @@ def test_of_ten_intervals_eight_hold_the_truth(monkeypatch):
     for seed in range(10):
         record = bare_record(slack(seed=seed))
         base = fit(LoopModel(Fopdt()), record, record.weight)
-        model = nested_fit(base, LoopModel(Fopdt(), (Deadband(),)), record)
+        model = nested_fit(base.values, LoopModel(Fopdt(), (Deadband(),)), record)
         blank = HeldOut(np.zeros(0), np.zeros((0, len(model.values))), model.pv)
         found = estimated(Tried(model, predictor(model, record), blank), record).parameters
         band = next(each for each in found if each.name == "deadband.s")

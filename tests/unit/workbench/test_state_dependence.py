@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-from loops import nested_fit
 from test_closed_loop import N, answered_more, free_run, loop
 
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.loop_model import LoopModel
-from agent.workbench.fit import fit
+from agent.workbench.fit import fit, nested_fit
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 from agent.workbench.residual.state_dependence import (
@@ -28,7 +27,7 @@ def dependence(op, pv, *, slack=False):
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
     fitted = fit(LoopModel(Fopdt()), record, record.weight)
     if slack:
-        fitted = nested_fit(fitted, LoopModel(Fopdt(), (Deadband(),)), record)
+        fitted = nested_fit(fitted.values, LoopModel(Fopdt(), (Deadband(),)), record)
     return state_dependence(*predictor(fitted, record))
 
 

@@ -1,7 +1,6 @@
 """A wave that the base stands for: eleven minutes of a bump test, where its free run takes an integrator."""
 
 import pytest
-from loops import nested_fit
 
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
@@ -9,7 +8,7 @@ from agent.physics.effects import EFFECTS
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.loop_model import LoopModel
 from agent.workbench.first.first_fit import first_fit
-from agent.workbench.fit import fit
+from agent.workbench.fit import fit, nested_fit
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 from agent.workbench.session import Workbench
@@ -38,7 +37,7 @@ def test_a_larger_model_predicts_no_worse_than_its_first_fit_though_its_free_run
     record = bare_record(window_of(91369))
     smaller = fit(LoopModel(Fopdt()), record, record.weight)
     predicts, best = predictor(smaller, record)
-    larger = nested_fit(smaller, LoopModel(Fopdt(), (Sinusoid(),)), record)
+    larger = nested_fit(smaller.values, LoopModel(Fopdt(), (Sinusoid(),)), record)
     assert larger.values[1] > 20 * TAU
     nested = first_fit(predicts, best, Sinusoid()).values
     found = predictor(larger, record, nested)
