@@ -74,11 +74,11 @@ class Doubts:
                 self.objections[each] = STANDS_FOR_ANOTHER
             if may_be_loops_own(self.smaller.predicts, self.models[each].fit):
                 self.lowered[each] = OWN_CYCLE
-            if self._stands_for_op(each):
-                self.objections[each] = STANDS_FOR_OP
-            elif self._is_another_event(each):
+            if self._is_another_event(each):
                 self.objections[each] = OTHER_EVENT
             elif self.found[each].once and each not in self.objections:
+                if self._stands_for_op(each):
+                    self.objections[each] = STANDS_FOR_OP
                 self._compare_with_pair(each)
         return len(self.objections) > before
 

@@ -1,7 +1,6 @@
 """The first fit of an effect: from the smaller model's best predictions, and what is fitted after it."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -27,7 +26,7 @@ from agent.workbench.record import bare_record
 from agent.workbench.search import objective_of
 from agent.workbench.session import Workbench
 from agent.workbench.shown.score import WORTH_A_FIT
-from agent.workbench.trial import beside
+from agent.workbench.trial import Trial, beside
 from simulators.draws.hidden_effects import hidden_effect_plant
 from simulators.draws.random_plants import random_draw
 from simulators.plant import simulate
@@ -94,7 +93,7 @@ def test_a_valve_begins_with_the_process_that_it_was_found_with():
 
 def trial(effect, criterion):
     first = None if criterion is None else FirstFit(np.zeros(0), criterion)
-    return SimpleNamespace(effect=effect, first=first)
+    return Trial(None, effect, None, None, first=first)
 
 
 def test_what_gains_is_fitted_with_its_kin_and_that_of_which_it_says_nothing():

@@ -14,6 +14,7 @@ from agent.physics.loop_model import LoopModel
 from agent.workbench import candidates
 from agent.workbench.checks import pairs
 from agent.workbench.checks.pairs import Pair, as_likely_words, far_likelier_words, is_beside, likeliest_pair
+from agent.workbench.doubts import STANDS_FOR_OP
 from agent.workbench.evidence import Evidence, evidence_of
 from agent.workbench.hooks import silent
 from agent.workbench.record import bare_record
@@ -139,7 +140,10 @@ def test_two_effects_of_which_neither_stands_alone_are_suggested_in_place_of_an_
     assert "far more likely" in event.objection
 
 
-def test_without_the_second_effect_the_event_is_all_that_the_library_has(moved_twice):
+def test_without_the_second_effect_nothing_stands_for_both(moved_twice):
+    """The speed alone is too little, and the steps begin where PV answers moves of OP."""
     trials, base = moved_twice
     decision = trials.judged_on(base, [NAMED[each] for each in ("rate_limit", "load_step")]).decision
-    assert decision.effect == "load_step"
+    assert decision.kind == "none"
+    event = next(each for each in decision.candidates if each.effect == "load_step")
+    assert event.objection == STANDS_FOR_OP

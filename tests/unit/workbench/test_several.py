@@ -12,6 +12,7 @@ from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.loop_model import LoopModel
 from agent.plots.workbench.several_report import together_html
+from agent.report.headline import capital
 from agent.workbench.candidates import WORSE_ELSEWHERE
 from agent.workbench.record import bare_record
 from agent.workbench.session import Workbench
@@ -115,7 +116,8 @@ def test_an_effect_that_another_recording_contradicts_is_suggested_at_most():
 
 def test_the_page_has_the_verdict_each_recording_and_no_address(found):
     page = together_html(found)
-    assert "No failure visible." in page
+    assert f'<p class="verdict">{capital(found.verdict_words)}.</p>' in page
+    assert found.verdict.effect is None
     assert "+ deadband" in page
     assert page.count("<img ") == len(found.recordings)
     assert all(f"the models on {name}" in page for name in found.recordings)
