@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import math
+import random
 import socket
 
 from connectors.base import LoopRole, Quality
@@ -18,6 +19,8 @@ from simulators.servers.mqtt import MqttServer
 from simulators.servers.opcua import OpcUaServer
 
 START = 1_700_000_000.0
+NOT_FOR_CONNECTIONS = 20_000, 32_768
+"""Ports from which Linux gives none to an outgoing connection."""
 
 
 class ListSource:
@@ -48,9 +51,12 @@ def wave(loop, n, roles=("pv", "op", "sp", "mode"), gap=7):
 
 
 def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    """A port for a server that comes again, which no connection of another test may take meanwhile."""
+    while True:
+        port = random.SystemRandom().randrange(*NOT_FOR_CONNECTIONS)
+        with socket.socket() as probe, contextlib.suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
 
 
 @contextlib.asynccontextmanager

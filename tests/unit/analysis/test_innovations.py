@@ -80,11 +80,11 @@ def test_a_stem_slips_first_where_op_leaves_its_band(f_s, rest, direction):
     assert first_slip(op, 2 * f_s, rest + f_s)[1] == direction
 
 
-@pytest.mark.parametrize(("span", "rel"), [(2.0**-10, 1e-9), (1e3, 0.02)])
-def test_units_change_nothing(span, rel):
-    """A power of two changes no digit; by other last digits a search may end at another valve."""
+@pytest.mark.parametrize("span", [2.0**-10, 1e3, 0.01])
+def test_units_change_nothing(span):
+    """By other last digits a search might end at another valve: the record has none in spans."""
     one, other = (log_likelihood_ratio(record(sticks=True, span=each), NOTHING_FOUND) for each in (1.0, span))
-    assert other == pytest.approx(one, rel=rel)
+    assert other == pytest.approx(one, rel=1e-9)
 
 
 def test_a_record_that_poses_no_problem_says_nothing():

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from agent.analysis.loop.controller_action import process_gain_sign
 from agent.analysis.record.spans import in_spans_of
@@ -20,8 +17,6 @@ if TYPE_CHECKING:
 SLOW, QUICK = PASS_TIME, 0.1
 """Time constants of the high-pass filters through which a record is seen, periods. Behind the second one a
 load that wanders is nearly white, and what a slip does to PV remains."""
-DIGITS = 9
-"""Decimals of a span that are kept: far less than any transmitter resolves, far more than rounding has."""
 
 
 def pose(
@@ -38,16 +33,11 @@ def pose(
 
 
 def in_spans(window: LoopWindow, pass_time: float = SLOW) -> Problem | str:
-    """Return the problem in spans from the least values, rounded, or in plain words why there is none.
-
-    A search takes another way where last digits differ. So the same record in other units must be the same
-    numbers.
-    """
+    """Return the problem in spans from the least values, or in plain words why there is none."""
     spans = in_spans_of(window)
     if spans is None:
         return "OP or PV does not move"
-    rounded = replace(spans, op=np.round(spans.op, DIGITS), pv=np.round(spans.pv, DIGITS))
-    return pose(rounded, pass_time=pass_time)
+    return pose(spans, pass_time=pass_time)
 
 
 def structures(hints: LoopHints) -> tuple[int, ...]:
