@@ -90,6 +90,8 @@ def begins_with_op(predicts: Predictor, best: FloatArray) -> float:
         return 1.0  # the response of a balance is PV itself
     ts, position = predicts.objective.record.facts.ts, event.position
     moves = ts * (1 + np.flatnonzero(np.abs(np.diff(position)) > MOVE * np.ptp(position)))
+    if not len(moves):
+        return 1.0  # OP goes slowly all the time
     by_chance = 0.0
     for instant in event.instants:
         answers = moves[moves <= instant] + process.delay

@@ -84,10 +84,17 @@ def test_steps_where_op_moved_once_before_the_gain_changed_are_another_gain():
     assert is_another_gain(*told(LoadStepEffect(), op, pv))
 
 
-@pytest.mark.parametrize(("instants", "stand"), [((301.0, 501.0), True), ((280.0, 1400.0), False)])
-def test_steps_at_moves_of_op_stand_for_the_answer_to_them(instants, stand):
+BUMP = np.where((np.arange(N) > 300) & (np.arange(N) <= 500), -5.0, 0.0)
+RAMP = np.linspace(0.0, 5.0, N)
+
+
+@pytest.mark.parametrize(
+    ("op", "instants", "stand"),
+    [(BUMP, (301.0, 501.0), True), (BUMP, (280.0, 1400.0), False), (RAMP, (301.0, 501.0), False)],
+    ids=["at its moves", "before one and elsewhere", "OP goes slowly all the time"],
+)
+def test_steps_at_moves_of_op_stand_for_the_answer_to_them(op, instants, stand):
     """A load from outside knows nothing of OP; what begins before OP moves is no answer to it."""
-    op = np.where((np.arange(N) > 300) & (np.arange(N) <= 500), -5.0, 0.0)
     pv = free_run(op, 0.0) + 0.02 * np.random.default_rng(1).standard_normal(N)
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv))
     model = LoopModel(Fopdt(), (LoadStepEffect(steps=2),))
