@@ -1,4 +1,4 @@
-"""One valve for all effects of its family: each begins from that of the likeliest as well.
+"""One valve for all effects of its family: each begins from that of the likeliest, and from a scan, as well.
 
 Effects of hysteresis are nearly the same valve with other numbers, and their errors have narrow minima, so
 that a search may find one with the richer effect and miss it with the simpler one that is there.
@@ -8,8 +8,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.foreign import EffectError
+from agent.workbench.first.valve_scan import scanned
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.valve_starts import ValveStart, with_valves
 
@@ -52,6 +55,7 @@ def sought(each: Sought) -> Fit | None:
         return None
     points = predicts.space.at(with_valves(model.fit, effect, (valve,), predicts.objective.facts))
     try:
+        points = np.vstack((points, scanned(predicts.objective, points[0])))
         found = with_other_values(predicts, at, points)
     except EffectError:  # of somebody else, at values that no fit before had; the model stays as it is
         return None
