@@ -4,12 +4,13 @@ import os
 import pwd
 import shutil
 import signal
-import socket
 import subprocess
 import tempfile
 import time
 from contextlib import suppress
 from pathlib import Path
+
+from tests.ports import free_port
 
 DEADLINE = 60.0
 DATABASE = "postgres"
@@ -39,9 +40,7 @@ class Postgres:
         if account:
             os.chown(self._folder, account["user"], account["group"])
         self._account = account
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+        self.port = free_port()
         self._run("initdb", "-D", "data", "-U", USER, "-A", "trust", "--no-sync", "-E", "UTF8", "--locale=C")
         self._server = None
 

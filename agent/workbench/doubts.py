@@ -126,9 +126,9 @@ class Doubts:
         return larger_dynamics(self.models, kin)
 
     def _stands_for_op(self, name: str) -> bool:
-        """Whether what happened once, and knows nothing of OP, did so where PV answers moves of OP."""
-        evidence, predicts = self.found[name], self.models[name].predicts
-        if not evidence.once or evidence.answers or predicts is None:
+        """Whether an event that knows nothing of OP is where PV answers moves of OP."""
+        predicts = self.models[name].predicts
+        if self.found[name].answers or predicts is None:
             return False
         return begins_with_op(*predicts) < LEVEL
 

@@ -1,7 +1,6 @@
 """InfluxDB 1.x itself, where Debian's package is installed: as ours answers in `sources_served`."""
 
 import shutil
-import socket
 import subprocess
 import time
 
@@ -12,6 +11,7 @@ import pytest
 from connectors.exports.recorded import ReadOptions
 from connectors.sources.kinds import opened
 from tests.contracts.sources_served.history import END, START, N, expected, held
+from tests.ports import free_port
 
 pytestmark = pytest.mark.bench
 CONFIG = """
@@ -28,20 +28,14 @@ log-enabled = false
 """
 
 
-def free():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
 @pytest.fixture(scope="module")
 def influxdb(tmp_path_factory):
     """Address of a running server with the plant of the tests, as one measurement and as many."""
     program = shutil.which("influxd")
     if program is None:
         pytest.skip("influxd is missing: apt-get install influxdb")
-    folder, port = tmp_path_factory.mktemp("influx"), free()
-    (folder / "influx.conf").write_text(CONFIG.format(folder=folder, port=port, rpc=free()))
+    folder, port = tmp_path_factory.mktemp("influx"), free_port()
+    (folder / "influx.conf").write_text(CONFIG.format(folder=folder, port=port, rpc=free_port()))
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     server = subprocess.Popen([program, "-config", str(folder / "influx.conf")], **quiet)
     try:

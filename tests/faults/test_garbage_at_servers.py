@@ -17,7 +17,7 @@ from connectors.opcua_server.connector import OpcUaServerConnector
 from connectors.opcua_server.options import OpcUaServerOptions, OpcUaServerTarget
 from connectors.options import LoopTags
 from tests.faults.opcua_talk import SESSION, Talk
-from tests.integration.buses import free_port
+from tests.ports import free_port
 
 OFTEN = pytest.mark.parametrize(
     "times",

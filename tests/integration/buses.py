@@ -3,7 +3,6 @@
 import asyncio
 import contextlib
 import math
-import random
 import socket
 
 from connectors.base import LoopRole, Quality
@@ -17,10 +16,9 @@ from simulators.servers.broker import embedded_broker
 from simulators.servers.modbus import ModbusServer
 from simulators.servers.mqtt import MqttServer
 from simulators.servers.opcua import OpcUaServer
+from tests.ports import free_port
 
 START = 1_700_000_000.0
-NOT_FOR_CONNECTIONS = 20_000, 32_768
-"""Ports from which Linux gives none to an outgoing connection."""
 
 
 class ListSource:
@@ -48,15 +46,6 @@ def wave(loop, n, roles=("pv", "op", "sp", "mode"), gap=7):
         }
         rows.append(Row(START + i, {role: values[role] for role in roles}))
     return ListSource(loop, rows)
-
-
-def free_port():
-    """A port for a server that comes again, which no connection of another test may take meanwhile."""
-    while True:
-        port = random.SystemRandom().randrange(*NOT_FOR_CONNECTIONS)
-        with socket.socket() as probe, contextlib.suppress(OSError):
-            probe.bind(("127.0.0.1", port))
-            return port
 
 
 @contextlib.asynccontextmanager

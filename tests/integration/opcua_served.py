@@ -6,12 +6,13 @@ import time
 
 from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
-from buses import free_port, listens
+from buses import listens
 from secure_peers import PASSWORD
 
 from connectors.opcua_server.connector import OpcUaServerConnector
 from connectors.opcua_server.options import OpcUaServerOptions, OpcUaServerTarget
 from connectors.options import LoopTags
+from tests.ports import free_port
 from tests.unit.connectors.alarm_messages import told
 
 LOOPS = tuple(f"FIC10{n}" for n in range(1, 7))

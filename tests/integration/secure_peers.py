@@ -8,12 +8,13 @@ from asyncua import Server, ua
 from asyncua.common.utils import ServiceError
 from asyncua.crypto.permission_rules import User
 from asyncua.server.user_managers import UserManager, UserRole
-from buses import free_port, mosquitto_broker
+from buses import mosquitto_broker
 from cryptography.x509 import load_der_x509_certificate
 from pymodbus.server import ModbusTlsServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
 from connectors.certificates import application, authority, signed
+from tests.ports import free_port
 
 HOST, ELSEWHERE = "127.0.0.1", "elsewhere.example"
 PASSWORD = "correct-horse-battery-staple"  # noqa: S105

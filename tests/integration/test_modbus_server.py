@@ -6,7 +6,7 @@ import ssl
 import struct
 
 import pytest
-from buses import free_port, listens
+from buses import listens, until
 from pymodbus.client import AsyncModbusTcpClient, AsyncModbusTlsClient
 from secure_peers import HOST, make_keys
 
@@ -14,13 +14,13 @@ from agent.runtime.agent import Agent
 from agent.runtime.loop.workers import InlineExecutor
 from agent.settings import AgentSettings, ConnectionSettings, Settings
 from connectors.base import AccessDeniedError, ConnectionLostError, Order, Publication
-from connectors.checks.session import until
 from connectors.modbus.codec import decode
 from connectors.modbus_server import listening
 from connectors.modbus_server import register_map as at
 from connectors.modbus_server.connector import ModbusServerConnector
 from connectors.modbus_server.options import ModbusServerOptions, ModbusServerTarget
 from connectors.options import LoopTags, Options
+from tests.ports import free_port
 from tests.unit.runtime.agents import judged
 from tests.unit.runtime.fake_bus import FakeBus
 from tests.unit.runtime.loops import loop_settings, sample

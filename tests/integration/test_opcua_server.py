@@ -8,7 +8,7 @@ import time
 import pytest
 import pytest_asyncio
 from asyncua import Client, ua
-from buses import free_port, listens, until
+from buses import listens, until
 from opcua_clients import alarms_at
 
 from agent.runtime.agent import Agent
@@ -18,6 +18,7 @@ from connectors.base import ConnectionLostError, Order
 from connectors.opcua_server.options import OpcUaServerTarget
 from connectors.options import Options
 from tests.integration.opcua_served import connector_at, serving
+from tests.ports import free_port
 from tests.unit.connectors.alarm_messages import told
 from tests.unit.runtime.agents import judged
 from tests.unit.runtime.fake_bus import FakeBus

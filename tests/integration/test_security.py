@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 import pytest_asyncio
 from asyncua import ua
-from buses import connector_of, free_port
+from buses import connector_of
 from secure_peers import HOST, PASSWORD, make_keys, secure_broker, secure_device, secure_server
 
 from agent.runtime.agent import Agent
@@ -16,6 +16,7 @@ from agent.settings import settings_of
 from connectors.base import AccessDeniedError, ConnectionLostError, Publication
 from connectors.checks import Reader
 from connectors.checks.session import until
+from tests.ports import free_port
 
 in_the_loop_of_the_server = pytest.mark.asyncio(loop_scope="module")
 ALARM = Publication("FIC101", "state", "1", {"active": True, "s": 4.0})

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -11,6 +10,7 @@ import pytest
 import yaml
 
 from tests.conftest import ROOT
+from tests.ports import free_port
 
 
 def slipjump(*words):
@@ -20,9 +20,7 @@ def slipjump(*words):
 @pytest.fixture
 def plant(tmp_path):
     """A configuration whose peer isn't there: a port that was free a moment ago."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     path = tmp_path / "plant.yaml"
     path.write_text(
         yaml.safe_dump(

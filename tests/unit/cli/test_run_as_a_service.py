@@ -10,8 +10,9 @@ import time
 import pytest
 import yaml
 
+from tests.ports import free_port
 from tests.unit.cli.test_run_and_check import plant, slipjump
-from tests.unit.runtime.test_http import free_port, get
+from tests.unit.runtime.test_http import get
 
 __all__ = ["plant"]
 pytestmark = pytest.mark.timeout(240)

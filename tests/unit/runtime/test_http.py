@@ -18,14 +18,9 @@ from agent.runtime.supervisor import Health, keep_alive
 from agent.settings import HttpSettings, settings_of
 from connectors.base import ConfigError
 from tests.conftest import ROOT
+from tests.ports import free_port
 from tests.unit.runtime.agents import agent_of, stream
 from tests.unit.runtime.fake_bus import FakeBus
-
-
-def free_port():
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        return free.getsockname()[1]
 
 
 def get(port, path, token=None):
