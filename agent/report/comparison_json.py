@@ -6,10 +6,10 @@ import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from agent.workbench.certainty.intervals import FittedParameter
     from agent.workbench.comparison import Comparison
     from agent.workbench.decision import Candidate
     from agent.workbench.design.next_test import NextTest
-    from agent.workbench.intervals import FittedParameter
     from agent.workbench.step import Step, Verdict
 
 

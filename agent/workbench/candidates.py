@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from agent.workbench.checks.adequate import adequate
 from agent.workbench.checks.lacking import OF_A_LAW, may_be_of_a_law
+from agent.workbench.checks.mended import LITTLE, mended_by
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, is_beside, likeliest_pair
 from agent.workbench.checks.rivals import against_rivals, hidden_words
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
@@ -232,7 +233,7 @@ def verdict_of(
     """Return what a model lacks, as far as its record shows.
 
     It fails visibly where its residual follows an axis, or holds a wave, wherever that comes from; or where
-    its process would be slower than any that the record can show.
+    its process would be slower than any that the record can show. What would mend that is suggested.
     """
     decision = found.decision
     if decision.kind != "none":
@@ -248,6 +249,12 @@ def verdict_of(
     waves = lines is not None and lines.certain
     slow = ran_out(step, facts)
     visible = follows or waves or slow
+    rejected = {*found.lowered, *(name for name, each in found.models.items() if own_at_bound(each))}
+    mends = mended_by(decision.candidates, found.models, step.estimate.dependence, rejected)
+    if visible and mends:
+        best, *others = mends
+        alike = tuple(each.effect for each in others)
+        return Verdict("suggested", best.effect, best.family, alike, lacks=(LITTLE,))
     return Verdict("none_of_the_known" if visible else "no_failure_visible", at_bound=slow)
 
 

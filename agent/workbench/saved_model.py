@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect, Facts
     from agent.physics.loop_model import LoopModel
-    from agent.workbench.intervals import FittedParameter
+    from agent.workbench.certainty.intervals import FittedParameter
 
 KIND = "slipjump model"
 

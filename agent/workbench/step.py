@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from agent.workbench.certainty.intervals import Estimate, FittedParameter, estimated
 from agent.workbench.evidence import criterion_of
-from agent.workbench.intervals import Estimate, FittedParameter, estimated
 from agent.workbench.library import acts_on_op
 from agent.workbench.validation import rmse_on
 

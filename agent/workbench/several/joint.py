@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.identify.noise.autoregression import innovations
+from agent.workbench.certainty.likelihood_profile import QUANTILE, WIDER
 from agent.workbench.fit import Fit
 from agent.workbench.gauss_newton import lowest
-from agent.workbench.likelihood_profile import QUANTILE, WIDER
 from agent.workbench.predictor import Predictor, predictor_behind
 from agent.workbench.projection import VANISHES, nuisance_part
 from agent.workbench.search import COARSE, SAME, STEPS, is_rough

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effect import SolvedEffect
-from agent.workbench.likelihood_profile import WIDER
+from agent.workbench.certainty.likelihood_profile import WIDER
 from agent.workbench.paired_blocks import CONFIDENCE
 from agent.workbench.predictor import DIFFERENCE
 

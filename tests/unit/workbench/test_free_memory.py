@@ -7,8 +7,8 @@ from test_closed_loop import free_run, loop
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.loop_model import LoopModel
+from agent.workbench.certainty.free_memory import with_free_memory
 from agent.workbench.fit import fit
-from agent.workbench.free_memory import with_free_memory
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 

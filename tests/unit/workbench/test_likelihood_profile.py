@@ -5,8 +5,8 @@ from loops import S, made, slack
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.loop_model import LoopModel
+from agent.workbench.certainty.likelihood_profile import likelihood_profile
 from agent.workbench.fit import fit, nested_fit
-from agent.workbench.likelihood_profile import likelihood_profile
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
 

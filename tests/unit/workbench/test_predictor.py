@@ -16,11 +16,11 @@ from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
+from agent.workbench.certainty.intervals import estimated
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.first.first_fit import first_fit
 from agent.workbench.fit import fit, fit_at, nested_fit
 from agent.workbench.folds import HeldOut, folds_of, held_out
-from agent.workbench.intervals import estimated
 from agent.workbench.prediction_search import predictor, with_other_values
 from agent.workbench.projection import nuisance_part, target_of
 from agent.workbench.record import bare_record

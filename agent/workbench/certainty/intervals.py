@@ -1,11 +1,12 @@
 """The parameters of a fitted model, and how sure they are.
 
 A model has those with which it predicts best (``prediction_search.py``), with the interval that the
-derivatives of the innovations tell, the autoregression free as well; of what was added it is at least that of
-the ``likelihood_profile``. Without predictions it has those of its fit, with the delete-a-group jackknife
-over the folds: each leaves a fifth of the record out, and from the scatter of the K estimates follows the
-variance of the one from all, (K - 1) / K times their sum of squares about the mean, with K - 1 degrees of
-freedom (reconstructed from Shao and Tu, The Jackknife and Bootstrap, 1995).
+derivatives of the innovations give, the autoregression free as well; of what was added it is at least that of
+the ``likelihood_profile``. It holds what a lag within a sample may have moved (``lag_within_a_sample.py``).
+Without predictions it has those of its fit, with the delete-a-group jackknife over the folds: each leaves a
+fifth of the record out, and from the scatter of the K estimates follows the variance of the one from all,
+(K - 1) / K times their sum of squares about the mean, with K - 1 degrees of freedom (reconstructed from Shao
+and Tu, The Jackknife and Bootstrap, 1995).
 """
 
 from __future__ import annotations
@@ -18,15 +19,16 @@ from scipy import stats
 
 from agent.physics.effects.hysteresis import MOTION
 from agent.physics.effects.load_step import LoadStepEffect
-from agent.workbench.event_scan import instant_p
-from agent.workbench.free_memory import with_free_memory
-from agent.workbench.likelihood_profile import (
+from agent.workbench.certainty.free_memory import with_free_memory
+from agent.workbench.certainty.lag_within_a_sample import values_beside_a_lag
+from agent.workbench.certainty.likelihood_profile import (
     CLEARLY,
     CLEARLY_AT_AN_INSTANT,
     QUANTILE,
     WIDER,
     likelihood_profile,
 )
+from agent.workbench.event_scan import instant_p
 from agent.workbench.paired_blocks import CONFIDENCE
 from agent.workbench.residual.state_dependence import Dependence, state_dependence
 from agent.workbench.solved.numbers import solved_numbers
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.folds import HeldOut
+    from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
     from agent.workbench.space import Space
     from agent.workbench.trial import Tried
@@ -93,7 +96,7 @@ def estimated(found: Tried, record: Record) -> Estimate:
             clearly = CLEARLY_AT_AN_INSTANT if parameter.instant else CLEARLY
             low, high = likelihood_profile(freed, best, i, clearly)
             half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
-    half = np.maximum(half, _by_law(space, best))
+    half = np.maximum(half, _by_law(space, best)) + _beside_a_lag(predicts, best)
     parameters = _within(space, best, half)
     return Estimate(
         parameters,
@@ -113,6 +116,12 @@ def _by_law(space: Space, best: FloatArray) -> FloatArray:
     values = space.values(best)
     ends = np.array([space.at(values * (1 - part)), space.at(values * (1 + part))])
     return np.where(part > 0, np.abs(ends - best), 0.0)
+
+
+def _beside_a_lag(predicts: Predictor, best: FloatArray) -> FloatArray:
+    """Return how far to either side a lag within a sample moves the values, on the unit cube, (2, k)."""
+    moved = np.vstack((np.zeros(len(best)), values_beside_a_lag(predicts, best) - best))
+    return np.array((-moved.min(axis=0), moved.max(axis=0)))
 
 
 def _jackknife(space: Space, folds: HeldOut) -> FloatArray:

@@ -66,7 +66,7 @@ def _moved_outward(predicts: Predictor, best: FloatArray, at: int, side: float, 
     point, inside = best, 0.0
     room = float(1.0 - best[at] if side > 0 else best[at])
     for distance in (*(each for each in OUTWARD if each < room), room):
-        moved, error = _refitted(predicts, point, at, best[at] + side * distance, most)
+        moved, error = refitted(predicts, point, at, best[at] + side * distance, most)
         if error > most:
             outside = distance
             break
@@ -75,7 +75,7 @@ def _moved_outward(predicts: Predictor, best: FloatArray, at: int, side: float, 
         return float(best[at] + side * room)
     for _ in range(HALVINGS):
         between = 0.5 * (inside + outside)
-        moved, error = _refitted(predicts, point, at, best[at] + side * between, most)
+        moved, error = refitted(predicts, point, at, best[at] + side * between, most)
         if error > most:
             outside = between
         else:
@@ -83,7 +83,7 @@ def _moved_outward(predicts: Predictor, best: FloatArray, at: int, side: float, 
     return float(best[at] + side * inside)
 
 
-def _refitted(
+def refitted(
     predicts: Predictor, start: FloatArray, at: int, place: float, most: float
 ) -> tuple[FloatArray, float]:
     """Return a point near ``start`` with coordinate ``at`` at ``place``, and its error.
