@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.folds import HeldOut
-    from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
     from agent.workbench.space import Space
     from agent.workbench.trial import Tried
@@ -86,6 +85,7 @@ def estimated(found: Tried, record: Record) -> Estimate:
     space = predicts.space
     freed = with_free_memory(predicts, best)
     half = np.tile(QUANTILE * freed.spread(best), (2, 1))
+    as_likely = [best[np.newaxis]]
     for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
         what = name.partition(".")[2]  # of an effect; empty for the base
         if parameter.constant:
@@ -94,9 +94,12 @@ def estimated(found: Tried, record: Record) -> Estimate:
             half[:, i] *= WIDER
         if parameter.instant or (what and what not in MOTION and not parameter.of_record):
             clearly = CLEARLY_AT_AN_INSTANT if parameter.instant else CLEARLY
-            low, high = likelihood_profile(freed, best, i, clearly)
-            half[:, i] = np.maximum(half[:, i], (best[i] - low, high - best[i]))
-    half = np.maximum(half, _by_law(space, best)) + _beside_a_lag(predicts, best)
+            ends = likelihood_profile(freed, best, i, clearly)
+            half[:, i] = np.maximum(half[:, i], _reach(ends, best)[:, i])
+            if not parameter.instant:
+                as_likely.append(ends)
+    half = np.maximum(half, _reach(np.vstack(as_likely), best))
+    half = np.maximum(half, _by_law(space, best)) + _reach(values_beside_a_lag(predicts, best), best)
     parameters = _within(space, best, half)
     return Estimate(
         parameters,
@@ -118,9 +121,9 @@ def _by_law(space: Space, best: FloatArray) -> FloatArray:
     return np.where(part > 0, np.abs(ends - best), 0.0)
 
 
-def _beside_a_lag(predicts: Predictor, best: FloatArray) -> FloatArray:
-    """Return how far to either side a lag within a sample moves the values, on the unit cube, (2, k)."""
-    moved = np.vstack((np.zeros(len(best)), values_beside_a_lag(predicts, best) - best))
+def _reach(points: FloatArray, best: FloatArray) -> FloatArray:
+    """Return how far points, (m, k), lie from the best to either side, on the unit cube, (2, k)."""
+    moved = np.vstack((np.zeros(len(best)), points - best))
     return np.array((-moved.min(axis=0), moved.max(axis=0)))
 
 

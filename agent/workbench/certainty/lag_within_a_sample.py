@@ -14,15 +14,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effects.second_order import SecondOrder
+from agent.physics.effects.sensor_lag import SensorLag
 from agent.workbench.certainty.free_memory import with_free_memory
 from agent.workbench.certainty.likelihood_profile import CLEARLY, refitted
+from agent.workbench.library import missing
 from agent.workbench.search import objective_of, whitened
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.predictor import Predictor
 
-LAG = SecondOrder()
+ANY_LAG = (SecondOrder(), SensorLag())
+"""Effects that may be it: the first that the model does not have."""
 LAGS = (0.25, 0.5, 0.75, 1.0)
 """That are tried, samples."""
 SOONER = (0.0, 0.5, 1.0)
@@ -38,14 +41,14 @@ def values_beside_a_lag(predicts: Predictor, best: FloatArray) -> FloatArray:
         best: The point of the unit cube where its predictions are best, (k,).
 
     Returns:
-        Points of the same cube, (m, k); none of a model that has such a lag, or a process that takes none.
+        Points of the same cube, (m, k); none of a process that takes no lag.
     """
     model, ts = predicts.objective.model, predicts.objective.facts.ts
-    known = any(each.family == LAG.family for each in model.effects)
-    if known or not model.base.linear or DELAY not in predicts.space.names:
+    lag = missing(model, ANY_LAG)[:1]
+    if not lag or not model.base.linear or DELAY not in predicts.space.names:
         return np.empty((0, len(best)))
     free_run = objective_of(
-        replace(model, effects=(*model.effects, LAG)), predicts.objective.record, predicts.objective.target
+        replace(model, effects=(*model.effects, *lag)), predicts.objective.record, predicts.objective.target
     )
     behind = whitened(free_run, predicts.noise)
     behind = replace(behind, target=replace(behind.target, gain_sign=0))
@@ -54,10 +57,10 @@ def values_beside_a_lag(predicts: Predictor, best: FloatArray) -> FloatArray:
     delay, values = larger.space.names.index(DELAY), larger.space.values(none)
     most = larger.error(none) * float(np.exp(CLEARLY / len(larger.pv)))
     found = []
-    for lag in LAGS:
+    for length in LAGS:
         starts = np.tile(values, (len(SOONER), 1))
-        starts[:, -1] = lag * ts
-        starts[:, delay] -= (lag + np.array(SOONER)) * ts
+        starts[:, -1] = length * ts
+        starts[:, delay] -= (length + np.array(SOONER)) * ts
         points = np.clip(larger.space.at(starts), 0.0, 1.0)
         start = min(points, key=larger.behind.error)
         point, error = refitted(larger, start, len(best), float(start[-1]), most)

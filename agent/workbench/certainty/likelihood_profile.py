@@ -37,6 +37,8 @@ CLEARLY_AT_AN_INSTANT = float(-2 * np.log(1 - np.sqrt(CONFIDENCE)))
 side (D. Siegmund, Confidence sets in change-point problems, Int. Stat. Rev. 56 (1988) 31)."""
 OUTWARD = (0.003, 0.01, 0.02, 0.04, 0.07, 0.11, 0.16, 0.24, 0.35, 0.5, 0.7, 1.0)
 """Distances from the best that are tried, parts of the parameter's range."""
+PATIENCE = 3
+"""Distances without an answer behind which one is still sought."""
 HALVINGS = 4
 """Of the last distance, to find the end within it."""
 EVALUATIONS = 25
@@ -47,8 +49,8 @@ STEP = 0.02
 
 def likelihood_profile(
     predicts: Predictor, best: FloatArray, at: int, clearly: float = CLEARLY
-) -> tuple[float, float]:
-    """Return the least and the largest coordinate ``at`` that the record cannot tell from the best one.
+) -> FloatArray:
+    """Return where coordinate ``at`` is least and largest of what is as likely as the best, (2, k).
 
     Args:
         predicts: The model's predictions.
@@ -57,30 +59,34 @@ def likelihood_profile(
         clearly: Twice the logarithm of a ratio of likelihoods.
     """
     most = predicts.error(best) * float(np.exp(clearly / len(predicts.pv)))
-    low, high = (_moved_outward(predicts, best, at, side, most) for side in (-1.0, 1.0))
-    return low, high
+    return np.array([_moved_outward(predicts, best, at, side, most) for side in (-1.0, 1.0)])
 
 
-def _moved_outward(predicts: Predictor, best: FloatArray, at: int, side: float, most: float) -> float:
-    """Return the coordinate as far from the best one to a ``side`` as the error is at most ``most``."""
-    point, inside = best, 0.0
+def _moved_outward(predicts: Predictor, best: FloatArray, at: int, side: float, most: float) -> FloatArray:
+    """Return the point with a coordinate farthest to a ``side`` whose error is at most ``most``.
+
+    Behind a few distances with more there may be others: a dead time has a valley within each sample.
+    """
+    found, inside = best, 0.0
+    failed: list[float] = []
     room = float(1.0 - best[at] if side > 0 else best[at])
     for distance in (*(each for each in OUTWARD if each < room), room):
-        moved, error = refitted(predicts, point, at, best[at] + side * distance, most)
-        if error > most:
-            outside = distance
+        moved, error = refitted(predicts, found, at, best[at] + side * distance, most)
+        if error <= most:
+            found, inside, failed = moved, distance, []
+        elif len(failed) < PATIENCE:
+            failed.append(distance)
+        else:
             break
-        point, inside = moved, distance
-    else:
-        return float(best[at] + side * room)
-    for _ in range(HALVINGS):
+    outside = failed[0] if failed else room
+    for _ in range(HALVINGS if failed else 0):
         between = 0.5 * (inside + outside)
-        moved, error = refitted(predicts, point, at, best[at] + side * between, most)
+        moved, error = refitted(predicts, found, at, best[at] + side * between, most)
         if error > most:
             outside = between
         else:
-            point, inside = moved, between
-    return float(best[at] + side * inside)
+            found, inside = moved, between
+    return found
 
 
 def refitted(

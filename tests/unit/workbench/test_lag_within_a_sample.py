@@ -7,6 +7,7 @@ from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import BASES, Fopdt
 from agent.physics.effects.inverse_response import InverseResponse
 from agent.physics.effects.second_order import SecondOrder
+from agent.physics.effects.sensor_lag import SensorLag
 from agent.physics.loop_model import LoopModel
 from agent.workbench.certainty.lag_within_a_sample import values_beside_a_lag
 from agent.workbench.certainty.likelihood_profile import likelihood_profile
@@ -37,9 +38,7 @@ def best_of(window, *effects):
 def test_a_zero_that_the_profile_rules_out_is_possible_beside_a_lag():
     predicts, best = best_of(bump_tests(), InverseResponse())
     at = list(predicts.space.names).index("inverse_response.lead")
-    low, high = (
-        predicts.space.values(np.full(len(best), end))[at] for end in likelihood_profile(predicts, best, at)
-    )
+    low, high = (predicts.space.values(end)[at] for end in likelihood_profile(predicts, best, at))
     assert not low <= LEAD <= high
     leads = [predicts.space.values(each)[at] for each in values_beside_a_lag(predicts, best)]
     assert min(abs(each - LEAD) for each in leads) < 0.1
@@ -54,8 +53,8 @@ def test_the_interval_of_a_step_holds_it():
     assert delay.low <= DELAY <= delay.high
 
 
-def test_a_model_with_a_lag_of_its_own_says_it_itself():
-    predicts, best = best_of(bump_tests(), SecondOrder())
+def test_a_model_with_both_lags_takes_no_third():
+    predicts, best = best_of(bump_tests(), SecondOrder(), SensorLag())
     assert values_beside_a_lag(predicts, best).shape == (0, len(best))
 
 
