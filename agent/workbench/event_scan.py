@@ -159,7 +159,7 @@ def _scan(predicts: Predictor, best: FloatArray, effect: Effect) -> Scan:
     length = np.linalg.norm(white, axis=0)
     new = beyond(white, known)
     size = np.linalg.norm(new, axis=0)
-    told = size > LEAST_NEW * length
-    atoms = np.asarray(new[:, told] / size[told], dtype=np.float64)
+    seen = size > LEAST_NEW * length
+    atoms = np.asarray(new[:, seen] / size[seen], dtype=np.float64)
     left = beyond(predicts.residual(best), known)
-    return Scan(left, known, tried[told], atoms, tuple(i - own for i in instants))
+    return Scan(left, known, tried[seen], atoms, tuple(i - own for i in instants))

@@ -62,9 +62,9 @@ class Evidence:
     plain: bool = False
     """Whether it is very strongly supported, each effect that was scored a try."""
     blind: bool = True
-    """Whether the blocks that a fit did not see tell of it. Not where it happened once: refits know when. Nor
-    of a load that knows nothing of OP and is no wave, measured or not: slow noise goes along with whatever is
-    slow, in all blocks (C. Granger and P. Newbold, "Spurious regressions in econometrics", 1974)."""
+    """Whether the blocks that a fit did not see show it. Not where it happened once: refits know when. Nor a
+    load that knows nothing of OP and is no wave, measured or not: slow noise goes along with whatever is slow,
+    in all blocks (C. Granger and P. Newbold, "Spurious regressions in econometrics", 1974)."""
 
 
 def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candidates: int) -> Evidence:

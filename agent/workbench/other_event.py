@@ -1,7 +1,7 @@
 """Was what happened once an event of another kind?
 
 A gain that changes moves the level as well, unless it does so at its pivot: it does what a load does that
-steps, and may be taken for it; so may a load for it, where few moves of OP tell. And where OP comes to
+steps, and may be taken for it; so may a load for it, where few moves of OP show it. And where OP comes to
 another level and stays, as behind a stop, another answer there is one from then on.
 """
 

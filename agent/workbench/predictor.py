@@ -121,7 +121,7 @@ class Predictor:
     def spread(self, at: FloatArray) -> FloatArray:
         """Return the standard deviation of each coordinate, (k,), by the derivatives of the innovations.
 
-        What they do not tell spreads over the whole cube.
+        What they do not show spreads over the whole cube.
         """
         derivative = self.derivative(at)
         if not np.isfinite(derivative).all():

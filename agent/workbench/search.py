@@ -172,7 +172,7 @@ def whitened(objective: Objective, noise: Innovations) -> Whitened:
     else:
         drift = noise.filtered(nuisance_of(record))
         drift[:order] = 0.0
-        # An autoregression nearly takes a level off, yet what is left of it counts as any other.
+        # An autoregression nearly takes a level off, yet what remains of it counts as any other.
         drift /= np.linalg.norm(drift, axis=0)
         target = target_behind(pv, drift, weight, sign)
     return Whitened(objective.model, record, objective.layout, target, objective.space, noise)

@@ -38,7 +38,7 @@ class Trial:
     record: Record
     folds: Folds
     predicts: tuple[Predictor, FloatArray] | None = None
-    """Where the smaller model predicts best; None where that cannot be asked."""
+    """Where the smaller model predicts best; None where that is not known."""
     valves: tuple[ValveStart, ...] = ()
     """That the quantifier found, to start from."""
     instants: FloatArray | None = None

@@ -1,8 +1,8 @@
 """How much more likely a record is if its valve sticks: the free run on the whole band, with its noise.
 
-A load that wanders moves OP while PV stands, and so does a dead band; the error of a free run cannot tell
-them apart. Its innovations can: what of the error of PV could not be foreseen from the error before, if it
-wanders. A slip comes at an instant that only the valve knows; a load leaves the same innovations with and
+A load that wanders moves OP while PV stands, and so does a dead band; the error of a free run cannot
+distinguish them. Its innovations can: what of the error of PV could not be foreseen from the error before, if
+it wanders. A slip comes at an instant that only the valve knows; a load leaves the same innovations with and
 without a sticking valve. See docs/methods/innovations.md.
 """
 
@@ -18,7 +18,7 @@ from agent.analysis.innovations.load_step import with_load_step
 from agent.analysis.innovations.load_wave import with_load_wave
 from agent.analysis.innovations.noise_models import noise_models
 from agent.analysis.innovations.process_search import best_process
-from agent.analysis.innovations.stems import stems_of, told, with_scatter
+from agent.analysis.innovations.stems import stems_of, valve_of, with_scatter
 from agent.analysis.innovations.whitened import log_likelihood
 from agent.analysis.innovations.would_show import chance_to_show
 from agent.analysis.quantify.free_run.found import SLIDES_BELOW
@@ -80,7 +80,7 @@ def innovations_say(window: LoopWindow, found: Quantification) -> InnovationsSay
         return NOTHING_SAID
     sound = log_likelihood(linear, whitened[linear.noise])
     record = _Record(whitened, window.hints, linear, sound, (found.evidence or 0.0) >= SLIDES_BELOW)
-    stems = list(stems_of(told(window, found), whitened, window.hints))
+    stems = list(stems_of(valve_of(window, found), whitened, window.hints))
     ratio, wave, scatter = *_against_load(stems, record), None
     if ratio < ENOUGH_LIKELIHOOD:
         slips = with_scatter(stems, whitened, window.hints)

@@ -29,7 +29,7 @@ EVALUATIONS = 25
 LEAST_ENERGY = 0.05
 """Of the whole response to a step: one that ends with the record sooner is not looked at."""
 ALIKE = 1e-3
-"""Part of the response to a step that OP must leave, to tell the two apart."""
+"""Part of the response to a step that OP must leave, to distinguish the two."""
 
 
 class LoadStep(NamedTuple):

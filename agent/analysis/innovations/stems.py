@@ -24,7 +24,7 @@ LEAST_S = 0.02
 """S below this share of the OP span takes noise off OP, which any record likes a little."""
 
 
-class Told(NamedTuple):
+class FoundValve(NamedTuple):
     """The valve that ``free_run`` found, OP less its least value in OP spans."""
 
     s: float
@@ -38,19 +38,21 @@ class Told(NamedTuple):
         return self.s, self.j
 
 
-def told(window: LoopWindow, found: Quantification) -> Told | None:
+def valve_of(window: LoopWindow, found: Quantification) -> FoundValve | None:
     """Return the valve of an answer; None where it has none."""
     if found.stiction is None or not found.stiction.s.value > 0:
         return None
     moved = found.model_mv if found.sticking is None else found.sticking.mv
     stem = None if moved is None else np.ascontiguousarray((moved - np.nanmin(window.op)) / window.op_span)
-    return Told(found.stiction.s.value / window.op_span, found.stiction.j.value / window.op_span, stem)
+    return FoundValve(found.stiction.s.value / window.op_span, found.stiction.j.value / window.op_span, stem)
 
 
-def stems_of(valve: Told | None, whitened: Sequence[Problem], hints: LoopHints) -> Iterator[StickingStem]:
+def stems_of(
+    valve: FoundValve | None, whitened: Sequence[Problem], hints: LoopHints
+) -> Iterator[StickingStem]:
     """Yield the stem of the valve that was found and of that of a search, with the process behind it.
 
-    A stem counts whether it turns or not: where it stood while OP moved is told by the likelihood, and a load
+    A stem counts whether it turns or not: where it stood while OP moved is what the likelihood shows, and a load
     that did the same is in the innovations of both models. With its stem known, each valve gets the processes
     that the model without one may have.
     """

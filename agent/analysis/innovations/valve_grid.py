@@ -2,7 +2,7 @@
 
 The grid of the search (``agent.identify.search.grid``) takes the first slip to lie where a limit cycle slips
 again and again. Here the stem may stand anywhere that its friction lets it stand, and need not ever turn: a
-record of few moves tells of one stand, and of that alone.
+record of few moves shows one stand, and that alone.
 """
 
 from __future__ import annotations

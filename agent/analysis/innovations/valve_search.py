@@ -48,7 +48,7 @@ S_SHARES = np.geomspace(0.02, 1.0, 18)
 """S of the grid, OP spans."""
 J_RATIOS = np.array([0.0, 0.3, 0.9])
 REST_STEP, FINE_STEP = 0.04, 0.01
-"""Steps of the stem's first rest, OP spans: of the grid, and for the S and J that are told."""
+"""Steps of the stem's first rest, OP spans: of the grid, and for the S and J that are given."""
 LAGS = 3
 ALL = 1e9
 """Periods of a record that is looked at as a whole."""
@@ -56,23 +56,25 @@ DELAYS = 8
 RIGID = STEMS[0]
 """He's valve."""
 STARTS = 4
-"""Cells that go on, of the grid and of what is told, behind each filter."""
+"""Cells that go on, of the grid and of what is given, behind each filter."""
 FINALISTS, WINNERS = 6, 2
 """Valves that are looked at behind all filters, and those that then take more steps."""
 
 
-def best_valve(whitened: Sequence[Problem], hints: LoopHints, told: tuple[float, float] | None) -> Fit | None:
+def best_valve(
+    whitened: Sequence[Problem], hints: LoopHints, given: tuple[float, float] | None
+) -> Fit | None:
     """Return the most likely sticking valve, its process and its noise; None where none moves.
 
     Args:
         whitened: The record behind each filter.
         hints: What the engineer knows.
-        told: S and J of a valve to try as well, OP units.
+        given: S and J of a valve to try as well, OP units.
     """
     rng = np.random.default_rng(0)
     climbed = []
     for noise, problem in enumerate(whitened):
-        for structure, candidate in _starts(problem, hints, told):
+        for structure, candidate in _starts(problem, hints, given):
             fit = fitted(candidate, structure, problem, noise, 30, 0.5)
             if math.isfinite(fit.score):
                 climbed.append(_stepped(fit, problem, 0.3, 60, rng))
@@ -97,12 +99,12 @@ def _stepped(fit: Fit, problem: Problem, scale: float, steps: int, rng: np.rando
 
 
 def _starts(
-    problem: Problem, hints: LoopHints, told: tuple[float, float] | None
+    problem: Problem, hints: LoopHints, given: tuple[float, float] | None
 ) -> Iterator[tuple[int, FloatArray]]:
-    """Yield the best cells of the grid, and of the rests for the valve that is told."""
+    """Yield the best cells of the grid, and of the rests for the valve that is given."""
     yield from _cells(problem, hints, S_SHARES * problem.op_span, J_RATIOS, REST_STEP)
-    if told is not None and told[0] > 0:
-        s, j = told
+    if given is not None and given[0] > 0:
+        s, j = given
         yield from _cells(problem, hints, np.array([s]), np.array([min(j / s, 1.0)]), FINE_STEP)
 
 

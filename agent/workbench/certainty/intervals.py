@@ -67,9 +67,9 @@ class Estimate:
     pv: FloatArray
     """Free run, PV units, (n,)."""
     dependence: Mapping[str, Dependence]
-    """By axis, whether the loop answers OP otherwise there; empty where that cannot be asked."""
+    """By axis, whether the loop answers OP otherwise there; empty where that is not known."""
     happened: float
-    """How likely innovations of a complete model show a load step as large; 1 where that cannot be asked."""
+    """How likely innovations of a complete model show a load step as large; 1 where that is not known."""
     solved: tuple[FittedParameter, ...] = ()
     """What was solved for: gain, heights, amplitude, phase; no gain where PV is the response itself."""
 

@@ -1,7 +1,7 @@
 """How far a parameter can be moved before the record objects: a profile of the likelihood.
 
 The error over S and J is a needle beside others, and over a rate or a stop it is no parabola, so that the
-derivatives at the best tell too little. Here one parameter is moved outward, all others refitted, until the
+derivatives at the best say too little. Here one parameter is moved outward, all others refitted, until the
 innovations, white as they are, are clearly less likely than the best ones. A refit that is likely enough is
 not made better: whether there is one is all that a distance is for.
 Source: Cox and Hinkley, Theoretical Statistics (1974), 9.3.
@@ -31,7 +31,7 @@ others (5349 to 5352) a tenth wider 79 (docs/decisions/0046)."""
 QUANTILE = float(stats.norm.ppf(0.5 + CONFIDENCE / 2))
 """Half of an interval of the books, standard deviations."""
 CLEARLY = (WIDER * QUANTILE) ** 2
-"""Twice the logarithm of how much likelier the best is, from which on a value is told from it."""
+"""Twice the logarithm of how much likelier the best is, from which on a value is distinguished from it."""
 CLEARLY_AT_AN_INSTANT = float(-2 * np.log(1 - np.sqrt(CONFIDENCE)))
 """The same of an instant: it is at most x with a probability of (1 - exp(-x / 2))^2, that of a walk to either
 side (D. Siegmund, Confidence sets in change-point problems, Int. Stat. Rev. 56 (1988) 31)."""

@@ -24,34 +24,6 @@ BOUNDS: dict[str, int] = {}
 HELP_BOUND = 0
 """The same for the help of all commands together."""
 
-REPLACED = (
-    "agent/analysis/innovations/",
-    "agent/analysis/quantify/free_run/",
-    *(
-        f"agent/workbench/{name}"
-        for name in (
-            "candidates",
-            "decision",
-            "doubts",
-            "event_scan",
-            "evidence",
-            "fit.py",
-            "free_memory",
-            "innovations",
-            "intervals",
-            "likelihood_profile",
-            "likeliest",
-            "other_event",
-            "prediction_",
-            "predictor",
-            "search",
-            "trial",
-            "valve_",
-        )
-    ),
-)
-"""Files that one engine is going to replace: their words go with them."""
-
 
 def words_of(path: Path) -> str:
     """Return the prose of a file: all of a page, strings and comments of a module."""
@@ -86,7 +58,7 @@ def files_of() -> dict[str, list[Path]]:
     places: dict[str, list[Path]] = {}
     for path in files:
         name = str(path.relative_to(ROOT))
-        if name != "docs/glossary.md" and not name.startswith(REPLACED):
+        if name != "docs/glossary.md":
             places.setdefault(place_of(path), []).append(path)
     return places
 
