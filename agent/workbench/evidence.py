@@ -63,8 +63,8 @@ class Evidence:
     """Whether it is very strongly supported, each effect that was scored a try."""
     blind: bool = True
     """Whether the blocks that a fit did not see show it. Not where it happened once: refits know when. Nor a
-    load that knows nothing of OP and is no wave, measured or not: slow noise goes along with whatever is slow,
-    in all blocks (C. Granger and P. Newbold, "Spurious regressions in econometrics", 1974)."""
+    load that knows nothing of OP and is no wave, measured or not: slow noise goes along with whatever is
+    slow, in all blocks (C. Granger and P. Newbold, "Spurious regressions in econometrics", 1974)."""
 
 
 def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candidates: int) -> Evidence:

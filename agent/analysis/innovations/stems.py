@@ -52,8 +52,8 @@ def stems_of(
 ) -> Iterator[StickingStem]:
     """Yield the stem of the valve that was found and of that of a search, with the process behind it.
 
-    A stem counts whether it turns or not: where it stood while OP moved is what the likelihood shows, and a load
-    that did the same is in the innovations of both models. With its stem known, each valve gets the processes
+    A stem counts whether it turns or not: the likelihood shows where it stood while OP moved, and a load that
+    did the same is in the innovations of both models. With its stem known, each valve gets the processes
     that the model without one may have.
     """
     stems = [] if valve is None or valve.s < LEAST_S or valve.stem is None else [(valve.stem, valve.bands)]

@@ -1,7 +1,7 @@
 """Predictions whose autoregression is free as well: what its coefficients could do says nothing of values.
 
-In closed loop OP holds the noise, and so does what a move of a parameter does to PV: it is known from the same
-samples as the autoregression, and intervals that take the latter for known are too short.
+In closed loop OP holds the noise, and so does what a move of a parameter does to PV: it is known from the
+same samples as the autoregression, and intervals that take the latter for known are too short.
 Source: L. Ljung, System Identification, 2nd ed., 9.4 and 13.4.
 """
 
