@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from agent.report.numbers import p_words, share_words, tenths
@@ -10,12 +11,15 @@ from agent.workbench.residual.axis_effects import FAMILIES_ON
 from agent.workbench.residual.state_dependence import LEVEL
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
+    from agent.workbench.certainty.intervals import FittedParameter
     from agent.workbench.comparison import Comparison
     from agent.workbench.decision import Candidate
     from agent.workbench.step import Step, Verdict
 
+HARMONICS = 3
+"""Of a wave that are shown."""
 PANELS = 3
 CANDIDATES = 5
 """Lines that are shown of each."""
@@ -39,10 +43,7 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     if found.noise_floor is not None:
         yield f"  noise floor between {found.noise_floor.low:.4g} and {found.noise_floor.high:.4g}"
     yield "parameters, with 90 % intervals"
-    for each in found.steps[-1].numbers:
-        unit = "" if each.unit == "1" else f" {each.unit}"
-        bound = ", at the bound of its search" if each.at_bound else ""
-        yield f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g}){bound}"
+    yield from _parameters(found.steps[-1].numbers)
     yield "where this model fails: share of the residual, p"
     for panel in found.where_it_fails[:PANELS]:
         made_by = f"  made by: {causes_words(panel.axis)}" if panel.p < LEVEL else ""
@@ -57,6 +58,25 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
         percent = f"{tenths(tried.error_reduction_percent):>9} %"
         yield f"  {tried.effect:28}{percent}  {interval}  {chance_words(tried)}"
     yield from _ends(found)
+
+
+def _parameters(numbers: Sequence[FittedParameter]) -> Iterator[str]:
+    """Yield a line for each number; of a wave of edges, which may have twenty harmonics, the first ones."""
+    high = [each for each in numbers if _harmonic(each.name) > HARMONICS]
+    for each in numbers:
+        if each not in high:
+            unit = "" if each.unit == "1" else f" {each.unit}"
+            bound = ", at the bound of its search" if each.at_bound else ""
+            yield f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g}){bound}"
+    if high:
+        last = max(_harmonic(each.name) for each in high)
+        yield f"  amplitudes and phases of harmonics {HARMONICS + 1} to {last}: --json has them"
+
+
+def _harmonic(name: str) -> int:
+    """Return of which multiple of a wave's frequency a number is; 1 of any other number."""
+    number = re.fullmatch(r"[^.]+\.(?:amplitude|phase)_(\d+)", name)
+    return 1 if number is None else int(number[1])
 
 
 def _ends(found: Comparison) -> Iterator[str]:

@@ -19,6 +19,7 @@ from agent.workbench.fit_order import largest_first
 from agent.workbench.folds import Folds, HeldOut, held_out
 from agent.workbench.prediction_search import predictor
 from agent.workbench.solved.fewest_steps import with_steps
+from agent.workbench.solved.more_harmonics import with_more_harmonics
 from agent.workbench.valve_starts import ValveStart, with_valve
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def optimum(trial: Trial) -> Optimum:
         fitted = fit_from(model, record, first.values)
     nested = None if first is None else first.values
     found = _optimum(fitted, record, nested, _where_it_predicts(trial))
-    return _with_fewest_steps(found, record)
+    return with_all_harmonics(_with_fewest_steps(found, record), record)
 
 
 def _with_fewest_steps(found: Optimum, record: Record) -> Optimum:
@@ -128,6 +129,19 @@ def _with_fewest_steps(found: Optimum, record: Record) -> Optimum:
             fewer = _optimum(with_steps(found.fit, record, steps), record)
             if not far_likelier(fewer, found, record):
                 return fewer
+    return found
+
+
+def with_all_harmonics(found: Optimum, record: Record) -> Optimum:
+    """Return a model with as many harmonics of its wave, if it has one, as the record needs.
+
+    Of a load of edges few say little: an autoregression predicts them, and the edges remain.
+    """
+    while (fitted := with_more_harmonics(found.fit, record)) is not None:
+        more = _optimum(fitted, record)
+        if not far_likelier(found, more, record):
+            break
+        found = more
     return found
 
 

@@ -27,12 +27,12 @@ from agent.workbench.residual.holm import LEVEL
 from agent.workbench.shown.excitation import excitation_of, is_hidden_rival
 from agent.workbench.shown.information import Shown, shown_by
 from agent.workbench.shown.score import scores_of, worth_a_fit
-from agent.workbench.solved.more_harmonics import with_more_harmonics
 from agent.workbench.trial import (
     Optimum,
     Tried,
     predicted,
     tried_or_failed,
+    with_all_harmonics,
     with_held_out,
 )
 from agent.workbench.validation import rmse_on
@@ -231,13 +231,8 @@ class Trials:
 
     def with_all_harmonics(self, found: Tried) -> Tried:
         """Return a model with as many harmonics of its wave, if it has one, as the record needs."""
-        while (fitted := with_more_harmonics(found.fit, self.record)) is not None:
-            self.progress("harmonics of the wave", 0, 1)
-            more = self.predicted(fitted)
-            if not far_likelier(found, more, self.record):
-                break
-            found = more
-        return found
+        larger = with_all_harmonics(found, self.record)
+        return found if larger is found else with_held_out(larger, self.record, self.folds)
 
     def without(self, fitted: Fit, name: str) -> Tried:
         """Return the model without one of its effects, refitted from the values that it has."""

@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from agent.workbench.record import Record
 
 
+FASTEST = 0.2
+"""Frequency of the highest harmonic, one over samples."""
+
+
 def with_more_harmonics(fitted: Fit, record: Record) -> Fit | None:
     """Return a model whose wave has twice as many harmonics, fitted again.
 
@@ -24,8 +28,8 @@ def with_more_harmonics(fitted: Fit, record: Record) -> Fit | None:
         return None
     more = replace(wave, harmonics=2 * wave.harmonics)
     names = [name for name, _ in model.parameters(record.facts)]
-    (frequency,) = more.parameters(record.facts)
-    if fitted.values[names.index(f"{wave.name}.{frequency.name}")] >= frequency.high:
+    frequency = float(fitted.values[names.index(f"{wave.name}.frequency")])
+    if more.harmonics * frequency * record.facts.ts >= FASTEST:
         return None
     larger = replace(model, effects=tuple(more if each is wave else each for each in model.effects))
     return refit_from(larger, record, fitted.values)

@@ -8,6 +8,7 @@ import pytest
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.effects import EFFECTS
 from agent.physics.effects.wave import HARMONICS, RepeatingWave
+from agent.report.comparison_text import comparison_lines
 from agent.workbench.session import Workbench
 from agent.workbench.solved.more_harmonics import with_more_harmonics
 from simulators.draws.open_records import open_record
@@ -15,8 +16,12 @@ from simulators.draws.open_records import open_record
 OTHERS = {each.family for each in EFFECTS} - {"disturbance"}
 
 
+def wave_of_fit(fitted):
+    return next(each for each in fitted.model.effects if isinstance(each, RepeatingWave))
+
+
 def wave_of(step):
-    return next(each for each in step.fit.model.effects if isinstance(each, RepeatingWave))
+    return wave_of_fit(step.fit)
 
 
 def window_of(shape):
@@ -56,3 +61,28 @@ def test_a_wave_that_is_too_fast_for_its_harmonics_or_a_model_without_one_gets_n
     assert with_more_harmonics(base, edges.record) is None
     fast = replace(fitted, values=np.concatenate((fitted.values[:-1], [0.06])))
     assert with_more_harmonics(fast, edges.record) is None
+
+
+def test_the_harmonics_of_a_slow_wave_end_at_five_samples(edges):
+    fitted, numbers = edges.step.fit, [HARMONICS]
+    slow = replace(fitted, values=np.concatenate((fitted.values[:-1], [1 / 300.0])))
+    while slow is not None:
+        numbers.append(wave_of_fit(slow).harmonics)
+        found = with_more_harmonics(slow, edges.record)
+        slow = None if found is None else replace(found, values=slow.values)
+    assert max(numbers) / 300.0 <= 0.2 / edges.record.facts.ts < 2 * max(numbers) / 300.0
+
+
+def test_edges_that_three_harmonics_do_not_show_are_confirmed():
+    """Behind an autoregression three harmonics of a sawtooth gain nothing; its edges are what is new."""
+    record = open_record(91580, "bump", "wave")
+    verdict = Workbench(LoopWindow("saw", 0.0, record.scenario.ts, record.op, record.pv)).comparison().verdict
+    assert (verdict.kind, verdict.effect) == ("confirmed", "wave")
+
+
+def test_the_report_shows_the_first_harmonics_of_many(edges):
+    lines = [*comparison_lines(edges.comparison())]
+    assert any(line.startswith("  wave.amplitude_3 ") for line in lines)
+    assert not any(line.startswith("  wave.amplitude_4 ") for line in lines)
+    most = wave_of(edges.step).harmonics
+    assert f"  amplitudes and phases of harmonics 4 to {most}: --json has them" in lines
