@@ -13,7 +13,7 @@ from agent.workbench.checks.mended import LITTLE, mended_by
 from agent.workbench.checks.pairs import far_likelier_than, far_likelier_words, is_beside, likeliest_pair
 from agent.workbench.checks.rivals import against_rivals, hidden_words
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
-from agent.workbench.checks.wave_lines import is_pure, is_wave, or_slow_wave, wave_objections
+from agent.workbench.checks.wave_lines import SLOW, is_wave, or_slow_wave, wave_objections
 from agent.workbench.decision import Decision, judge
 from agent.workbench.doubts import ANSWERS, BY_CHANCE, UNLIKELY, Doubts
 from agent.workbench.evidence import evidence_of, far_likelier
@@ -107,7 +107,8 @@ def judged(
     doubts = Doubts(smaller, models, found, beside_dynamics, beside_pair, pair)
     by_chance = {name: each.by_chance for name, each in found.items()}
     doubts.objections.update(wave_objections(smaller.predicts, models, found))
-    doubts.objections.update(_at_once(found, input_p))
+    answers = SLOW if record.facts.stepped else ANSWERS  # in manual nothing answers PV
+    doubts.objections.update(_at_once(found, input_p, answers))
     if smaller.predicts is not None:
         doubts.objections.update(dict.fromkeys(likelier_otherwise(found), UNLIKELY))
     judge_by = partial(
@@ -119,7 +120,7 @@ def judged(
         by_chance=by_chance,
         input_p=input_p,
         seen={name for name, each in found.items() if not each.blind},
-        likelier={name: each.criterion for name, each in found.items() if not is_pure(models[name].fit)},
+        likelier={name: each.criterion for name, each in found.items() if not is_wave(models[name].fit)},
         comparable=() if smaller.predicts is None else comparable(found),
     )
     decision = or_slow_wave(_or_pair(_undoubted(judge_by, doubts), doubts), found)
@@ -134,14 +135,14 @@ def judged(
     return AllTried(decision, models, frozenset(doubts.lowered))
 
 
-def _at_once(found: Mapping[str, Evidence], input_p: Mapping[str, float]) -> dict[str, str]:
-    """Return what rejects effects by themselves, in words; waves apart."""
+def _at_once(found: Mapping[str, Evidence], input_p: Mapping[str, float], answers: str) -> dict[str, str]:
+    """Return what rejects effects by themselves; waves apart. ``answers``: the words for what acts on OP."""
     objections = {}
     for name, each in found.items():
         if input_p.get(name, 0.0) >= LEVEL or (each.once and not each.explains):
             objections[name] = BY_CHANCE
         elif each.answers and not each.explains:
-            objections[name] = ANSWERS
+            objections[name] = answers
     return objections
 
 

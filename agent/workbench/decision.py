@@ -112,8 +112,8 @@ def judge(
             ``LEVEL`` as well.
         seen: Candidates of which blocks are not blind (``Evidence.blind``): p of their signs does not count,
             only ``by_chance``.
-        likelier: How much likelier the record is with a candidate (``Evidence.criterion``). A wave without
-            harmonics has none: an autoregression predicts it, so that others seem likelier.
+        likelier: How much likelier the record is with a candidate (``Evidence.criterion``). A wave has
+            none: an autoregression predicts it, so that others seem likelier.
         comparable: Candidates that act on OP all the time. Between families of them the likelihood decides
             alone: one that lowers the error, and with which the record is not strongly less likely than with
             the best, cannot be distinguished from it. Not if the best happened once, or is a wave, which

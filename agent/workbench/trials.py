@@ -10,6 +10,7 @@ import numpy as np
 
 from agent.physics.effects import EFFECTS
 from agent.physics.effects.hysteresis import HysteresisEffect
+from agent.physics.effects.wave import RepeatingWave
 from agent.physics.foreign import EffectError
 from agent.workbench.candidates import AllTried, judged, ran_out
 from agent.workbench.checks.lacking import LARGER_DYNAMICS
@@ -214,7 +215,9 @@ class Trials:
 
     def refined(self, found: Tried) -> Tried:
         """Return a model whose last effect was added: with the valve and the harmonics that it needs."""
-        return self.with_all_harmonics(self.with_valve_anew(found))
+        found = self.with_valve_anew(found)
+        tried = isinstance(found.fit.model.effects[-1], RepeatingWave)  # whose trial ended with all of them
+        return found if tried else self.with_all_harmonics(found)
 
     def with_valve_anew(self, found: Tried) -> Tried:
         """Return a model with its valve sought again beside what was added since, if that predicts better."""
