@@ -4,8 +4,13 @@ from dataclasses import replace
 
 import pytest
 
+from agent.analysis.record.recording import LoopWindow
 from agent.report.comparison_text import chance_words
+from agent.workbench.checks.wave_lines import SLOW
 from agent.workbench.decision import Candidate
+from agent.workbench.doubts import ANSWERS
+from agent.workbench.session import Workbench
+from simulators.draws.open_records import open_record
 
 STEP = Candidate("load_step", "disturbance", 29.0, 10.0, 48.0, 0.003)
 
@@ -23,3 +28,11 @@ STEP = Candidate("load_step", "disturbance", 29.0, 10.0, 48.0, 0.003)
 )
 def test_a_share_and_its_p_are_of_the_same_thing(candidate, words):
     assert chance_words(candidate) == words
+
+
+def test_in_manual_no_effect_is_said_to_repeat_a_controller():
+    record = open_record(91580, "steps", "stiction")
+    found = Workbench(LoopWindow("steps", 0.0, record.scenario.ts, record.op, record.pv)).comparison()
+    rejected = {each.effect: each.objection for each in found.candidates}
+    assert rejected["stiction"] == SLOW
+    assert ANSWERS not in rejected.values()

@@ -73,9 +73,10 @@ def test_the_harmonics_of_a_slow_wave_end_at_five_samples(edges):
     assert max(numbers) / 300.0 <= 0.2 / edges.record.facts.ts < 2 * max(numbers) / 300.0
 
 
-def test_edges_that_three_harmonics_do_not_show_are_confirmed():
-    """Behind an autoregression three harmonics of a sawtooth gain nothing; its edges are what is new."""
-    record = open_record(91580, "bump", "wave")
+@pytest.mark.parametrize(("seed", "kind"), [(91580, "bump"), (91605, "prbs")])
+def test_a_sawtooth_is_confirmed_and_no_steps_in_its_place(seed, kind):
+    """Behind an autoregression three harmonics gain nothing, and three steps are as likely as all of them."""
+    record = open_record(seed, kind, "wave")
     verdict = Workbench(LoopWindow("saw", 0.0, record.scenario.ts, record.op, record.pv)).comparison().verdict
     assert (verdict.kind, verdict.effect) == ("confirmed", "wave")
 
