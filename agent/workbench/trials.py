@@ -17,6 +17,7 @@ from agent.workbench.checks.lacking import LARGER_DYNAMICS
 from agent.workbench.decision import judge
 from agent.workbench.evidence import far_likelier
 from agent.workbench.first.begun import Begun
+from agent.workbench.first.deeper import deeper
 from agent.workbench.first.gaining import gaining, gains
 from agent.workbench.first.input_chances import InputChances
 from agent.workbench.first.valves_beside import ValvesBeside
@@ -95,6 +96,14 @@ class Trials:
     def block(self) -> int:
         """Samples of the longest held-out block."""
         return int(np.bincount(self.folds.block[self.folds.block >= 0]).max())
+
+    def deeper(self, step: Step, found: AllTried) -> Tried | None:
+        """Return a model where larger ones show a deeper valley, what was tried on it discarded; or None."""
+        better = deeper(step, found.models.values(), self.record, self.folds)
+        if better is not None:
+            del self._done[step.effects]
+            self._shown.pop(step.effects, None)
+        return better
 
     def known(self, step: Step) -> AllTried | None:
         """Return what was tried on top of a model; None where nothing was."""

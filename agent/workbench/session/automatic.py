@@ -33,7 +33,7 @@ def _add_both(bench: Bench, decision: Decision) -> bool:
 
     Returns whether there is such a rival.
     """
-    found = bench.trials.all_on(bench.step, bench.library)
+    found = bench.tried()
     for name in decision.rivals:
         best, rival = str(decision.effect), bench.effect(name)
         both = bench.trials.both(bench.step, found, best, rival)

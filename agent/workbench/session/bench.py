@@ -23,6 +23,7 @@ from agent.workbench.step import Step, Verdict, step_of
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
+    from agent.workbench.candidates import AllTried
     from agent.workbench.decision import Decision
     from agent.workbench.folds import Folds
     from agent.workbench.record import Record
@@ -178,7 +179,17 @@ class Bench:
         Raises:
             ValueError: The recording is not testable.
         """
-        return self.trials.all_on(self.step, self.library).decision
+        return self.tried().decision
+
+    def tried(self) -> AllTried:
+        """Try all on the newest model, fitted anew where a larger one shows it a deeper valley."""
+        found = self.trials.all_on(self.step, self.library)
+        better = self.trials.deeper(self.step, found)
+        if better is not None:
+            old = self._steps.pop()
+            self.take(better, old.verdict, added=old.added, dropped=old.dropped)
+            found = self.trials.all_on(self.step, self.library)
+        return found
 
     def effect(self, name: str) -> Effect:
         """Return the effect of that name, in the library or not.

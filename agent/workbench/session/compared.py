@@ -33,7 +33,7 @@ def compared(bench: Bench) -> Comparison:
     """Return the staircase of a session, and the verdict on its newest model."""
     if bench.reason is not None:
         return not_testable(bench.window.loop, bench.reason)
-    tried = bench.trials.all_on(bench.step, bench.library)
+    tried = bench.tried()
     fails, spectrum = bench.where_it_fails(), bench.lines()
     candidates, losses = tried.decision.candidates, bench.step.held_out.losses
     rng = np.random.default_rng(0)
