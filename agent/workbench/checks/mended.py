@@ -28,7 +28,7 @@ def mended_by(
     dependence: Mapping[str, Dependence],
     rejected: Collection[str],
 ) -> tuple[Candidate, ...]:
-    """Return the effects of one family with which a failing model fails no more, the best first.
+    """Return the effects with which a failing model fails no more, the least likely by chance first.
 
     Args:
         candidates: On top of the model, the largest reduction first.
@@ -43,8 +43,7 @@ def mended_by(
         for each in candidates
         if each.p < LEVEL and each.objection is None and each.effect not in rejected
     ]
-    mends = [each for each in able if _complete(models[each.effect])]
-    return tuple(each for each in mends if each.family == mends[0].family)
+    return tuple(sorted((each for each in able if _complete(models[each.effect])), key=lambda each: each.p))
 
 
 def _complete(found: Tried) -> bool:

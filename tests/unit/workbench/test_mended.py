@@ -25,7 +25,16 @@ def test_the_lag_that_a_model_fails_without_is_suggested(zero):
     assert (verdict.kind, verdict.family, verdict.lacks) == ("suggested", "extra_lag", (LITTLE,))
 
 
-def test_without_it_nothing_is_suggested(zero):
-    other = Workbench(zero.window, without=("extra_lag",))
+def test_what_else_mends_it_is_named_beside_it(zero):
+    verdict = zero.comparison().verdict
+    assert {"sensor_lag", "second_order", "actuator_lag", "rate_limit"} <= {
+        verdict.effect,
+        *verdict.indistinguishable,
+    }
+
+
+def test_without_any_of_them_nothing_is_suggested(zero):
+    others = ("extra_lag", "valve_speed", "sensor_hysteresis", "process_delay")
+    other = Workbench(zero.window, without=others)
     other.add("inverse_response")
     assert other.comparison().verdict.kind == "none_of_the_known"
