@@ -7,7 +7,7 @@ from agent.analysis.record.recording import LoopWindow
 from agent.workbench.session import Workbench
 
 NOT_TRIED = ("valve_hysteresis", "valve_characteristic", "valve_speed", "extra_lag", "disturbance", "gain")
-NOT_TRIED += ("process_delay",)
+NOT_TRIED += ("process_delay", "sensor_hysteresis")
 """To save time; docs/workbench/cascaded_tanks.md has the whole library."""
 
 
