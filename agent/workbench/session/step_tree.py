@@ -106,6 +106,7 @@ class StepTree:
         if node.comparison is None:
             node.bench.restore(node.steps)
             node.comparison = node.bench.comparison()
+            node.steps = node.bench.staircase()  # the newest may have been fitted anew
         return node.comparison
 
     def quick(self, effect: str) -> FloatArray | None:

@@ -4,7 +4,9 @@ import pytest
 
 from agent.analysis.record.recording import LoopWindow
 from agent.workbench.first.deeper import deeper
+from agent.workbench.hooks import silent
 from agent.workbench.session import Workbench
+from agent.workbench.session.step_tree import StepTree
 from simulators.draws.open_records import open_record
 
 
@@ -31,6 +33,18 @@ def test_what_was_tried_is_then_no_better_for_it(bench):
     found = bench.tried()
     assert found.decision.effect is None
     assert deeper(bench.step, found.models.values(), bench.record, bench.folds) is None
+
+
+def test_a_tree_looks_at_the_model_that_was_fitted_anew(bench):
+    tree = StepTree(bench.window, "fopdt", map, silent)
+    tree.add("inverse_response")
+    before, found = tree.node.step, tree.compared()
+    assert tree.node.step is found.steps[-1]
+    assert tree.node.step.rmse_fit < 0.9 * before.rmse_fit
+    tree.go(0)
+    tree.add("inverse_response")
+    assert tree.node.step is found.steps[-1]
+    assert len(tree.nodes) == 2
 
 
 def test_who_goes_the_same_way_again_gets_the_model_that_was_fitted_anew(bench):
