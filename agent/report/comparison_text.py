@@ -62,14 +62,13 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
 
 def _parameters(numbers: Sequence[FittedParameter]) -> Iterator[str]:
     """Yield a line for each number; of a wave of edges, which may have twenty harmonics, the first ones."""
-    high = [each for each in numbers if _harmonic(each.name) > HARMONICS]
     for each in numbers:
-        if each not in high:
+        if _harmonic(each.name) <= HARMONICS:
             unit = "" if each.unit == "1" else f" {each.unit}"
             bound = ", at the bound of its search" if each.at_bound else ""
             yield f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g}){bound}"
-    if high:
-        last = max(_harmonic(each.name) for each in high)
+    last = max((_harmonic(each.name) for each in numbers), default=1)
+    if last > HARMONICS:
         yield f"  amplitudes and phases of harmonics {HARMONICS + 1} to {last}: --json has them"
 
 

@@ -14,12 +14,13 @@ import numpy as np
 from agent.identify.noise.autoregression import Innovations, innovations
 from agent.workbench.fit import Fit, residual_of
 from agent.workbench.projection import VANISHES, nuisance_part
-from agent.workbench.search import Objective, whitened
+from agent.workbench.search import Objective, objective_of, whitened
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
+    from agent.physics.effect import Effect
     from agent.workbench.search import Whitened
     from agent.workbench.space import Space
 
@@ -142,6 +143,15 @@ class Predictor:
         rest = self.pv - white[:, : white.shape[1] - free.shape[1]].sum(axis=1)
         solved[len(solved) - free.shape[1] :] = np.linalg.lstsq(free, rest, rcond=VANISHES)[0]
         return solved, self.pv - white @ solved
+
+
+def with_effect(predicts: Predictor, effect: Effect) -> Predictor:
+    """Return the predictions of a model with an effect more, behind the same autoregression."""
+    smaller = predicts.objective
+    model = replace(smaller.model, effects=(*smaller.model.effects, effect))
+    objective = objective_of(model, smaller.record, smaller.target)
+    behind = replace(predicts.behind, model=model, layout=objective.layout, space=objective.space)
+    return replace(predicts, objective=objective, behind=behind)
 
 
 def predictor_behind(objective: Objective, model_pv: FloatArray) -> Predictor | None:

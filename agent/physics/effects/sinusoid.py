@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 PADDING = 4
 """Lines of the spectrum for each that the record resolves, so that no wave falls between two."""
+FASTEST = 0.2
+"""Frequency of a wave, one over samples: five samples a cycle."""
 LINES = 6
 """Lines of the spectrum from which a search begins."""
 
@@ -33,7 +35,7 @@ class Sinusoid:
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return the frequency: from three cycles in the record to five samples a cycle."""
-        return (Parameter("frequency", "1/s", 3 / facts.duration, 0.2 / facts.ts),)
+        return (Parameter("frequency", "1/s", 3 / facts.duration, FASTEST / facts.ts),)
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return cosine and sine, (n, 2)."""

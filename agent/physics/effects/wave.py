@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effect import Facts, Parameter, Solved
-from agent.physics.effects.sinusoid import Sinusoid, wave_columns
+from agent.physics.effects.sinusoid import FASTEST, Sinusoid, wave_columns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,7 +30,7 @@ class RepeatingWave(Sinusoid):
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return the frequency: from three cycles in the record to five samples a cycle of a harmonic."""
-        highest = max(0.2 / facts.ts / self.harmonics, 4 / facts.duration)
+        highest = max(FASTEST / facts.ts / self.harmonics, 4 / facts.duration)
         return (Parameter("frequency", "1/s", 3 / facts.duration, highest),)
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:  # noqa: ARG002

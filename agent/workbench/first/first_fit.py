@@ -11,14 +11,14 @@ a search predicts at least as well.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from agent.workbench.library import instants
-from agent.workbench.predictor import renewed
-from agent.workbench.search import best_of, by_slopes, objective_of, spread_about
+from agent.workbench.predictor import renewed, with_effect
+from agent.workbench.search import best_of, by_slopes, spread_about
 from agent.workbench.solved.fewest_steps import NUMBERS_OF_A_STEP, variances_with_fewer
 
 if TYPE_CHECKING:
@@ -62,11 +62,8 @@ def first_fit(
         also: Values of the larger model to begin from besides, own units, (m, k + j); None: there are none.
     """
     record, known = predicts.objective.record, len(best)
-    model = predicts.objective.model
-    model = replace(model, effects=(*model.effects, effect))
-    free_run = objective_of(model, record, predicts.objective.target)
-    space = free_run.space
-    larger = replace(predicts.behind, model=model, layout=free_run.layout, space=space)
+    extended = with_effect(predicts, effect)
+    free_run, larger, space = extended.objective, extended.behind, extended.space
     new = np.arange(len(space)) >= known
     spread = spread_about(np.concatenate((best, np.zeros(len(space) - known))), new, MOVED, 2 * PLACES)
     kept, moved = spread[:PLACES], spread[PLACES:]
@@ -75,7 +72,7 @@ def first_fit(
     ends = [by_slopes(larger, each) for each in starts]
     seen = best_of(free_run, np.vstack((own, spread)), SEEN)
     ends += [by_slopes(free_run, each) for each in seen]
-    found, end = _behind_own_noise(replace(predicts, objective=free_run, behind=larger), ends)
+    found, end = _behind_own_noise(extended, ends)
     count = len(predicts.pv)
     columns = larger.columns(end).shape[1] - predicts.behind.columns(best).shape[1]
     numbers = space.searched - predicts.space.searched + columns + instants(effect, record.facts)

@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from agent.physics.effects.sinusoid import FASTEST
 from agent.physics.effects.wave import RepeatingWave
 from agent.workbench.fit import refit_from
 
 if TYPE_CHECKING:
     from agent.workbench.fit import Fit
     from agent.workbench.record import Record
-
-
-FASTEST = 0.2
-"""Frequency of the highest harmonic, one over samples."""
 
 
 def with_more_harmonics(fitted: Fit, record: Record) -> Fit | None:
