@@ -12,7 +12,7 @@ from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.foreign import EffectError
-from agent.workbench.evidence import far_likelier
+from agent.workbench.evidence import criterion_of, far_likelier
 from agent.workbench.first.first_fit import FirstFit, first_fit
 from agent.workbench.fit import Fit, fit_from, nested_fit, refit, residual_of
 from agent.workbench.fit_order import largest_first
@@ -135,10 +135,12 @@ def _with_fewest_steps(found: Optimum, record: Record) -> Optimum:
 def with_all_harmonics(found: Optimum, record: Record) -> Optimum:
     """Return a model with as many harmonics of its wave, if it has one, as the record needs.
 
-    Of a load of edges few say little: an autoregression predicts them, and the edges remain.
+    Of a load of edges few say little: an autoregression predicts them, and the edges remain. So each number
+    of harmonics is compared behind its own, and the likeliest is fitted.
     """
-    while (fitted := with_more_harmonics(found.fit, record)) is not None:
-        more = _optimum(fitted, record)
+    while larger := with_more_harmonics(found.fit, record):
+        likeliest = max(larger, key=lambda each: criterion_of(found, Optimum(each, None), record))
+        more = _optimum(refit(likeliest, record, record.weight), record)
         if not far_likelier(found, more, record):
             break
         found = more
