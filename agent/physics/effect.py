@@ -78,8 +78,8 @@ class Parameter:
     natural: bool = False
     """Physics sets the bounds, not the search, so a value at a bound is plausible: a share, a ratio."""
     by_law: float = 0.0
-    """Part of its value by which it may differ under another law of the same effect. The true law is not
-    known, so the interval is at least so wide."""
+    """Part of its value by which it may differ under another law of the same effect, or within a sample. The
+    true one is not known, so the interval is at least so wide."""
 
     @property
     def constant(self) -> bool:

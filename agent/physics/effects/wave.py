@@ -29,9 +29,13 @@ class RepeatingWave(Sinusoid):
     """Multiples of the frequency that it has, itself included."""
 
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
-        """Return the frequency: from three cycles in the record to five samples a cycle of a harmonic."""
+        """Return the frequency: from three cycles in the record to five samples a cycle of a harmonic.
+
+        Where an edge lies within a sample is not known, so neither is the length of the record in cycles.
+        """
         highest = max(FASTEST / facts.ts / self.harmonics, 4 / facts.duration)
-        return (Parameter("frequency", "1/s", 3 / facts.duration, highest),)
+        a_sample = facts.ts / facts.duration
+        return (Parameter("frequency", "1/s", 3 / facts.duration, highest, by_law=a_sample),)
 
     def columns(self, time: FloatArray, response: FloatArray, values: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return cosine and sine of each harmonic, (n, 2 ``harmonics``)."""

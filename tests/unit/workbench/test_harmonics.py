@@ -44,6 +44,13 @@ def test_a_load_of_edges_has_more_harmonics_than_the_search(edges):
     assert wave_of(edges.step).harmonics > HARMONICS
 
 
+def test_the_frequency_of_edges_is_known_to_a_sample_in_the_record(edges):
+    (frequency,) = (each for each in edges.step.parameters if each.name == "wave.frequency")
+    a_sample = frequency.value * edges.record.facts.ts / edges.record.facts.duration
+    assert frequency.low <= frequency.value - 0.99 * a_sample
+    assert frequency.high >= frequency.value + 0.99 * a_sample
+
+
 def test_a_load_that_is_a_sinusoid_has_no_more():
     bench = Workbench(window_of("sinusoid"), without=OTHERS)
     bench.add("wave")
