@@ -24,13 +24,14 @@ from agent.identify.objective import (
     STEM_HIGH,
     STEM_LOW,
     S,
-    valve_position,
 )
 from agent.identify.problem import Problem, from_blocks
 from agent.identify.search.population import Candidates
 from agent.identify.search.process_bank import Processes, delays_of, processes_of
+from agent.identify.side_by_side import alike, fill_positions, group_for
 from agent.identify.slices import in_slices
 from agent.jit import kernel
+from agent.lanes import WIDTH
 from agent.physics.valves.damped_stem import GIVE
 
 if TYPE_CHECKING:
@@ -95,18 +96,22 @@ def score(
 ) -> None:
     """Give some of the valves, in place, the process of the bank that explains most of PV behind each."""
     candidates, structures, costs = valves
-    room = room_for(bank, delays)
+    room, group = room_for(bank, delays), group_for(part)
     squares = np.dot(part.pv, part.pv)
-    for i in range(begin, end):
-        candidate = candidates[i]
-        position = valve_position(candidate, part)[: bank.op.size]
-        share, place = best_share(position, bank, delays, LEAST_MOVES, room)
-        k, q = place // delays.size, place % delays.size
-        candidate[LOG_TAU], candidate[LOG_TAU2] = processes.log_tau[k], processes.log_tau2[k]
-        candidate[DELAY] = from_blocks(float(delays[q]), part.block)
-        keep_in_bounds(candidate, part)
-        structures[i] = processes.structure[k]
-        costs[i] = (1.0 - share) * squares
+    order = alike(candidates, begin, end)
+    for first in range(0, order.size, WIDTH):
+        places = order[first : first + WIDTH]
+        fill_positions(candidates, places, part, group)
+        for lane in range(places.size):
+            i = places[lane]
+            position = group.positions[: bank.op.size, lane].copy()
+            share, place = best_share(position, bank, delays, LEAST_MOVES, room)
+            k, q = place // delays.size, place % delays.size
+            candidates[i, LOG_TAU], candidates[i, LOG_TAU2] = processes.log_tau[k], processes.log_tau2[k]
+            candidates[i, DELAY] = from_blocks(float(delays[q]), part.block)
+            keep_in_bounds(candidates[i], part)
+            structures[i] = processes.structure[k]
+            costs[i] = (1.0 - share) * squares
 
 
 @kernel

@@ -23,13 +23,14 @@ from agent.identify.objective import (
     STEM_HIGH,
     STEM_LOW,
     S,
-    valve_position,
 )
 from agent.identify.problem import Problem
-from agent.identify.process_columns import Passes, pass_high, passes_for
+from agent.identify.process_columns import passes_for
 from agent.identify.search.price import price
+from agent.identify.side_by_side import alike, fill_positions, group_for, pass_all_high
 from agent.identify.slices import in_slices
 from agent.jit import kernel
+from agent.lanes import WIDTH
 from agent.physics.valves.damped_stem import GIVE
 
 S_BINS, STRUCTURES = 16, 3
@@ -126,22 +127,6 @@ def alone(i: int, population: Candidates, chosen: IntArray, distance: float, ran
 
 
 @kernel
-def cost_of(
-    candidate: FloatArray,
-    structure: int,
-    problem: Problem,
-    squares: float,
-    evaluations: int,
-    room: Passes,
-    give_up: float,
-) -> float:
-    """Fit a candidate's process behind its valve, in place; return what it costs."""
-    factor = price(candidate, structure, problem, counted_blocks(problem))
-    pass_high(valve_position(candidate, problem), problem, room.passed)
-    return factor * fit_process(candidate, structure, problem, squares, evaluations, room, give_up / factor)
-
-
-@kernel
 def counted_blocks(problem: Problem) -> float:
     """Return the number of blocks that count."""
     count = 0.0
@@ -173,18 +158,22 @@ def refit(
 def _refit(
     population: Candidates, problem: Problem, evaluations: int, begin: int, end: int, give_up: float
 ) -> None:
-    squares = np.dot(problem.pv, problem.pv)
-    room = passes_for(problem)
-    for i in range(begin, end):
-        population.costs[i] = cost_of(
-            population.candidates[i],
-            population.structures[i],
-            problem,
-            squares,
-            evaluations,
-            room,
-            give_up,
-        )
+    candidates, structures, costs = population
+    squares, counted = np.dot(problem.pv, problem.pv), counted_blocks(problem)
+    room, group = passes_for(problem), group_for(problem)
+    order = alike(candidates, begin, end)
+    for first in range(0, order.size, WIDTH):
+        places = order[first : first + WIDTH]
+        fill_positions(candidates, places, problem, group)
+        pass_all_high(problem, group)
+        for lane in range(places.size):
+            i = places[lane]
+            room.passed[:] = group.passed[lane]
+            factor = price(candidates[i], structures[i], problem, counted)
+            error = fit_process(
+                candidates[i], structures[i], problem, squares, evaluations, room, give_up / factor
+            )
+            costs[i] = factor * error
 
 
 def periods_of(problem: Problem) -> float:

