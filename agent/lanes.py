@@ -44,6 +44,11 @@ def no_lane() -> Mask:
     return np.zeros(WIDTH, dtype=np.bool_)
 
 
+def all_lanes() -> Mask:
+    """Return a mask that is true in all lanes."""
+    return np.ones(WIDTH, dtype=np.bool_)
+
+
 def load(rows: Rows, row: int) -> Lanes:
     """Return a row as lanes."""
     return np.array(rows[row])
@@ -57,6 +62,11 @@ def store(rows: Rows, row: int, lanes: Lanes) -> None:
 def where(mask: Mask, one: Lanes | float, other: Lanes | float) -> Lanes:
     """Return ``one`` in the lanes where the mask is true, ``other`` in the others."""
     return np.asarray(np.where(mask, one, other))
+
+
+def fused(one: Lanes | float, other: Lanes | float, addend: Lanes | float) -> Lanes:
+    """Return ``one`` times ``other`` plus ``addend``, in one instruction: rounded once."""
+    return np.asarray(one * other + addend)
 
 
 def choose(mask: Mask, one: Mask, other: Mask) -> Mask:
@@ -254,7 +264,7 @@ def _any(builder: ir.IRBuilder, mask: ir.Value) -> ir.Value:
 
 
 _ARITHMETIC = {"add": "fadd", "sub": "fsub", "mul": "fmul", "truediv": "fdiv"}
-_COMPARISONS = {"lt": "<", "le": "<=", "gt": ">", "ge": ">="}
+_COMPARISONS = {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "!="}
 for _name, _op in _ARITHMETIC.items():
     _define(getattr(operator, _name), LANES, (LANES, LANES), lambda b, x, y, op=_op: getattr(b, op)(x, y))
 for _name, _op in _COMPARISONS.items():
@@ -265,9 +275,11 @@ _define(operator.or_, MASK, (MASK, MASK), lambda b, x, y: b.or_(x, y))
 _define(operator.invert, MASK, (MASK,), lambda b, x: b.not_(x))
 _define(splat, LANES, (types.float64,), _splat)
 _define(no_lane, MASK, (), lambda _: ir.Constant(_MASK, [0] * WIDTH))
+_define(all_lanes, MASK, (), lambda _: ir.Constant(_MASK, [1] * WIDTH))
 _define(where, LANES, (MASK, LANES, LANES), lambda b, m, x, y: b.select(m, x, y))
 _define(choose, MASK, (MASK, MASK, MASK), lambda b, m, x, y: b.select(m, x, y))
 _define(any_of, types.boolean, (MASK,), _any)
+_define(fused, LANES, (LANES, LANES, LANES), _product_and_sum)
 _define(smaller, LANES, (LANES, LANES), lambda b, x, y: b.select(b.fcmp_ordered("<", x, y), x, y))
 _define(larger, LANES, (LANES, LANES), lambda b, x, y: b.select(b.fcmp_ordered(">", x, y), x, y))
 _define(least_of, types.float64, (LANES,), lambda b, x: _intrinsic(b, "vector.reduce.fmin", _NUMBER, x))

@@ -9,25 +9,29 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from agent.analysis.quantify.free_run.problem import SLOW, in_spans
-from agent.identify.arrays import FloatArray
-from agent.identify.gauss_newton import error_at, step_from
-from agent.identify.objective import FOPDT, SOPDT, valve_position
+from agent.identify.arrays import FloatArray, IntArray
+from agent.identify.gauss_newton import GIVE_UP, ProcessFits, fit_processes, fits_for, processes_at, steps_of
+from agent.identify.objective import FOPDT, valve_position
 from agent.identify.problem import Problem
 from agent.identify.process_columns import (
-    Passes,
-    delayed_products,
+    delay_paths,
+    fill_columns,
     fill_response,
-    fill_ways,
-    pass_high,
-    passes_for,
-    response_products,
+    products_of_columns,
+    products_of_start_up,
+    products_with_nuisance,
 )
+from agent.identify.search.children import generation
+from agent.identify.search.cycle import STRUCTURES, possible_of
 from agent.identify.search.grid import valves_of_grid
+from agent.identify.side_by_side import CandidateGroup, alike, fill_positions, group_for, pass_high
 from agent.jit import fused_kernel, kernel
+from agent.lanes import WIDTH, splat
 from benchmarks.cases.options import Options
 from benchmarks.looked_once import window_of
 from benchmarks.tables.markdown import table
@@ -35,9 +39,9 @@ from benchmarks.tables.markdown import table
 SEED = 8200
 LATENCY = 4
 """Cycles of a product-and-sum (AMD Zen and Intel since Skylake)."""
-A_CYCLE = 8
-"""Products-and-sums of doubles a cycle at best: two pipes of four lanes (AVX2)."""
-REPEATS, RUNS = 20, 400
+A_CYCLE = 16
+"""Products-and-sums of doubles a cycle at best: two pipes of eight lanes (AVX-512)."""
+REPEATS, RUNS = 5, 400
 """The least of many short runs: a longer one is interrupted on a machine that is shared."""
 CHAIN = 1_000
 """Length of the chain in a pass."""
@@ -45,7 +49,7 @@ CHAIN = 1_000
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
-    """One kernel with what it does for a block of the record."""
+    """One kernel with what it does for a block of the record of one candidate."""
 
     name: str
     call: Callable[[], object]
@@ -58,15 +62,14 @@ class Kernel:
 
 
 def run(options: Options) -> None:
-    """Print the table for one loop of 1500 samples in blocks of one."""
+    """Print the table for one loop of 1500 samples in blocks of one, and children of one generation."""
     del options
     window = window_of(SEED, "stiction")
     problem = in_spans(window, SLOW)
     if isinstance(problem, str):
         raise TypeError(problem)
-    valve = valves_of_grid(problem, (FOPDT,)).sorted(1).candidates[0]
     cycle = seconds(lambda: chain(1.0, 0.999, 0.002)) / CHAIN / LATENCY
-    rows = [row(each, len(problem.pv), cycle) for each in kernels(problem, valve)]
+    rows = [row(each, len(problem.pv), cycle) for each in kernels(problem)]
     columns = (
         "kernel",
         "operations a block",
@@ -75,35 +78,52 @@ def run(options: Options) -> None:
         "share of the peak, %",
         "of the chain, %",
     )
-    print(
-        table(f"### Kernels of the search, {len(problem.pv)} blocks, {1e-9 / cycle:.1f} GHz", columns, rows)
-    )
+    title = f"### Kernels of the search, a candidate, {len(problem.pv)} blocks, {1e-9 / cycle:.1f} GHz"
+    print(table(title, columns, rows))
 
 
-def kernels(problem: Problem, valve: FloatArray) -> list[Kernel]:
-    """Return the kernels, ready to be called on a record and the valve of a candidate."""
-    room = passes_for(problem)
-    position = valve_position(valve, problem)
-    pass_high(position, problem, room.passed)
-    ways, products = room.ways, room.products
+def kernels(problem: Problem) -> list[Kernel]:
+    """Return the kernels, ready to be called on a record and a group of candidates."""
+    parents = valves_of_grid(problem, (FOPDT,)).sorted(20)
+    rng = np.random.default_rng(SEED)
+    grown = generation(parents, 12, 0.02, problem, possible_of(STRUCTURES), rng)
+    places = alike(grown.candidates, 0, len(grown.costs))[:WIDTH]
+    group, fits = group_for(problem), fits_for(problem)
+    fits.values[GIVE_UP] = np.inf
+    members = Members(grown.candidates, grown.structures, places)
+    one = grown.candidates[places[0]]
+    positions(members, problem, group)
+    high_passes(problem, group)
+    delays(members, problem, group, fits)
     return [
-        Kernel("valve_position", lambda: valves(valve, problem), 0, 16, 0),
-        Kernel("pass_high", lambda: high_passes(position, problem, room), 3, 16, 1),
-        Kernel("fill_ways", lambda: all_ways(room.passed, ways), 6, 40, 1),
-        Kernel("delayed_products", lambda: all_products(ways, problem, products), 48, 112, 0),
-        Kernel("step_from", lambda: steps(valve, problem, room), 54, 152, 1),
-        Kernel("fill_response", lambda: responses(room.passed, ways), 3, 24, 1),
-        Kernel("response_products", lambda: products_of_response(ways, problem, products), 8, 56, 0),
-        Kernel("error_at", lambda: errors(valve, problem, room), 11, 80, 1),
+        Kernel("one stem alone", lambda: alone(one, problem), 0, 16 * WIDTH, 0),
+        Kernel("stems", lambda: positions(members, problem, group), 0, 16, 0),
+        Kernel("high pass", lambda: high_passes(problem, group), 3, 16, 1),
+        Kernel("delay", lambda: delays(members, problem, group, fits), 0, 16, 0),
+        Kernel("response and its derivatives", lambda: columns_of(problem, fits), 16, 40, 1),
+        Kernel("their sums of products", lambda: sums(problem, fits), 14, 32, 1),
+        Kernel("with the nuisance", lambda: with_nuisance(problem, fits), 12, 32, 1),
+        Kernel("with the start-up", lambda: with_start_up(problem, fits), 0, 32, 1),
+        Kernel("last pass: response and sums", lambda: responses(problem, fits), 10, 16, 1),
+        Kernel("steps", lambda: steps(members, problem, fits), 0, 0, 0),
+        Kernel("a fit of three passes", lambda: all_of_it(members, problem, group, fits), 0, 0, 0),
     ]
+
+
+class Members(NamedTuple):
+    """Candidates of a group."""
+
+    candidates: FloatArray
+    structures: IntArray
+    places: IntArray
 
 
 def row(of: Kernel, blocks: int, cycle: float) -> tuple[str, ...]:
     """Return what is measured of a kernel: time, share of the peak, and share of what its chain allows."""
-    a_block = seconds(of.call) / blocks
-    peak = f"{100 * of.operations * cycle / A_CYCLE / a_block:.0f}" if of.operations else "branches"
-    chained = f"{100 * of.waits * LATENCY * cycle / a_block:.0f}" if of.waits else ""
-    return of.name, str(of.operations or ""), str(of.moved), f"{1e9 * a_block:.2f}", peak, chained
+    a_block = seconds(of.call) / blocks / WIDTH
+    peak = f"{100 * of.operations * cycle / A_CYCLE / a_block:.0f}" if of.operations else ""
+    chained = f"{100 * of.waits * LATENCY * cycle / WIDTH / a_block:.0f}" if of.waits else ""
+    return of.name, str(of.operations or ""), str(of.moved or ""), f"{1e9 * a_block:.2f}", peak, chained
 
 
 def seconds(call: Callable[[], object]) -> float:
@@ -121,59 +141,83 @@ def seconds(call: Callable[[], object]) -> float:
 
 
 @kernel
-def valves(valve: FloatArray, problem: Problem) -> None:
-    """Repeat the stem."""
-    for _ in range(REPEATS):
+def alone(valve: FloatArray, problem: Problem) -> None:
+    """Repeat one stem as often as there are lanes."""
+    for _ in range(REPEATS * WIDTH):
         valve_position(valve, problem)
 
 
 @kernel
-def high_passes(position: FloatArray, problem: Problem, room: Passes) -> None:
+def positions(members: Members, problem: Problem, group: CandidateGroup) -> None:
+    """Repeat the stems."""
+    for _ in range(REPEATS):
+        fill_positions(members.candidates, members.places, problem, group)
+
+
+@kernel
+def high_passes(problem: Problem, group: CandidateGroup) -> None:
     """Repeat the high pass."""
     for _ in range(REPEATS):
-        pass_high(position, problem, room.passed)
+        pass_high(problem, group)
 
 
 @kernel
-def all_ways(passed: FloatArray, ways: FloatArray) -> None:
-    """Repeat response, derivatives and start-up."""
+def delays(members: Members, problem: Problem, group: CandidateGroup, fits: ProcessFits) -> None:
+    """Repeat the delays."""
+    processes = processes_at(members.candidates, members.structures, members.places, fits)
     for _ in range(REPEATS):
-        fill_ways(passed, 0.9, 0.5, ways)
+        delay_paths(processes, group.passed, problem, fits.passes)
 
 
 @kernel
-def responses(passed: FloatArray, ways: FloatArray) -> None:
-    """Repeat response and start-up."""
+def columns_of(problem: Problem, fits: ProcessFits) -> None:
+    """Repeat response and derivatives."""
     for _ in range(REPEATS):
-        fill_response(passed, 0.9, 0.5, ways)
+        fill_columns(splat(0.9), splat(0.5), splat(0.4), problem, fits.passes)
 
 
 @kernel
-def all_products(ways: FloatArray, problem: Problem, products: FloatArray) -> None:
-    """Repeat the sums over all columns."""
+def sums(problem: Problem, fits: ProcessFits) -> None:
+    """Repeat the sums over the columns."""
     for _ in range(REPEATS):
-        delayed_products(ways, 5, 0.4, problem, products)
+        products_of_columns(problem, fits.passes)
 
 
 @kernel
-def products_of_response(ways: FloatArray, problem: Problem, products: FloatArray) -> None:
-    """Repeat the sums over the response."""
+def with_nuisance(problem: Problem, fits: ProcessFits) -> None:
+    """Repeat those with the nuisance."""
     for _ in range(REPEATS):
-        response_products(ways, 5, 0.4, problem, products)
+        products_with_nuisance(problem, fits.passes)
 
 
 @kernel
-def steps(valve: FloatArray, problem: Problem, room: Passes) -> None:
-    """Repeat a whole pass with its step."""
+def with_start_up(problem: Problem, fits: ProcessFits) -> None:
+    """Repeat those with the start-up."""
+    pole = splat(0.9)
     for _ in range(REPEATS):
-        step_from(valve, SOPDT, problem, 1.0, room)
+        products_of_start_up(pole, pole > 0.0, problem, fits.passes)
 
 
 @kernel
-def errors(valve: FloatArray, problem: Problem, room: Passes) -> None:
-    """Repeat the last pass."""
+def responses(problem: Problem, fits: ProcessFits) -> None:
+    """Repeat response and its sums."""
     for _ in range(REPEATS):
-        error_at(valve, SOPDT, problem, 1.0, room)
+        fill_response(splat(0.9), splat(0.5), splat(0.4), problem, fits.passes)
+
+
+@kernel
+def steps(members: Members, problem: Problem, fits: ProcessFits) -> None:
+    """Repeat the steps."""
+    processes = processes_at(members.candidates, members.structures, members.places, fits)
+    for _ in range(REPEATS):
+        steps_of(processes, problem, 1.0, fits)
+
+
+@kernel
+def all_of_it(members: Members, problem: Problem, group: CandidateGroup, fits: ProcessFits) -> None:
+    """Repeat whole fits."""
+    for _ in range(REPEATS):
+        fit_processes(members.candidates, members.structures, members.places, problem, 3, group.passed, fits)
 
 
 @fused_kernel

@@ -9,35 +9,47 @@ Kaufman's approximation, BIT 15 (1975) 49: the derivatives are multiplied by the
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from agent.identify.arrays import FloatArray
-from agent.identify.objective import (
-    AT_ONCE,
-    DELAY,
-    INTEGRATOR,
-    LEAST_LOG_TAU,
-    LOG_TAU,
-    LOG_TAU2,
-    SOPDT,
-)
-from agent.identify.problem import Problem, to_blocks
+from agent.identify.arrays import FloatArray, IntArray
+from agent.identify.objective import AT_ONCE, DELAY, INTEGRATOR, LEAST_LOG_TAU, LOG_TAU, LOG_TAU2, SOPDT
+from agent.identify.problem import Problem
 from agent.identify.process_columns import (
+    BY_DELAY,
+    BY_POLE,
+    BY_POLE2,
+    COLUMNS,
+    NUISANCE_FROM,
     PV,
+    RESPONSE,
     START_UP,
     Passes,
-    delayed_products,
-    fill_response,
-    fill_ways,
+    Processes,
+    fill_products,
+    fill_products_of_response,
+    passes_for,
     poles_of,
-    response_products,
-    start_up_and_response,
-    start_up_products,
+    product,
 )
 from agent.jit import kernel
+from agent.lanes import (
+    WIDTH,
+    Lanes,
+    Mask,
+    Rows,
+    all_lanes,
+    any_of,
+    exp,
+    larger,
+    load,
+    no_lane,
+    smaller,
+    splat,
+    store,
+    where,
+)
 
 SEEN = 1e-6
 """Share of a column that must remain beside nuisance and other columns: rounding has less than a hundredth of
@@ -57,206 +69,268 @@ HOPE = 0.7
 """Share of the error that a Gauss-Newton step predicts which a process may reach at best by further steps."""
 
 
-class ProcessStep(NamedTuple):
-    """Error of a process behind a path, and the step to a better one."""
+RIGHT = COLUMNS
+"""Place of the right-hand side, and then of the solution, in a row of the normal equations."""
+ROW = COLUMNS + 1
+TAU, DEAD, TAU2, KIND, GIVE_UP, ERROR = range(6)
+"""Rows of ``values``: log tau, delay (samples), log tau2, structure, and (PV units squared) the error above
+which a fit is of no interest and the one found."""
+VALUES = 6
 
-    error: float
+
+class ProcessFits(NamedTuple):
+    """Room for the fits of the processes of a group to one record."""
+
+    passes: Passes
+    normal: Rows
+    """The normal equations less their projection on the nuisance, (COLUMNS * ROW, ``WIDTH``)."""
+    values: Rows
+    """Of the candidates, on their way to lanes and back, (``VALUES``, ``WIDTH``)."""
+
+
+class ProcessStep(NamedTuple):
+    """Errors of processes behind their paths, and the steps to better ones."""
+
+    error: Lanes
     """Sum of squares, PV units squared."""
-    predicted: float
+    predicted: Lanes
     """Of the linearised model after the step."""
-    log_tau: float
-    log_tau2: float
-    delay: float
+    log_tau: Lanes
+    delay: Lanes
     """samples"""
+    log_tau2: Lanes
 
 
 @kernel
-def step_from(
-    candidate: FloatArray, structure: int, problem: Problem, squares: float, room: Passes
-) -> ProcessStep:
-    """Return the exact error of a candidate's process behind ``room.passed``, and the step to a better one.
+def fits_for(problem: Problem) -> ProcessFits:
+    """Return room for a record."""
+    return ProcessFits(passes_for(problem), np.empty((COLUMNS * ROW, WIDTH)), np.empty((VALUES, WIDTH)))
+
+
+@kernel
+def fit_processes(
+    candidates: FloatArray,
+    structures: IntArray,
+    places: IntArray,
+    problem: Problem,
+    evaluations: int,
+    passed: Rows,
+    fits: ProcessFits,
+) -> None:
+    """Improve the processes of the candidates of a group in place, each behind its path.
 
     Args:
-        candidate: Within bounds.
-        structure: Of its process.
+        candidates: Within bounds; their valves stay, (k, SIZE).
+        structures: Of their processes, (k,).
+        places: Of the candidates of the group, one to ``WIDTH``.
         problem: The record.
-        squares: Sum of squares of PV, PV units squared.
-        room: With the path in ``passed``.
+        evaluations: Passes over the record, at most.
+        passed: The paths, high-passed but for a factor, OP units, (m, ``WIDTH``).
+        fits: ``values[GIVE_UP]`` is given; takes ``values[ERROR]``. A fit ends where it gains little, and
+            where even a further step cannot get below ``GIVE_UP``.
     """
-    block = problem.block
-    pole, pole2 = poles_of(candidate, structure, block)
-    fill_ways(room.passed, pole, pole2, room.ways)
-    whole, part = delay_of(candidate, problem)
-    g, a = room.products, room.normal
-    delayed_products(room.ways, whole, part, problem, g)
-    lags = structure != INTEGRATOR
-    if lags:
-        start_up_products(room.ways, whole, part, problem, g)
-    for i in range(5):
-        for j in range(i, 5):
-            a[i, j] = a[j, i] = beside_nuisance(g, i, j) if lags or j < START_UP else 0.0
-        a[i, PV] = g[i, PV] if lags or i < START_UP else 0.0
-    error, gain, starts = least_error(g, structure, problem.gain_sign, squares)
-    if gain == 0.0:
-        return ProcessStep(error, error, 0.0, 0.0, 0.0)
-    used = (
-        True,
-        lags,
-        structure == SOPDT and pole2 > 1e-4,
-        problem.fixed_delay == 0.0,
-        starts,
+    best = processes_at(candidates, structures, places, fits)
+    give_up, squares = load(fits.values, GIVE_UP), np.dot(problem.pv, problem.pv)
+    goes_on, error, tried = all_lanes(), splat(np.inf), best
+    log_tau = delay = log_tau2 = splat(0.0)  # the step
+    for evaluation in range(evaluations):
+        if 0 < evaluation == evaluations - 1:
+            fill_products_of_response(tried, passed, problem, fits.passes)
+            now = least_errors(tried, problem, squares, fits.passes)[0]
+            better = goes_on & (now < error)
+            best, error = chosen(better, tried, best), where(better, now, error)
+            break
+        fill_products(tried, passed, problem, fits.passes)
+        step = steps_of(tried, problem, squares, fits)
+        better = goes_on & (step.error < error)
+        gains = error - step.error >= CONVERGED * step.error
+        best, error = chosen(better, tried, best), where(better, step.error, error)
+        log_tau = where(better, step.log_tau, SHORTER * log_tau)
+        delay = where(better, step.delay, SHORTER * delay)
+        log_tau2 = where(better, step.log_tau2, SHORTER * log_tau2)
+        moves = (log_tau != 0.0) | (delay != 0.0) | (log_tau2 != 0.0)
+        goes_on = goes_on & (~better | (gains & moves & (HOPE * step.predicted <= give_up)))
+        if not any_of(goes_on):
+            break
+        tried = within_bounds(best, log_tau, delay, log_tau2, problem)
+    write_back(best, error, candidates, places, fits)
+
+
+@kernel
+def processes_at(
+    candidates: FloatArray, structures: IntArray, places: IntArray, fits: ProcessFits
+) -> Processes:
+    """Return the processes of the candidates at some places; the last one has all lanes that remain."""
+    values = fits.values
+    for lane in range(WIDTH):
+        i = places[min(lane, places.size - 1)]
+        values[TAU, lane], values[DEAD, lane] = candidates[i, LOG_TAU], candidates[i, DELAY]
+        values[TAU2, lane], values[KIND, lane] = candidates[i, LOG_TAU2], structures[i]
+    kind = load(values, KIND)
+    lags, second = kind != float(INTEGRATOR), kind == float(SOPDT)
+    return Processes(load(values, TAU), load(values, DEAD), load(values, TAU2), lags, second)
+
+
+@kernel
+def write_back(
+    best: Processes, error: Lanes, candidates: FloatArray, places: IntArray, fits: ProcessFits
+) -> None:
+    """Write processes into their candidates, and their errors into ``values``."""
+    values = fits.values
+    store(values, TAU, best.log_tau)
+    store(values, DEAD, best.delay)
+    store(values, TAU2, best.log_tau2)
+    store(values, ERROR, error)
+    for lane in range(places.size):
+        i = places[lane]
+        candidates[i, LOG_TAU], candidates[i, DELAY] = values[TAU, lane], values[DEAD, lane]
+        candidates[i, LOG_TAU2] = values[TAU2, lane]
+
+
+@kernel
+def chosen(mask: Mask, one: Processes, other: Processes) -> Processes:
+    """Return ``one`` where the mask is true, ``other`` elsewhere; both have the same structures."""
+    return Processes(
+        where(mask, one.log_tau, other.log_tau),
+        where(mask, one.delay, other.delay),
+        where(mask, one.log_tau2, other.log_tau2),
+        one.lags,
+        one.second,
     )
-    predicted = solve(a, used, squares)
-    scale = a[0, PV]
-    if scale * gain <= 0.0:
-        return ProcessStep(error, error, 0.0, 0.0, 0.0)
-    tau, tau2 = math.exp(candidate[LOG_TAU]), math.exp(max(AT_ONCE, candidate[LOG_TAU2]))
-    by_tau = clipped(a[1, PV] / scale / max(pole * block / tau, 1e-12), LONGEST[0]) if used[1] else 0.0
-    by_tau2 = clipped(a[2, PV] / scale / max(pole2 * block / tau2, 1e-12), LONGEST[1]) if used[2] else 0.0
-    by_delay = clipped(a[3, PV] / scale, LONGEST[2]) * block if used[3] else 0.0
-    return ProcessStep(error, max(0.0, min(predicted, error)), by_tau, by_tau2, by_delay)
 
 
 @kernel
-def error_at(candidate: FloatArray, structure: int, problem: Problem, squares: float, room: Passes) -> float:
-    """Return the error of ``step_from`` alone, in a third of the time: the last pass needs no step."""
-    pole, pole2 = poles_of(candidate, structure, problem.block)
-    fill_response(room.passed, pole, pole2, room.ways)
-    whole, part = delay_of(candidate, problem)
-    response_products(room.ways, whole, part, problem, room.products)
-    if structure != INTEGRATOR:
-        start_up_and_response(room.ways, whole, part, problem, room.products)
-    return float(least_error(room.products, structure, problem.gain_sign, squares)[0])
+def within_bounds(
+    processes: Processes, log_tau: Lanes, delay: Lanes, log_tau2: Lanes, problem: Problem
+) -> Processes:
+    """Return processes moved by a step, within bounds."""
+    tau = smaller(larger(processes.log_tau + log_tau, LEAST_LOG_TAU), problem.max_log_tau)
+    tau2 = smaller(larger(processes.log_tau2 + log_tau2, LEAST_LOG_TAU), tau)
+    moved = smaller(larger(processes.delay + delay, 1.0), problem.max_delay)
+    if problem.fixed_delay > 0.0:
+        moved = splat(problem.fixed_delay)
+    return Processes(tau, moved, tau2, processes.lags, processes.second)
 
 
 @kernel
-def delay_of(candidate: FloatArray, problem: Problem) -> tuple[int, float]:
-    """Return the delay of a candidate: whole blocks, and the part of one that is left."""
-    lag = to_blocks(candidate[DELAY], problem.block)
-    whole = min(int(lag), problem.pv.size - 2)
-    return whole, lag - whole
-
-
-@kernel
-def beside_nuisance(g: FloatArray, i: int, j: int) -> float:
-    """Return the product of two columns less that of their projections on the nuisance."""
-    return float(g[i, j] - (g[i, 6] * g[j, 6] + g[i, 7] * g[j, 7] + g[i, 8] * g[j, 8]))
-
-
-@kernel
-def least_error(
-    g: FloatArray,
-    structure: int,
-    gain_sign: int,
-    squares: float,
-) -> tuple[float, float, bool]:
-    """Return the least sum of squares of response, start-up and nuisance, the gain, and whether it starts up.
+def least_errors(
+    processes: Processes, problem: Problem, squares: float, room: Passes
+) -> tuple[Lanes, Lanes, Mask]:
+    """Return the least sums of squares of response, start-up and nuisance, the gains, and which start up.
 
     The gain is 0 where the response has no gain of the right sign, or is not seen beside the nuisance.
     """
-    response = beside_nuisance(g, 0, 0)
-    if response <= SEEN * g[0, 0] or g[0, 0] == 0.0:
-        return squares, 0.0, False
-    if structure != INTEGRATOR:
-        start_up, both = beside_nuisance(g, START_UP, START_UP), beside_nuisance(g, 0, START_UP)
-        determinant = response * start_up - both**2
-        if start_up > START_UP_SEEN * g[START_UP, START_UP] and determinant > SEEN * response * start_up:
-            gain = (g[0, PV] * start_up - g[START_UP, PV] * both) / determinant
-            level = (g[START_UP, PV] * response - g[0, PV] * both) / determinant
-            if gain * gain_sign < 0.0:
-                return squares - g[START_UP, PV] ** 2 / start_up, 0.0, True
-            return max(0.0, squares - gain * g[0, PV] - level * g[START_UP, PV]), gain, True
-    gain = g[0, PV] / response
-    if gain * gain_sign < 0.0:
-        return squares, 0.0, False
-    return max(0.0, squares - gain * g[0, PV]), gain, False
+    sign = float(problem.gain_sign)
+    all_of_it, with_pv = product(room, RESPONSE, RESPONSE), product(room, RESPONSE, PV)
+    response = beside_nuisance(room, RESPONSE, RESPONSE)
+    seen = (response > SEEN * all_of_it) & (all_of_it > 0.0)
+    start_up, both = beside_nuisance(room, START_UP, START_UP), beside_nuisance(room, RESPONSE, START_UP)
+    starts_pv = product(room, START_UP, PV)
+    determinant = response * start_up - both * both
+    starts = (
+        seen
+        & processes.lags
+        & (start_up > START_UP_SEEN * product(room, START_UP, START_UP))
+        & (determinant > SEEN * response * start_up)
+    )
+    gain = where(starts, (with_pv * start_up - starts_pv * both) / determinant, with_pv / response)
+    level = where(starts, (starts_pv * response - with_pv * both) / determinant, 0.0)
+    right = seen & (gain * sign >= 0.0)
+    alone = where(starts, squares - starts_pv * starts_pv / start_up, squares)
+    error = where(right, larger(0.0, squares - gain * with_pv - level * starts_pv), alone)
+    return error, where(right, gain, 0.0), starts
 
 
 @kernel
-def clipped(value: float, most: float) -> float:
-    """Return the value within +-``most``."""
-    return min(most, max(-most, value))
+def beside_nuisance(room: Passes, i: int, j: int) -> Lanes:
+    """Return the product of two columns less that of their projections on the nuisance."""
+    one, two, three = NUISANCE_FROM, NUISANCE_FROM + 1, NUISANCE_FROM + 2
+    projected = product(room, i, one) * product(room, j, one)
+    projected = projected + product(room, i, two) * product(room, j, two)
+    projected = projected + product(room, i, three) * product(room, j, three)
+    return product(room, i, j) - projected
 
 
 @kernel
-def solve(a: FloatArray, used: tuple[bool, bool, bool, bool, bool], squares: float) -> float:
-    """Solve the normal equations (5, 6) in place for the columns used; return the error that they leave.
+def steps_of(processes: Processes, problem: Problem, squares: float, fits: ProcessFits) -> ProcessStep:
+    """Return the exact errors of processes and the steps to better ones, from ``fits.passes.products``."""
+    room, block = fits.passes, problem.block
+    error, gain, starts = least_errors(processes, problem, squares, room)
+    pole, pole2 = poles_of(processes, block)
+    by_pole2 = processes.second & (pole2 > 1e-4)
+    by_delay = no_lane() if problem.fixed_delay > 0.0 else all_lanes()
+    fill_normal(room, fits.normal, (all_lanes(), processes.lags, by_pole2, by_delay, starts))
+    scale, predicted = solve(fits.normal, squares)
+    goes = (gain != 0.0) & (scale * gain > 0.0)
+    per_tau = larger(pole * block / exp(processes.log_tau), 1e-12)
+    per_tau2 = larger(pole2 * block / exp(larger(processes.log_tau2, AT_ONCE)), 1e-12)
+    by_tau, by_tau2 = solved(fits, BY_POLE) / scale / per_tau, solved(fits, BY_POLE2) / scale / per_tau2
+    by_delay_blocks = solved(fits, BY_DELAY) / scale
+    return ProcessStep(
+        error,
+        where(goes, larger(0.0, smaller(predicted, error)), error),
+        where(goes & processes.lags, clipped(by_tau, LONGEST[0]), 0.0),
+        where(goes & by_delay, clipped(by_delay_blocks, LONGEST[2]) * block, 0.0),
+        where(goes & by_pole2, clipped(by_tau2, LONGEST[1]), 0.0),
+    )
 
-    The solution stands in the last column. Derivatives are damped.
+
+@kernel
+def clipped(lanes: Lanes, most: float) -> Lanes:
+    """Return the numbers within +-``most``."""
+    return smaller(most, larger(-most, lanes))
+
+
+@kernel
+def solved(fits: ProcessFits, column: int) -> Lanes:
+    """Return the solution for a column."""
+    return load(fits.normal, ROW * column + RIGHT)
+
+
+@kernel
+def fill_normal(room: Passes, normal: Rows, used: tuple[Mask, Mask, Mask, Mask, Mask]) -> None:
+    """Fill the normal equations of the columns that are used; of the others the solution is zero.
+
+    Derivatives are damped.
     """
-    right = (a[0, PV], a[1, PV], a[2, PV], a[3, PV], a[4, PV])
-    for i in range(5):
-        if not used[i] or a[i, i] <= 0.0:
-            for j in range(5):
-                a[i, j] = a[j, i] = 0.0
-            a[i, i], a[i, PV] = 1.0, 0.0
-        else:
-            a[i, i] *= 1.0 + (RIDGE if 0 < i < START_UP else 1e-9)
-    for i in range(5):
-        pivot = a[i, i]
-        if abs(pivot) < 1e-300:
-            return squares
-        for r in range(5):
-            share = a[r, i] / pivot
-            if r != i and share != 0.0:
-                for j in range(i, 6):
-                    a[r, j] -= share * a[i, j]
-    left = squares
-    for i in range(5):
-        a[i, PV] /= a[i, i]
-        left -= a[i, PV] * right[i]
-    return left
+    for i, may in enumerate(used):
+        square = beside_nuisance(room, i, i)
+        ridge = RIDGE if 0 < i < START_UP else 1e-9
+        uses = may & (square > 0.0)
+        store(normal, ROW * i + i, where(uses, square * (1.0 + ridge), 1.0))
+        store(normal, ROW * i + RIGHT, where(uses, product(room, i, PV), 0.0))
+        for j, may_too in enumerate(used):
+            if j > i:
+                both_used = uses & may_too & (beside_nuisance(room, j, j) > 0.0)
+                both = where(both_used, beside_nuisance(room, i, j), 0.0)
+                store(normal, ROW * i + j, both)
+                store(normal, ROW * j + i, both)
 
 
 @kernel
-def fit_process(
-    candidate: FloatArray,
-    structure: int,
-    problem: Problem,
-    squares: float,
-    evaluations: int,
-    room: Passes,
-    give_up: float = np.inf,
-) -> float:
-    """Improve a candidate's process in place behind the path in ``room.passed``; return its error.
-
-    Args:
-        candidate: Within bounds; its valve stays.
-        structure: Of its process.
-        problem: The record.
-        squares: Sum of squares of PV, PV units squared.
-        evaluations: Passes over the record, at most.
-        room: With the path in ``passed``.
-        give_up: Error above which it is of no interest; where even a further step cannot get below, it ends.
-    """
-    step = step_from(candidate, structure, problem, squares, room)
-    best = step.error
-    if step.log_tau == 0.0 and step.log_tau2 == 0.0 and step.delay == 0.0:
-        return best
-    if HOPE * step.predicted > give_up:
-        return best
-    tau, tau2, delay = candidate[LOG_TAU], candidate[LOG_TAU2], candidate[DELAY]
-    share = 1.0
-    for further in range(evaluations - 1, 0, -1):
-        candidate[LOG_TAU] = min(max(tau + share * step.log_tau, LEAST_LOG_TAU), problem.max_log_tau)
-        candidate[LOG_TAU2] = min(max(tau2 + share * step.log_tau2, LEAST_LOG_TAU), candidate[LOG_TAU])
-        candidate[DELAY] = min(max(delay + share * step.delay, 1.0), problem.max_delay)
-        if problem.fixed_delay > 0.0:
-            candidate[DELAY] = problem.fixed_delay
-        if further == 1:
-            error = error_at(candidate, structure, problem, squares, room)
-            if error < best:
-                return error
-            break
-        tried = step_from(candidate, structure, problem, squares, room)
-        if tried.error < best:
-            gained = best - tried.error
-            best, step = tried.error, tried
-            tau, tau2, delay = candidate[LOG_TAU], candidate[LOG_TAU2], candidate[DELAY]
-            share = 1.0
-            if gained < CONVERGED * best or HOPE * step.predicted > give_up:
-                break
-        else:
-            share *= SHORTER
-    candidate[LOG_TAU], candidate[LOG_TAU2], candidate[DELAY] = tau, tau2, delay
-    return best
+def solve(normal: Rows, squares: float) -> tuple[Lanes, Lanes]:
+    """Solve the normal equations in place; return the gains, and the errors that the solution leaves."""
+    left = splat(squares)
+    right = (
+        load(normal, RIGHT),
+        load(normal, ROW + RIGHT),
+        load(normal, 2 * ROW + RIGHT),
+        load(normal, 3 * ROW + RIGHT),
+        load(normal, 4 * ROW + RIGHT),
+    )
+    singular = left < 0.0
+    for i in range(COLUMNS):
+        pivot = load(normal, ROW * i + i)
+        singular = singular | ((pivot < 1e-300) & (pivot > -1e-300))
+        inverse = 1.0 / pivot
+        for r in range(COLUMNS):
+            if r != i:
+                share = load(normal, ROW * r + i) * inverse
+                for j in range(i, ROW):
+                    changed = load(normal, ROW * r + j) - share * load(normal, ROW * i + j)
+                    store(normal, ROW * r + j, changed)
+    for i, before in enumerate(right):
+        solution = load(normal, ROW * i + RIGHT) / load(normal, ROW * i + i)
+        store(normal, ROW * i + RIGHT, solution)
+        left = left - solution * before
+    return load(normal, RIGHT), where(singular, squares, left)

@@ -10,7 +10,7 @@ from agent.identify.arrays import FloatArray, IntArray
 from agent.identify.objective import S, valve_of
 from agent.identify.problem import Problem
 from agent.jit import kernel
-from agent.lanes import WIDTH, Lanes, Rows, load, splat, store
+from agent.lanes import WIDTH, Rows, fused, load, splat, store
 from agent.physics.valves.many_stems import DAMPING, F_D, F_S, GIVE, REST, SUPPLY, VALUES, X0, move_stems
 
 
@@ -21,15 +21,15 @@ class CandidateGroup(NamedTuple):
     """From ``fill_valves``."""
     positions: Rows
     """Of their stems, OP units, (n, ``WIDTH``)."""
-    passed: FloatArray
-    """Block means of the positions, high-passed but for a factor, OP units, (``WIDTH``, m)."""
+    passed: Rows
+    """Block means of the positions, high-passed but for a factor, OP units, (m, ``WIDTH``)."""
 
 
 @kernel
 def group_for(problem: Problem) -> CandidateGroup:
     """Return room for a record."""
     n, m = problem.op.size, problem.pv.size
-    return CandidateGroup(np.empty((VALUES, WIDTH)), np.empty((n, WIDTH)), np.empty((WIDTH, m)))
+    return CandidateGroup(np.empty((VALUES, WIDTH)), np.empty((n, WIDTH)), np.empty((m, WIDTH)))
 
 
 @kernel
@@ -57,25 +57,16 @@ def fill_positions(candidates: FloatArray, places: IntArray, problem: Problem, g
 
 
 @kernel
-def mean_of_block(positions: Rows, b: int, block: int) -> Lanes:
-    """Return the means of one block of all positions, OP units."""
-    total = load(positions, b * block)
-    for t in range(b * block + 1, (b + 1) * block):
-        total = total + load(positions, t)
-    return total * (1.0 / block)
-
-
-@kernel
-def pass_all_high(problem: Problem, group: CandidateGroup) -> None:
-    """Fill ``passed`` from ``positions``; see ``process_columns.pass_high``."""
-    positions, passed, block = group.positions, group.passed, problem.block
-    former = mean_of_block(positions, 0, block)
-    high = splat(0.0)
-    row = np.empty((1, WIDTH))
-    for b in range(passed.shape[1]):
-        mean = mean_of_block(positions, b, block)
-        high = problem.keep * high + (mean - former)
+def pass_high(problem: Problem, group: CandidateGroup) -> None:
+    """Fill ``passed`` with the block means of the positions behind the high pass, but for its factor."""
+    positions, block, share = group.positions, problem.block, 1.0 / problem.block
+    former = high = splat(0.0)
+    for b in range(len(group.passed)):
+        total = load(positions, b * block)
+        for t in range(b * block + 1, (b + 1) * block):
+            total = total + load(positions, t)
+        mean = total * share
+        if b > 0:
+            high = fused(problem.keep, high, mean - former)
         former = mean
-        store(row, 0, high)
-        for lane in range(WIDTH):
-            passed[lane, b] = row[0, lane]
+        store(group.passed, b, high)

@@ -21,7 +21,6 @@ from agent.lanes import (
     where,
 )
 
-
 UNITS = 2
 
 

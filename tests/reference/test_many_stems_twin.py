@@ -22,7 +22,7 @@ def op_of(random, n=400):
 
 
 def valves_of(random):
-    """Valves of every kind: wide and narrow bands, none at all, quick and slow stems, stiff and soft bristles."""
+    """Valves of every kind: wide and narrow bands, quick and slow stems, stiff and soft bristles."""
     valves = np.empty((VALUES, WIDTH))
     s = random.uniform(0.1, 8, WIDTH)
     j = s * random.choice([0.0, 1.0, random.uniform()], WIDTH)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 
 from agent.identify.bounds import keep_in_bounds
-from agent.identify.gauss_newton import fit_process, step_from
+from agent.identify.gauss_newton import ERROR, GIVE_UP, fit_processes, fits_for, processes_at, steps_of
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -26,12 +26,15 @@ from agent.identify.objective import (
     process_error,
     valve_position,
 )
-from agent.identify.process_columns import pass_high, passes_for
+from agent.identify.process_columns import fill_products
 from agent.identify.search.anywhere import valves_from_anywhere
 from agent.identify.search.children import generation, scattered
 from agent.identify.search.cycle import STRUCTURES, possible_of
-from agent.identify.search.population import S_BINS, apart, reach
+from agent.identify.search.population import S_BINS, apart, reach, refit
 from agent.identify.search.price import DEAR, DEAR_BRISTLES, price
+from agent.identify.side_by_side import fill_positions, group_for, pass_high
+from agent.jit import kernel
+from agent.lanes import WIDTH, store
 from tests.reference import gauss_newton_by_hand as slow
 from tests.reference.test_free_run_twin import FEW, SEEDS, candidate_of, problem_of
 
@@ -48,52 +51,99 @@ def assert_guarded(error, exact):
 
 
 def prepared(seed):
+    """A record, and a candidate with the room for its fits: alone in its group, so in each lane."""
     problem = problem_of(seed, acting="reverse")
     candidate = candidate_of(seed, problem)
     candidate[LOG_TAU] = max(candidate[LOG_TAU], SLOW)
     candidate[LOG_TAU2] = candidate[LOG_TAU] - 1.0
     keep_in_bounds(candidate, problem)
-    position = valve_position(candidate, problem)
-    room = passes_for(problem)
-    pass_high(position, problem, room.passed)
-    return problem, candidate, position, room
+    group, fits = group_for(problem), fits_for(problem)
+    fill_positions(candidate[None], ALONE, problem, group)
+    pass_high(problem, group)
+    fits.values[GIVE_UP] = np.inf
+    return problem, candidate, group.passed, fits
+
+
+ALONE = np.zeros(1, dtype=np.int64)
+
+
+@kernel
+def first_step(candidates, structures, problem, passed, fits, found):
+    """Fill error, predicted error, and step in log tau, delay and log tau2, (5, ``WIDTH``)."""
+    processes = processes_at(candidates, structures, ALONE, fits)
+    fill_products(processes, passed, problem, fits.passes)
+    step = steps_of(processes, problem, np.dot(problem.pv, problem.pv), fits)
+    store(found, 0, step.error)
+    store(found, 1, step.predicted)
+    store(found, 2, step.log_tau)
+    store(found, 3, step.delay)
+    store(found, 4, step.log_tau2)
+
+
+def step_of(candidate, structure, problem, passed, fits):
+    """Return the error, the predicted one, and the step in log tau and delay."""
+    found = np.empty((5, WIDTH))
+    first_step(candidate[None], np.array([structure]), problem, passed, fits, found)
+    assert (found == found[:, :1]).all()
+    return found[:4, 0]
+
+
+def fitted(candidate, structure, problem, evaluations, passed, fits):
+    """Fit the process of a candidate in place; return its error."""
+    fit_processes(candidate[None], np.array([structure]), ALONE, problem, evaluations, passed, fits)
+    return fits.values[ERROR, 0]
 
 
 @pytest.mark.parametrize("structure", [FOPDT, SOPDT, INTEGRATOR])
 @FEW
 @given(SEEDS)
 def test_the_error_of_a_step_is_the_free_run_error(structure, seed):
-    problem, candidate, position, room = prepared(seed)
-    found = step_from(candidate, structure, problem, float(problem.pv @ problem.pv), room)
-    assert_guarded(found.error, process_error(position, candidate, structure, problem))
-    assert_guarded(found.error, slow.error(candidate, structure, problem, position, problem.gain_sign))
+    problem, candidate, passed, fits = prepared(seed)
+    position = valve_position(candidate, problem)
+    error, *_ = step_of(candidate, structure, problem, passed, fits)
+    assert_guarded(error, process_error(position, candidate, structure, problem))
+    assert_guarded(error, slow.error(candidate, structure, problem, position, problem.gain_sign))
 
 
 @pytest.mark.parametrize("structure", [FOPDT, SOPDT])
 @FEW
 @given(SEEDS)
 def test_a_step_is_that_of_dense_least_squares(structure, seed):
-    problem, candidate, position, room = prepared(seed)
+    problem, candidate, passed, fits = prepared(seed)
     candidate[DELAY] = 4.3  # between two blocks the response has a derivative
-    found = step_from(candidate, structure, problem, float(problem.pv @ problem.pv), room)
-    left, step = slow.step(candidate, structure, problem, position)
-    if found.error < float(problem.pv @ problem.pv) and abs(step[0]) < 0.3 and abs(step[2]) < 1.0:
-        assert found.predicted == pytest.approx(left, rel=0.02)
+    error, predicted, log_tau, delay = step_of(candidate, structure, problem, passed, fits)
+    left, step = slow.step(candidate, structure, problem, valve_position(candidate, problem))
+    if error < float(problem.pv @ problem.pv) and abs(step[0]) < 0.3 and abs(step[2]) < 1.0:
+        assert predicted == pytest.approx(left, rel=0.02)
         if structure == FOPDT:  # two lags and a delay are so alike that the damping turns the step along them
-            assert found.log_tau == pytest.approx(step[0], abs=0.05 + 0.4 * abs(step[0]))
-            assert found.delay == pytest.approx(step[2], abs=0.15 + 0.4 * abs(step[2]))
+            assert log_tau == pytest.approx(step[0], abs=0.05 + 0.4 * abs(step[0]))
+            assert delay == pytest.approx(step[2], abs=0.15 + 0.4 * abs(step[2]))
 
 
 @FEW
 @given(SEEDS)
 def test_fitting_a_process_never_makes_it_worse_and_reports_its_own_error(seed):
-    problem, candidate, position, room = prepared(seed)
-    squares = float(problem.pv @ problem.pv)
-    before = step_from(candidate, FOPDT, problem, squares, room).error
-    error = fit_process(candidate, FOPDT, problem, squares, 8, room)
+    problem, candidate, passed, fits = prepared(seed)
+    before, *_ = step_of(candidate, FOPDT, problem, passed, fits)
+    error = fitted(candidate, FOPDT, problem, 8, passed, fits)
     assert error <= before
     if candidate[LOG_TAU] >= SLOW:
-        assert_guarded(error, process_error(position, candidate, FOPDT, problem))
+        assert_guarded(error, process_error(valve_position(candidate, problem), candidate, FOPDT, problem))
+
+
+@FEW
+@given(SEEDS)
+def test_an_error_is_the_same_alone_and_among_others(seed):
+    problem = problem_of(seed)
+    rng = np.random.default_rng(seed)
+    begun = valves_from_anywhere(2 * WIDTH + 3, problem, problem, STRUCTURES, rng)
+    together = generation(begun, 2, 0.05, problem, POSSIBLE, rng)
+    for k in range(0, len(together.costs), 7):
+        alone = together.take(np.array([k]))
+        refit(alone, problem, 1)
+        among = together.take(np.arange(len(together.costs)))
+        refit(among, problem, 1)
+        assert alone.costs[0] == among.costs[k]
 
 
 @FEW

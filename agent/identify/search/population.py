@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agent.identify.arrays import FloatArray, IntArray
-from agent.identify.gauss_newton import fit_process
+from agent.identify.gauss_newton import ERROR, GIVE_UP, fit_processes, fits_for
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -25,9 +25,8 @@ from agent.identify.objective import (
     S,
 )
 from agent.identify.problem import Problem
-from agent.identify.process_columns import passes_for
 from agent.identify.search.price import price
-from agent.identify.side_by_side import alike, fill_positions, group_for, pass_all_high
+from agent.identify.side_by_side import alike, fill_positions, group_for, pass_high
 from agent.identify.slices import in_slices
 from agent.jit import kernel
 from agent.lanes import WIDTH
@@ -159,21 +158,20 @@ def _refit(
     population: Candidates, problem: Problem, evaluations: int, begin: int, end: int, give_up: float
 ) -> None:
     candidates, structures, costs = population
-    squares, counted = np.dot(problem.pv, problem.pv), counted_blocks(problem)
-    room, group = passes_for(problem), group_for(problem)
+    counted = counted_blocks(problem)
+    group, fits, factors = group_for(problem), fits_for(problem), np.empty(WIDTH)
     order = alike(candidates, begin, end)
     for first in range(0, order.size, WIDTH):
         places = order[first : first + WIDTH]
-        fill_positions(candidates, places, problem, group)
-        pass_all_high(problem, group)
         for lane in range(places.size):
             i = places[lane]
-            room.passed[:] = group.passed[lane]
-            factor = price(candidates[i], structures[i], problem, counted)
-            error = fit_process(
-                candidates[i], structures[i], problem, squares, evaluations, room, give_up / factor
-            )
-            costs[i] = factor * error
+            factors[lane] = price(candidates[i], structures[i], problem, counted)
+            fits.values[GIVE_UP, lane] = give_up / factors[lane]
+        fill_positions(candidates, places, problem, group)
+        pass_high(problem, group)
+        fit_processes(candidates, structures, places, problem, evaluations, group.passed, fits)
+        for lane in range(places.size):
+            costs[places[lane]] = factors[lane] * fits.values[ERROR, lane]
 
 
 def periods_of(problem: Problem) -> float:
