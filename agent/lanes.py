@@ -121,13 +121,10 @@ LOG_TERMS = 9
 """Of the series of log in ((x - 1)/(x + 1))^2, sqrt(1/2) < x < sqrt(2), likewise."""
 LN2, REST_OF_LN2 = 6.93147180369123816490e-01, 1.90821492927058770002e-10
 """ln 2 in two parts, the first with trailing zeros, so that its multiples are exact (FreeBSD's msun)."""
-ROUNDS = 1.5 * 2.0**52
-"""A number added to it becomes an integer, whose bits are then the last ones of the sum."""
-ROUNDS_BITS = 0x4338 << 48
-"""The bits of ``ROUNDS``."""
-MANTISSA = 52
-"""Bits of a mantissa; the exponent stands above them."""
-SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
+ROUNDS, ROUNDS_BITS = 1.5 * 2.0**52, 0x4338 << 48
+"""A number added to it becomes an integer, whose bits are then the last ones of the sum; its own bits."""
+MANTISSA, SQRT_HALF_BITS = 52, 0x3FE6A09E667F3BCD
+"""Bits of a mantissa, above which the exponent stands; all bits of sqrt(1/2)."""
 
 
 Emit = Callable[..., ir.Value]
@@ -293,17 +290,7 @@ def _row(builder: ir.IRBuilder, first: ir.Value, row: ir.Value) -> ir.Value:
     return builder.bitcast(place, _LANES.as_pointer())
 
 
-def _load(builder: ir.IRBuilder, first: ir.Value, row: ir.Value) -> ir.Value:
-    lanes = builder.load(_row(builder, first, row))
-    lanes.align = ALIGNED
-    return lanes
-
-
-def _store(builder: ir.IRBuilder, first: ir.Value, row: ir.Value, lanes: ir.Value) -> ir.Value:
-    written = builder.store(lanes, _row(builder, first, row))
-    written.align = ALIGNED
-    return written
-
-
-_define(load, LANES, (ROWS, types.intp), _load)
-_define(store, types.void, (ROWS, types.intp, LANES), _store)
+_define(load, LANES, (ROWS, types.intp), lambda b, x, row: b.load(_row(b, x, row), align=ALIGNED))
+_define(
+    store, types.void, (ROWS, types.intp, LANES), lambda b, x, row, y: b.store(y, _row(b, x, row), ALIGNED)
+)

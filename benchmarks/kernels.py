@@ -15,10 +15,20 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.problem import SLOW, in_spans
 from agent.identify.arrays import FloatArray, IntArray
-from agent.identify.gauss_newton import GIVE_UP, ProcessFits, fit_processes, fits_for, processes_at, steps_of
 from agent.identify.objective import FOPDT, valve_position
 from agent.identify.problem import Problem
-from agent.identify.process_columns import (
+from agent.identify.search.children import generation
+from agent.identify.search.cycle import STRUCTURES, possible_of
+from agent.identify.search.grid import valves_of_grid
+from agent.identify.side_by_side.gauss_newton import (
+    GIVE_UP,
+    ProcessFits,
+    fit_processes,
+    fits_for,
+    processes_at,
+)
+from agent.identify.side_by_side.positions import CandidateGroup, alike, fill_positions, group_for, pass_high
+from agent.identify.side_by_side.process_columns import (
     delay_paths,
     fill_columns,
     fill_response,
@@ -26,10 +36,7 @@ from agent.identify.process_columns import (
     products_of_start_up,
     products_with_nuisance,
 )
-from agent.identify.search.children import generation
-from agent.identify.search.cycle import STRUCTURES, possible_of
-from agent.identify.search.grid import valves_of_grid
-from agent.identify.side_by_side import CandidateGroup, alike, fill_positions, group_for, pass_high
+from agent.identify.side_by_side.process_step import steps_of
 from agent.jit import fused_kernel, kernel
 from agent.lanes import WIDTH, splat
 from benchmarks.cases.options import Options
@@ -210,7 +217,7 @@ def steps(members: Members, problem: Problem, fits: ProcessFits) -> None:
     """Repeat the steps."""
     processes = processes_at(members.candidates, members.structures, members.places, fits)
     for _ in range(REPEATS):
-        steps_of(processes, problem, 1.0, fits)
+        steps_of(processes, problem, 1.0, fits.passes, fits.normal)
 
 
 @kernel

@@ -9,7 +9,7 @@ was made.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from agent.physics.processes.decimation import block_means
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+Delay = TypeVar("Delay", float, FloatArray)
 
 BLOCKS_PER_PERIOD = 40
 """Samples of a period that are kept; fewer would blur the slips."""
@@ -280,7 +282,7 @@ def smooth_speed(op: FloatArray, period: float) -> float:
 
 
 @kernel
-def to_blocks(delay: float, block: int) -> float:
+def to_blocks(delay: Delay, block: int) -> Delay:
     """Return the lag in blocks of a delay in samples, from the block's end to its middle."""
     return (delay - 1.0) / block + (block + 1.0) / (2.0 * block)
 

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 
 from agent.identify.bounds import keep_in_bounds
-from agent.identify.gauss_newton import ERROR, GIVE_UP, fit_processes, fits_for, processes_at, steps_of
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -26,13 +25,15 @@ from agent.identify.objective import (
     process_error,
     valve_position,
 )
-from agent.identify.process_columns import fill_products
 from agent.identify.search.anywhere import valves_from_anywhere
 from agent.identify.search.children import generation, scattered
 from agent.identify.search.cycle import STRUCTURES, possible_of
 from agent.identify.search.population import S_BINS, apart, reach, refit
 from agent.identify.search.price import DEAR, DEAR_BRISTLES, price
-from agent.identify.side_by_side import fill_positions, group_for, pass_high
+from agent.identify.side_by_side.gauss_newton import ERROR, GIVE_UP, fit_processes, fits_for, processes_at
+from agent.identify.side_by_side.positions import fill_positions, group_for, pass_high
+from agent.identify.side_by_side.process_columns import fill_products
+from agent.identify.side_by_side.process_step import steps_of
 from agent.jit import kernel
 from agent.lanes import WIDTH, store
 from tests.reference import gauss_newton_by_hand as slow
@@ -72,7 +73,7 @@ def first_step(candidates, structures, problem, passed, fits, found):
     """Fill error, predicted error, and step in log tau, delay and log tau2, (5, ``WIDTH``)."""
     processes = processes_at(candidates, structures, ALONE, fits)
     fill_products(processes, passed, problem, fits.passes)
-    step = steps_of(processes, problem, np.dot(problem.pv, problem.pv), fits)
+    step = steps_of(processes, problem, np.dot(problem.pv, problem.pv), fits.passes, fits.normal)
     store(found, 0, step.error)
     store(found, 1, step.predicted)
     store(found, 2, step.log_tau)

@@ -28,7 +28,7 @@ from agent.identify.objective import (
 from agent.identify.problem import Problem, from_blocks
 from agent.identify.search.population import Candidates
 from agent.identify.search.process_bank import Processes, delays_of, processes_of
-from agent.identify.side_by_side import alike, fill_positions, group_for
+from agent.identify.side_by_side.positions import alike, fill_positions, group_for
 from agent.identify.slices import in_slices
 from agent.jit import kernel
 from agent.lanes import WIDTH

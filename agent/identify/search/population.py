@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from agent.identify.arrays import FloatArray, IntArray
-from agent.identify.gauss_newton import ERROR, GIVE_UP, fit_processes, fits_for
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -26,7 +25,8 @@ from agent.identify.objective import (
 )
 from agent.identify.problem import Problem
 from agent.identify.search.price import price
-from agent.identify.side_by_side import alike, fill_positions, group_for, pass_high
+from agent.identify.side_by_side.gauss_newton import ERROR, GIVE_UP, fit_processes, fits_for
+from agent.identify.side_by_side.positions import alike, fill_positions, group_for, pass_high
 from agent.identify.slices import in_slices
 from agent.jit import kernel
 from agent.lanes import WIDTH

@@ -43,8 +43,8 @@ LEAST_EXPONENT = -700.0
 """Of a pole; it is zero from there on."""
 
 
-class Processes(NamedTuple):
-    """Processes of a group, one a lane."""
+class ProcessLanes(NamedTuple):
+    """ProcessLanes of a group, one a lane."""
 
     log_tau: Lanes
     """log of samples"""
@@ -88,7 +88,7 @@ def passes_for(problem: Problem) -> Passes:
 
 
 @kernel
-def poles_of(processes: Processes, block: int) -> tuple[Lanes, Lanes]:
+def poles_of(processes: ProcessLanes, block: int) -> tuple[Lanes, Lanes]:
     """Return both poles a block; 1 for an integrator, 0 where there is no second lag."""
     tau2 = exp(larger(smaller(processes.log_tau2, processes.log_tau), AT_ONCE))
     pole = exp(larger(-block / exp(processes.log_tau), LEAST_EXPONENT))
@@ -97,7 +97,7 @@ def poles_of(processes: Processes, block: int) -> tuple[Lanes, Lanes]:
 
 
 @kernel
-def delay_paths(processes: Processes, passed: Rows, problem: Problem, room: Passes) -> Lanes:
+def delay_paths(processes: ProcessLanes, passed: Rows, problem: Problem, room: Passes) -> Lanes:
     """Fill ``delayed`` from the high-passed paths (m, ``WIDTH``); return the delays beyond whole blocks."""
     m, whole, delayed = len(passed), room.whole, room.delayed
     lag = to_blocks(processes.delay, problem.block)
@@ -120,7 +120,7 @@ def delay_paths(processes: Processes, passed: Rows, problem: Problem, room: Pass
 
 
 @kernel
-def fill_products(processes: Processes, passed: Rows, problem: Problem, room: Passes) -> None:
+def fill_products(processes: ProcessLanes, passed: Rows, problem: Problem, room: Passes) -> None:
     """Fill the products of all columns of the processes behind the high-passed paths (m, ``WIDTH``)."""
     part = delay_paths(processes, passed, problem, room)
     pole, pole2 = poles_of(processes, problem.block)
@@ -131,7 +131,7 @@ def fill_products(processes: Processes, passed: Rows, problem: Problem, room: Pa
 
 
 @kernel
-def fill_products_of_response(processes: Processes, passed: Rows, problem: Problem, room: Passes) -> None:
+def fill_products_of_response(processes: ProcessLanes, passed: Rows, problem: Problem, room: Passes) -> None:
     """Fill those products only which the error needs: of the response and of the start-up."""
     part = delay_paths(processes, passed, problem, room)
     pole, pole2 = poles_of(processes, problem.block)
