@@ -31,12 +31,9 @@ if TYPE_CHECKING:
     from agent.identify.arrays import FloatArray, IntArray
     from agent.identify.problem import Problem
 
-# Chosen on simulated loops (the trial of reference/search.md, and seeds 40000 to 40121 of random_plants; the
-# thinning on 93500 to 93859).
+# Chosen on simulated loops (the trial of reference/search.md, and seeds 40000 to 40121 of random_plants).
 FEWEST = 16
-"""Parents at a horizon, at least."""
-THINNING = 0.85
-"""Power by which the parents become fewer as the record grows."""
+"""Parents at a horizon, at least; else they become fewer as the record grows, so that each costs the same."""
 CHILDREN = 12
 STEP, LEAST_STEP, STEP_POWER = 0.1, 0.15, 0.6
 """Largest step in S at the first horizon (OP spans), its least share later, and how it falls."""
@@ -105,7 +102,7 @@ def climb(
     for stage in range(MOST_HORIZONS):
         refit(population, part, 4)
         shrunk = first / horizon
-        count = int(max(FEWEST, parents * shrunk**THINNING))
+        count = int(max(FEWEST, parents * shrunk))
         step = STEP * max(LEAST_STEP, shrunk**STEP_POWER)
         work += len(population.costs) * len(part.op)
         for this_step, most in ((step, count), (SECOND_STEP * step, count * 3 // 4)):

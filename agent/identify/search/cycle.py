@@ -33,15 +33,15 @@ STRUCTURES = (FOPDT, SOPDT, INTEGRATOR)
 MANY_PERIODS = 12
 """Periods from which a record has a first part that distinguishes valves."""
 FIRST_SHARE, FIRST_LEAST = 16, 3.0
-"""First horizon: periods over ``FIRST_SHARE``, at least ``FIRST_LEAST`` (chosen with ``PARENTS``, ``ISLAND``
-and ``climb.THINNING``);"""
+"""First horizon: periods over ``FIRST_SHARE``, at least ``FIRST_LEAST`` (chosen with ``PARENTS`` and
+``ISLAND``);"""
 FEW_SHARE, FEW_LEAST = 0.5, 3.5
 """with few periods, half of them."""
-FIRST_PARENTS, PARENTS = 100, 600
+FIRST_PARENTS, PARENTS = 200, 1200
 """Parents of the first island and the climb around it, and of all others. Two of three simulated loops need
 no more than the first island. Many on few periods find wide bands, whose needles a stem's constants make
-narrow (simulated loops, seeds 93500 to 93859)."""
-ISLAND, MORE = 6000, 600
+narrow (simulated loops, seeds 93500 to 93859 and 94082 to 94441)."""
+ISLAND, MORE = 24_000, 600
 """Valves from anywhere on an island, and beside those scattered around what was found."""
 SCALE = 0.02
 """How far scattered ones are, OP spans; they are as many as the parents."""
@@ -51,8 +51,8 @@ GOES_ON = 2
 """Valves from anywhere that climb, over the parents of the first horizon."""
 APART = 0.02
 """Distance of those, over the range of a coordinate."""
-OF_A_BIN = 16
-"""Of one niche, at most."""
+OF_A_BIN = 64
+"""Of one niche, at most: with 16 no more than 800 of them climbed."""
 FINALISTS = 24
 """Kept from cycle to cycle."""
 WHITE = 0.15

@@ -39,8 +39,8 @@ LIKELIER = 10.0
 JASA 90 (1995) 773)."""
 EVALUATIONS = 4
 """Gauss-Newton steps with which a model of one view is taken over in the other."""
-BUDGET = 80e6
-"""Samples through which valves may be simulated before the last turn: about two seconds of one core."""
+BUDGET = 120e6
+"""Samples through which valves may be simulated before the last turn: about a second of one core."""
 SearchEnd = Literal["white", "agreed", "explains_little", "spent"]
 """Why a search ended. ``white``: the residual is white noise; ``agreed``: both views found the same valve;
 ``explains_little``: hardly better than no valve; ``spent``: budget or turns are, and more might be found."""
