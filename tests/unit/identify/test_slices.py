@@ -56,7 +56,7 @@ def searched(cores):
     rng = np.random.default_rng(5)
     with on_cores(cores):
         grid = valves_of_grid(problem, STRUCTURES)
-        begun = valves_from_anywhere(100, problem, problem, STRUCTURES, rng)
+        begun = valves_from_anywhere(3 * FEWEST, problem, problem, STRUCTURES, rng)
         refit(begun, problem, 3)
         grown = generation(begun.sorted(20), 4, 0.05, problem, possible_of(STRUCTURES), rng)
     return [part for population in (grid, begun, grown) for part in population]
