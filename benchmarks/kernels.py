@@ -217,7 +217,7 @@ def steps(members: Members, problem: Problem, fits: ProcessFits) -> None:
     """Repeat the steps."""
     processes = processes_at(members.candidates, members.structures, members.places, fits)
     for _ in range(REPEATS):
-        steps_of(processes, problem, 1.0, fits.passes, fits.normal)
+        steps_of(processes, problem, fits.squares, fits.passes, fits.normal)
 
 
 @kernel

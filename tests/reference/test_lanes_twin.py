@@ -22,6 +22,7 @@ from agent.lanes import (
 )
 
 UNITS = 2
+"""Of the last place."""
 
 
 @kernel

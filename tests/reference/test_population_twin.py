@@ -73,7 +73,7 @@ def first_step(candidates, structures, problem, passed, fits, found):
     """Fill error, predicted error, and step in log tau, delay and log tau2, (5, ``WIDTH``)."""
     processes = processes_at(candidates, structures, ALONE, fits)
     fill_products(processes, passed, problem, fits.passes)
-    step = steps_of(processes, problem, np.dot(problem.pv, problem.pv), fits.passes, fits.normal)
+    step = steps_of(processes, problem, fits.squares, fits.passes, fits.normal)
     store(found, 0, step.error)
     store(found, 1, step.predicted)
     store(found, 2, step.log_tau)

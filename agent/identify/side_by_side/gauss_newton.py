@@ -57,6 +57,8 @@ class ProcessFits(NamedTuple):
     """Room for the fits of the processes of a group to one record."""
 
     passes: Passes
+    squares: float
+    """Sum of squares of PV, PV units squared."""
     normal: Rows
     """The normal equations less their projection on the nuisance, (COLUMNS * ROW, ``WIDTH``)."""
     values: Rows
@@ -66,7 +68,9 @@ class ProcessFits(NamedTuple):
 @kernel
 def fits_for(problem: Problem) -> ProcessFits:
     """Return room for a record."""
-    return ProcessFits(passes_for(problem), np.empty((COLUMNS * ROW, WIDTH)), np.empty((VALUES, WIDTH)))
+    squares = np.dot(problem.pv, problem.pv)
+    normal, values = np.empty((COLUMNS * ROW, WIDTH)), np.empty((VALUES, WIDTH))
+    return ProcessFits(passes_for(problem), squares, normal, values)
 
 
 @kernel
@@ -92,7 +96,7 @@ def fit_processes(
             where even a further step cannot get below ``GIVE_UP``.
     """
     best = processes_at(candidates, structures, places, fits)
-    give_up, squares = load(fits.values, GIVE_UP), np.dot(problem.pv, problem.pv)
+    give_up, squares = load(fits.values, GIVE_UP), fits.squares
     goes_on, error, tried = all_lanes(), splat(np.inf), best
     log_tau = delay = log_tau2 = splat(0.0)  # the step
     for evaluation in range(evaluations):

@@ -18,7 +18,7 @@ class CandidateGroup(NamedTuple):
     """Room for the candidates of one group on one record."""
 
     valves: Rows
-    """From ``fill_valves``."""
+    """As ``move_stems`` takes them, (``VALUES``, ``WIDTH``)."""
     positions: Rows
     """Of their stems, OP units, (n, ``WIDTH``)."""
     passed: Rows

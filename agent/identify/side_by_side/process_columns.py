@@ -44,7 +44,7 @@ LEAST_EXPONENT = -700.0
 
 
 class ProcessLanes(NamedTuple):
-    """ProcessLanes of a group, one a lane."""
+    """Processes of a group, one a lane."""
 
     log_tau: Lanes
     """log of samples"""

@@ -165,7 +165,7 @@ def solve(normal: Rows, squares: float) -> tuple[Lanes, Lanes]:
         load(normal, 3 * ROW + RIGHT),
         load(normal, 4 * ROW + RIGHT),
     )
-    singular = left < 0.0
+    singular = no_lane()
     for i in range(COLUMNS):
         pivot = load(normal, ROW * i + i)
         singular = singular | ((pivot < SINGULAR) & (pivot > -SINGULAR))

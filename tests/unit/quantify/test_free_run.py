@@ -80,6 +80,7 @@ def test_the_process_comes_in_the_units_of_the_plant(name):
     scenario, _ = plant(name)
     process = measured(name).process
     assert process.kind == "fopdt"
+    assert process.gain == pytest.approx(scenario.process.gain, rel=0.2)
     low, high = process.intervals.gain
     assert low <= scenario.process.gain <= high
     if measured(name).stiction.identifiable_j:  # else gain and J make up for each other
