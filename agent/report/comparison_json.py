@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from agent.workbench.certainty.intervals import FittedParameter
     from agent.workbench.comparison import Comparison
-    from agent.workbench.decision import Candidate
     from agent.workbench.design.next_test import NextTest
+    from agent.workbench.hypotheses import Candidate
     from agent.workbench.step import Step, Verdict
 
 

@@ -6,7 +6,6 @@ import re
 from typing import TYPE_CHECKING
 
 from agent.report.numbers import p_words, share_words, tenths
-from agent.workbench.decision import SUGGESTED
 from agent.workbench.residual.axis_effects import FAMILIES_ON
 from agent.workbench.residual.state_dependence import LEVEL
 
@@ -15,9 +14,11 @@ if TYPE_CHECKING:
 
     from agent.workbench.certainty.intervals import FittedParameter
     from agent.workbench.comparison import Comparison
-    from agent.workbench.decision import Candidate
+    from agent.workbench.hypotheses import Candidate
     from agent.workbench.step import Step, Verdict
 
+CHANCE = 0.2
+"""p from which a reduction may be chance, whatever its interval."""
 HARMONICS = 3
 """Of a wave that are shown."""
 PANELS = 3
@@ -94,7 +95,7 @@ def chance_words(tried: Candidate) -> str:
     """
     if tried.surprises:
         return f"rejected: {tried.objection}"
-    if tried.low > 0 and tried.p >= SUGGESTED:
+    if tried.low > 0 and tried.p >= CHANCE:
         return "may be chance"
     return p_words(tried.p)
 
@@ -151,7 +152,7 @@ def verdict_words(verdict: Verdict, found: Comparison) -> str:
     if not found.candidates:
         shown = "no further effect was tried"
     elif found.smallest_percent is None:
-        shown = "the held-out stretches are too few to confirm any effect"
+        shown = "too few samples in a row count to know how small an effect would have been confirmed"
     else:
         shown = f"an effect of {found.smallest_percent:.0f} % of the squared error would have been confirmed"
     if verdict.kind == "none_of_the_known":

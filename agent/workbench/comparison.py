@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from agent.workbench.step import Step, Verdict
 
 if TYPE_CHECKING:
-    from agent.workbench.decision import Candidate
     from agent.workbench.design.next_test import NextTest
+    from agent.workbench.hypotheses import Candidate
     from agent.workbench.residual.line_spectrum import Line
     from agent.workbench.residual.noise_floor import NoiseFloor
     from agent.workbench.residual.where import Failure
@@ -44,8 +44,8 @@ class Comparison:
     noise_floor: NoiseFloor | None
     """None where the recording is not testable."""
     smallest_percent: float | None
-    """Smallest reduction of the held-out error that would have been confirmed; None: the held-out
-    blocks are too few to confirm any."""
+    """Smallest reduction of a white residual's squares that would have been confirmed; None: not
+    known, for too few samples in a row count, or nothing was tried."""
     reason: str | None
     """In plain words why the recording is not testable, or not informative; None where it is."""
     unseen: tuple[str, ...]

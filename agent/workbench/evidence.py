@@ -1,4 +1,9 @@
-"""What the innovations say of an effect: more than OP knows of the disturbance, and how likely by chance."""
+"""How much likelier a record is with an effect than without, and how likely its innovations fall by chance.
+
+In closed loop OP holds the controller's reaction to the disturbance, so that a wrong effect can lower the
+error in free run below that of the true model, as a dead band does that hides the small moves of OP. But no
+effect that is not there lowers the innovations (Ljung, System Identification, 2nd ed., 13.4), but for chance.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +17,9 @@ from agent.identify.noise.autoregression import innovations
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.fit import SCAN, residual_of
-from agent.workbench.innovations import by_chance, likelihood_ratio, lowers_innovations
+from agent.workbench.innovations import by_chance, likelihood_ratio
 from agent.workbench.library import acts_on_op, happens_once, instants
-from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
+from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
@@ -46,33 +51,35 @@ VALVES = 16000
 class Evidence:
     """What the innovations say of an effect."""
 
-    explains: bool
-    """Whether it explains more than what OP knows of the disturbance."""
     by_chance: float
     """How likely they fall as far where nothing is missing."""
     criterion: float
     """How much likelier the record is with it, twice a logarithm: by Schwarz, or of a valve that sticks by
     Laplace, where that is more."""
+    odds: float
+    """The same, with each effect that was scored as likely before as any other."""
     family: str
     """Of the effect."""
     answers: bool
     """Whether it acts on OP, so that it can answer to whatever OP answers to."""
     once: bool
     """Whether it happened at an instant."""
-    plain: bool = False
-    """Whether it is very strongly supported, each effect that was scored a try."""
     blind: bool = True
     """Whether the blocks that a fit did not see show it. Not where it happened once: refits know when. Nor a
     load that knows nothing of OP and is no wave, measured or not: slow noise goes along with whatever is
     slow, in all blocks (C. Granger and P. Newbold, "Spurious regressions in econometrics", 1974)."""
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is very strongly supported."""
+        return self.odds > VERY_STRONG
 
 
 def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candidates: int) -> Evidence:
     """Return what the innovations say of the last effect, each model where it predicts best.
 
     At the values of the free run the larger model may be the one that answers to the disturbance, and the
-    true effect not yet what it is. What goes on all the time and knows nothing of OP pays for what was solved
-    for as well, for slow noise goes along with any slow cause; what happened once pays twice for instants.
+    true effect not yet what it is. All numbers are paid; what happened once pays twice for instants.
 
     Args:
         smaller: The model without the effect.
@@ -85,23 +92,20 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
     blind = not once and (answers or isinstance(effect, Sinusoid))
     before, after = (_least_innovations(each, record) for each in (smaller, larger))
     if before is None or after is None:
-        return Evidence(True, 1.0, 0.0, effect.family, answers, once, blind=blind)
-    least = _rounding(larger)
-    ratio = likelihood_ratio(before, after, least)
-    searched = _searched(larger, record) - _searched(smaller, record)
-    added = _numbers(larger, record) - _numbers(smaller, record)
+        return Evidence(1.0, 0.0, 0.0, effect.family, answers, once, blind)
+    ratio = likelihood_ratio(before, after, _rounding(larger))
     criterion = _criterion(ratio, before, _priced(smaller, larger, record))
     if isinstance(effect, HysteresisEffect) and smaller.predicts and larger.predicts:
         # Most strokes show little of a stem's constants: Schwarz's price of seven numbers hides a valve.
         price = _price(*larger.predicts) - _price(*smaller.predicts)
         if math.isfinite(price):
             criterion = max(criterion, ratio - price)
-    chance, plain = 1.0, very_strong(criterion, candidates)
+    odds, chance = criterion - 2 * math.log(candidates), 1.0
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
-    if answers or not blind or plain:
+    if answers or not blind or odds > VERY_STRONG:
+        added = _numbers(larger, record) - _numbers(smaller, record)
         chance = by_chance(ratio, added, candidates * _scanned(effect, record))
-    explains = plain if once else lowers_innovations(before, after, searched if answers else added, least)
-    return Evidence(explains, chance, criterion, effect.family, answers, once, plain, blind)
+    return Evidence(chance, criterion, odds, effect.family, answers, once, blind)
 
 
 def _scanned(effect: Effect, record: Record) -> int:

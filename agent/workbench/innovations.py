@@ -16,26 +16,6 @@ if TYPE_CHECKING:
     from agent.identify.noise.autoregression import Innovations
 
 
-def lowers_innovations(
-    smaller: Innovations, larger: Innovations, parameters: int, least: float = 0.0
-) -> bool:
-    """Return whether a larger model lowers the innovations of its residual by more than its size would.
-
-    In closed loop this distinguishes a better model from one that answers to the disturbance. OP holds the
-    controller's reaction to it, so that a wrong effect can lower the free-run error below that of the true
-    model, as a dead band does that hides the small moves of OP. But no effect that is not there lowers the
-    innovations (Ljung, System Identification, 2nd ed., 13.4), but for chance: Schwarz's criterion.
-
-    Args:
-        smaller: Of the smaller model.
-        larger: Of the larger one.
-        parameters: That it has more. 0: it need only be no worse.
-        least: As in ``likelihood_ratio``.
-    """
-    count = np.count_nonzero(np.isfinite(smaller.values))
-    return bool(likelihood_ratio(smaller, larger, least) >= parameters * np.log(count))
-
-
 def likelihood_ratio(smaller: Innovations, larger: Innovations, least: float = 0.0) -> float:
     """Return twice the logarithm of how much likelier a larger model makes the record.
 

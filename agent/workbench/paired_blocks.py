@@ -24,6 +24,8 @@ STRETCHES = 14
 """So few that all ways to change their signs can be counted."""
 CONFIDENCE = 0.9
 RESAMPLES = 1999
+LEAST_PERCENT = 5.0
+"""Smaller reductions of the held-out error are no effect, however significant."""
 ROUND_OFF = 1e-12
 """Part of the sum of differences; sums equal but for rounding count as equal."""
 
@@ -64,6 +66,22 @@ def reduction(losses: FloatArray, other: FloatArray, rng: np.random.Generator) -
     pair = stretches(losses), stretches(other)
     low, high = _interval(pair, _percent, rng)
     return Reduction(float(_percent(*pair)), low, high)
+
+
+def known_blocks(*losses: FloatArray) -> list[FloatArray]:
+    """Return the losses (b,) of several models without the blocks that are NaN for one of them."""
+    known = np.all(np.isfinite(losses), axis=0)
+    return [each[known] for each in losses]
+
+
+def lowers_error(losses: FloatArray, other: FloatArray, level: float) -> bool:
+    """Return whether ``other`` (b,) reduces the error by as much as counts, and surely.
+
+    ``level``: p of the signs is below it.
+    """
+    base, new = known_blocks(losses, other)
+    found = reduction(base, new, np.random.default_rng(0))
+    return found.percent >= LEAST_PERCENT and found.low > 0 and sign_flip_p(base, new) < level
 
 
 def error_interval(losses: FloatArray, rng: np.random.Generator) -> tuple[float, float]:

@@ -12,10 +12,11 @@ from agent.physics.effects import EFFECTS
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.wave import RepeatingWave
 from agent.physics.foreign import EffectError
-from agent.workbench.candidates import AllTried, judged, ran_out
+from agent.workbench.candidates import AllTried, judged
+from agent.workbench.checks.doubts import Tries
 from agent.workbench.checks.lacking import LARGER_DYNAMICS
-from agent.workbench.decision import judge
-from agent.workbench.evidence import far_likelier
+from agent.workbench.checks.wave_lines import is_wave
+from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.first.begun import Begun
 from agent.workbench.first.deeper import deeper
 from agent.workbench.first.gaining import gaining, gains
@@ -24,6 +25,7 @@ from agent.workbench.first.valves_beside import ValvesBeside
 from agent.workbench.first.valves_shared import sought, to_seek
 from agent.workbench.fit import fit
 from agent.workbench.library import acts_on_op, happens_once, missing
+from agent.workbench.paired_blocks import lowers_error
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.shown.excitation import excitation_of, is_hidden_rival
@@ -39,6 +41,7 @@ from agent.workbench.trial import (
 )
 from agent.workbench.validation import rmse_on
 from agent.workbench.valve_starts import with_valves
+from agent.workbench.verdict import ran_out
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
@@ -154,20 +157,11 @@ class Trials:
             lasting = [each for each in able if acts_on_op(each, facts) and not happens_once(each, facts)]
             return self._hinted(found, lasting)
 
-        input_p = self.chances.of(step, effects)
-        models, together = self._tried(step, effects), self.begun.together
-        return judged(
-            step,
-            models,
-            self.record,
-            input_p,
-            together,
-            self.is_worse,
-            also,
-            answering,
-            hidden,
-            len(able),
-        )
+        input_p, models = self.chances.of(step, effects), self._tried(step, effects)
+        screened = max(len(able), len(models))
+        found = {name: evidence_of(step, each, self.record, screened) for name, each in models.items()}
+        tries = Tries(step, models, found, self.record, self.begun.together, answering, screened)
+        return judged(tries, input_p, self.is_worse, also, hidden)
 
     def _hidden_rivals(self, step: Step, tried: Sequence[Effect]) -> list[Effect]:
         """Return the simplest effect of each family that may be there, but that the record cannot show."""
@@ -199,8 +193,9 @@ class Trials:
     def both(self, smaller: Step, found: AllTried, name: str, rival: Effect) -> Tried | None:
         """Return the model with an effect and a rival, if each is confirmed beside the other.
 
-        Each must lower the held-out error beside the other as an effect must lower that of a model, and an
-        event make the record far likelier; else either explains what the other does, and None is returned.
+        Each must lower the held-out error beside the other as an effect must lower that of a model, and all
+        but a wave make the record far likelier; else either explains what the other does, and None is
+        returned.
         As one effect, two are not confirmed where a check lowers either, or where validation is worse with
         them.
         """
@@ -210,15 +205,12 @@ class Trials:
         larger = with_held_out(self.begun.together(alone[0], rival), self.record, self.folds)
         if any(self.is_worse(each.fit, larger.fit) for each in (smaller, *alone)):
             return None
-        for each in alone:
-            decision = judge(each.held_out.losses, {"both": larger.held_out.losses}, {"both": "both"})
-            if decision.kind != "confirmed":
-                return None
         for one, other in (alone, alone[::-1]):
             effect = other.fit.model.effects[-1]
             by_chance = any(p >= LEVEL for p in self.chances.of(one, [effect]).values())
-            once = happens_once(effect, self.record.facts)
-            if by_chance or (once and not far_likelier(one, larger, self.record)):
+            if by_chance or not lowers_error(one.held_out.losses, larger.held_out.losses, LEVEL):
+                return None
+            if not (is_wave(other.fit) or far_likelier(one, larger, self.record)):
                 return None
         return larger
 

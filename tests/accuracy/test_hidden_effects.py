@@ -4,7 +4,7 @@ import pytest
 
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.effects import EFFECTS
-from agent.workbench.decision import LEAST_PERCENT
+from agent.workbench.paired_blocks import LEAST_PERCENT
 from agent.workbench.session import Workbench
 from benchmarks.cases.decoy import Decoy
 from benchmarks.cases.hidden_case import floor_of, judge

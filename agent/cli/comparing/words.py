@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from agent.workbench.comparison import Comparison
-    from agent.workbench.decision import Candidate
+    from agent.workbench.hypotheses import Candidate
 
 SHOWN = 8
 """Candidates that get a number."""

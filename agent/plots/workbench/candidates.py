@@ -9,13 +9,13 @@ from matplotlib.figure import Figure
 
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, tidy
 from agent.report.comparison_text import chance_words
-from agent.workbench.decision import LEAST_PERCENT
+from agent.workbench.paired_blocks import LEAST_PERCENT
 from agent.workbench.residual.holm import LEVEL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.workbench.decision import Candidate
+    from agent.workbench.hypotheses import Candidate
 
 SHOWN = -20.0
 """Lowest reduction on the axis, %: how much worse than that a useless effect is does not matter."""

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from agent.physics.effect import Effect
-    from agent.workbench.decision import Decision
     from agent.workbench.evidence import Evidence
+    from agent.workbench.hypotheses import Decision
     from agent.workbench.record import Record
     from agent.workbench.step import Step
     from agent.workbench.trial import Optimum, Tried

@@ -14,7 +14,7 @@ from agent.workbench.residual.state_dependence import fails, state_dependence
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
 
-    from agent.workbench.decision import Candidate
+    from agent.workbench.hypotheses import Candidate
     from agent.workbench.residual.state_dependence import Dependence
     from agent.workbench.trial import Tried
 
@@ -28,22 +28,24 @@ def mended_by(
     dependence: Mapping[str, Dependence],
     rejected: Collection[str],
 ) -> tuple[Candidate, ...]:
-    """Return the effects with which a failing model fails no more, the least likely by chance first.
+    """Return the effects with which a failing model fails no more, the likeliest first.
 
     Args:
         candidates: On top of the model, the largest reduction first.
         models: With each.
         dependence: Of the model without any of them, on OP's level, rate, travel and time.
-        rejected: Effects that a check rejects, or of which a parameter ran into a bound.
+        rejected: Effects that a check lowers.
     """
     if not fails(dependence):
         return ()
     able = [
         each
         for each in candidates
-        if each.p < LEVEL and each.objection is None and each.effect not in rejected
+        if each.odds > 0.0 and (each.p < LEVEL or not each.by_blocks)
+        if each.objection is None and not each.at_bound and each.effect not in rejected
     ]
-    return tuple(sorted((each for each in able if _complete(models[each.effect])), key=lambda each: each.p))
+    complete = (each for each in able if _complete(models[each.effect]))
+    return tuple(sorted(complete, key=lambda each: -each.criterion))
 
 
 def _complete(found: Tried) -> bool:

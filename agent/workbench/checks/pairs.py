@@ -12,7 +12,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from agent.workbench.evidence import evidence_of, far_likelier
-from agent.workbench.likeliest import comparable
 from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
@@ -53,7 +52,7 @@ def likeliest_pair(
         record: What they were fitted to.
         tries: How many effects were scored beside each.
     """
-    able = [name for name in comparable(found) if found[name].explains]
+    able = [name for name, each in found.items() if each.answers and not each.once and each.odds > 0]
     if not able:
         return None
     first = max(able, key=lambda name: found[name].criterion)
@@ -61,7 +60,7 @@ def likeliest_pair(
     pairs = [
         Pair((first, name), found[first].criterion + second.criterion, each)
         for name, each in larger.items()
-        if (second := evidence_of(models[first], each, record, tries)).answers and second.explains
+        if (second := evidence_of(models[first], each, record, tries)).answers and second.odds > 0
     ]
     alone = Pair((first,), found[first].criterion, models[first])
     return max(pairs, key=lambda each: each.criterion, default=alone)

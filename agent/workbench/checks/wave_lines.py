@@ -8,14 +8,12 @@ a line they say nothing against it.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.wave import HARMONICS as MULTIPLES
 from agent.physics.effects.wave import RepeatingWave
 from agent.workbench.checks.own_cycle import near
-from agent.workbench.decision import SUGGESTED
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.line_spectrum import CERTAIN_CYCLES, line_spectrum
 from agent.workbench.residual.very_strong import VERY_STRONG
@@ -24,7 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from agent.analysis.record.recording import FloatArray
-    from agent.workbench.decision import Decision
     from agent.workbench.evidence import Evidence
     from agent.workbench.fit import Fit
     from agent.workbench.predictor import Predictor
@@ -45,7 +42,7 @@ def wave_objections(
     models: Mapping[str, Optimum],
     found: Mapping[str, Evidence],
 ) -> dict[str, str]:
-    """Return what rejects effects that know nothing of OP and go on all the time, in words.
+    """Return what speaks against waves, in words; ``SLOW_LINE`` makes one a suggestion.
 
     Args:
         smaller: Predictions of the model without them, and where they are best; None: not known.
@@ -55,14 +52,14 @@ def wave_objections(
     objections = {}
     waves = {name: each.fit for name, each in models.items() if is_wave(each.fit)}
     pure = [found[name].criterion for name, each in waves.items() if is_pure(each)]
-    for name, each in found.items():
-        line = line_of(smaller, waves[name], each.by_chance) if name in waves else None
-        harmonics = name in waves and _has_harmonics(waves[name])
+    for name, wave in waves.items():
+        line, criterion = line_of(smaller, wave, found[name].by_chance), found[name].criterion
+        harmonics = _has_harmonics(wave)
         if line in UNCERTAIN:
             objections[name] = SLOW_LINE if line == "slow" else NO_LINE
-        elif harmonics and pure and each.criterion - pure[0] <= VERY_STRONG:
+        elif harmonics and pure and criterion - pure[0] <= VERY_STRONG:
             objections[name] = NO_HARMONICS
-        elif not (each.explains or each.answers or each.once) and (line is None or harmonics):
+        elif criterion < 0.0 and (line is None or harmonics):
             objections[name] = SLOW
     return objections
 
@@ -108,21 +105,6 @@ def line_of(
     if near(found.lines, frequency, duration):
         return "certain" if shown else "slow"
     return "none"
-
-
-def or_slow_wave(decision: Decision, found: Mapping[str, Evidence]) -> Decision:
-    """Return the suggestion of a wave that slow noise may have made, where nothing else can be named."""
-    able = [
-        each
-        for each in decision.candidates
-        if each.objection == SLOW_LINE and each.low > 0 and each.p < SUGGESTED
-    ]
-    if decision.kind != "none" or not able:
-        return decision
-    best = min(able, key=lambda each: each.p)
-    return replace(
-        decision, kind="suggested", effect=best.effect, family=found[best.effect].family, lacks=(SLOW_LINE,)
-    )
 
 
 def _has_harmonics(larger: Fit) -> bool:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from agent.workbench.decision import judge
 from agent.workbench.evidence import far_likelier
+from agent.workbench.hypotheses import CONFIRMED
+from agent.workbench.paired_blocks import lowers_error
+from agent.workbench.residual.holm import LEVEL
 from agent.workbench.step import Verdict
 
 if TYPE_CHECKING:
-    from agent.workbench.decision import Decision
+    from agent.workbench.hypotheses import Decision
     from agent.workbench.session.bench import Bench
 
 MOST_EFFECTS = 4
@@ -21,7 +23,7 @@ def add_all_confirmed(bench: Bench) -> None:
         decision = bench.candidates()
         if decision.effect is None or decision.effect in {each.dropped for each in bench.staircase()}:
             break
-        if decision.kind in {"confirmed", "family"}:
+        if decision.kind in CONFIRMED:
             bench.add(decision.effect)
         elif not _add_both(bench, decision):
             break
@@ -51,7 +53,6 @@ def _drop_idle(bench: Bench) -> None:
     for name in bench.step.effects[:-1]:
         bench.trials.progress(f"without {name}", 0, 1)
         rest = bench.trials.without(bench.step.fit, name)
-        losses = {name: bench.step.held_out.losses}
-        idle = judge(rest.held_out.losses, losses, {name: bench.effect(name).family}).kind == "none"
-        if idle and not far_likelier(rest, bench.step, bench.record):
+        needed = lowers_error(rest.held_out.losses, bench.step.held_out.losses, LEVEL)
+        if not needed and not far_likelier(rest, bench.step, bench.record):
             bench.take(rest, dropped=name)

@@ -7,7 +7,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from agent.physics.effects import effects as known_effects
-from agent.workbench.candidates import naming, verdict_of
 from agent.workbench.fit import contributions, residual_of
 from agent.workbench.hooks import Map, Progress, silent
 from agent.workbench.inputs.measured_input import measured_inputs
@@ -19,13 +18,14 @@ from agent.workbench.session.compared_part import compared_part
 from agent.workbench.session.opening import validation
 from agent.workbench.session.other_base import other_base
 from agent.workbench.step import Step, Verdict, step_of
+from agent.workbench.verdict import naming, verdict_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
     from agent.workbench.candidates import AllTried
-    from agent.workbench.decision import Decision
     from agent.workbench.folds import Folds
+    from agent.workbench.hypotheses import Decision
     from agent.workbench.record import Record
     from agent.workbench.residual.line_spectrum import LineSpectrum
     from agent.workbench.residual.where import Failure

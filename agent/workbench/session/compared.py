@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.candidates import verdict_of
 from agent.workbench.comparison import Comparison, StepEvidence, not_testable
 from agent.workbench.design.next_test import next_test
 from agent.workbench.library import missing
@@ -17,11 +16,12 @@ from agent.workbench.session.explained import explained_by_op, is_informative, n
 from agent.workbench.session.unseen import unseen
 from agent.workbench.session.views import floor
 from agent.workbench.step import Verdict
+from agent.workbench.verdict import verdict_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.workbench.decision import Candidate
+    from agent.workbench.hypotheses import Candidate
     from agent.workbench.session.bench import Bench
     from agent.workbench.shown.information import Shown
 
@@ -35,12 +35,11 @@ def compared(bench: Bench) -> Comparison:
         return not_testable(bench.window.loop, bench.reason)
     tried = bench.tried()
     fails, spectrum = bench.where_it_fails(), bench.lines()
-    candidates, losses = tried.decision.candidates, bench.step.held_out.losses
-    rng = np.random.default_rng(0)
+    candidates, rng = tried.decision.candidates, np.random.default_rng(0)
     smallest = None
-    if candidates:
-        best = tried.models[candidates[0].effect].held_out.losses
-        smallest = smallest_reduction(losses, best, len(candidates), rng)
+    if candidates and bench.step.predicts is not None:
+        samples = int(np.count_nonzero(bench.record.weight))
+        smallest = smallest_reduction(samples, len(missing(bench.step.fit.model, bench.library)))
     verdict = verdict_of(bench.step, tried, fails, spectrum, bench.record.facts)
     if verdict.kind in FAILS:
         verdict = replace(verdict, lacks=(*verdict.lacks, *bench.other_base()))

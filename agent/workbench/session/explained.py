@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.decision import LEAST_PERCENT
 from agent.workbench.folds import block_losses
-from agent.workbench.paired_blocks import Reduction, reduction
+from agent.workbench.paired_blocks import LEAST_PERCENT, Reduction, reduction
 from agent.workbench.projection import nuisance_part
 from agent.workbench.residual.axes import OF_TIME
 from agent.workbench.residual.state_dependence import LEVEL

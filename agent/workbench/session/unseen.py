@@ -28,10 +28,10 @@ def _statements(bench: Bench, smallest_percent: float | None) -> Iterator[str]:
     if bench.part is not None:
         yield bench.part.words
     if smallest_percent is None:
-        yield "any effect: the held-out stretches are too few to confirm one"
+        yield "small effects: too few samples in a row count to know how small"
     else:
         least = f"{smallest_percent:.0f} %"
-        yield f"an effect of less than {least} of the held-out squared error of the last model"
+        yield f"an effect of less than {least} of the squared error of the last model"
     yield (
         f"what happens outside OP from {facts.op_low:.4g} to {facts.op_high:.4g}: "
         "a limit, a dead zone or another slope of the valve there"

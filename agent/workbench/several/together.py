@@ -18,12 +18,10 @@ from agent.workbench.candidates import WORSE_ELSEWHERE
 from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
 from agent.workbench.checks.own_cycle import may_be_loops_own
 from agent.workbench.checks.wave_lines import NO_LINE, UNCERTAIN, line_of
-from agent.workbench.decision import LEAST_PERCENT
-from agent.workbench.doubts import STANDS_FOR_ANOTHER
 from agent.workbench.library import happens_once, missing
-from agent.workbench.likeliest import less_likely
+from agent.workbench.paired_blocks import LEAST_PERCENT
 from agent.workbench.residual.state_dependence import fails, removed_by, state_dependence, still_fails
-from agent.workbench.residual.very_strong import very_strong
+from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 from agent.workbench.session import Workbench
 from agent.workbench.session.automatic import MOST_EFFECTS
 from agent.workbench.session.opening import validation
@@ -45,6 +43,7 @@ if TYPE_CHECKING:
     Model = Sequence[tuple[Predictor, FloatArray]]
 
 NOT_LOWER = "it does not lower the error of recordings that its fit did not use"
+STANDS_FOR_ANOTHER = "with it the model still fails as before: it stands for another cause"
 UNLIKELY = "the recordings together are hardly likelier with it"
 
 
@@ -271,8 +270,7 @@ def _verdict(candidates: Sequence[JointCandidate], *, visible: bool) -> Verdict:
     if not able:
         return Verdict("none_of_the_known" if visible else "no_failure_visible")
     best = able[0]
-    far = less_likely({each.effect: each.criterion for each in able})
-    alike = [each for each in able if each.effect not in far]
+    alike = [each for each in able if best.criterion - each.criterion <= VERY_STRONG]
     others = tuple(each.effect for each in alike[1:])
     if any(each.family != best.family for each in alike):
         return Verdict("suggested", best.effect, best.family, others)

@@ -20,7 +20,7 @@ from agent.plots.workbench.residual_panels import residual_panels_figure
 from agent.plots.workbench.spectrum import spectrum_figure
 from agent.plots.workbench.staircase import Stair, staircase_figure
 from agent.workbench.comparison import not_testable
-from agent.workbench.decision import Candidate
+from agent.workbench.hypotheses import Candidate
 from agent.workbench.residual.independence import independence
 from agent.workbench.residual.line_spectrum import line_spectrum
 from agent.workbench.residual.noise_floor import NoiseFloor

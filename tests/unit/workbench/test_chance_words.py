@@ -6,9 +6,9 @@ import pytest
 
 from agent.analysis.record.recording import LoopWindow
 from agent.report.comparison_text import chance_words
+from agent.workbench.candidates import ANSWERS
 from agent.workbench.checks.wave_lines import SLOW
-from agent.workbench.decision import Candidate
-from agent.workbench.doubts import ANSWERS
+from agent.workbench.hypotheses import Candidate
 from agent.workbench.session import Workbench
 from simulators.draws.open_records import open_record
 
@@ -34,5 +34,5 @@ def test_in_manual_no_effect_is_said_to_repeat_a_controller():
     record = open_record(91580, "steps", "stiction")
     found = Workbench(LoopWindow("steps", 0.0, record.scenario.ts, record.op, record.pv)).comparison()
     rejected = {each.effect: each.objection for each in found.candidates}
-    assert rejected["stiction"] == SLOW
+    assert rejected["inverse_response"] == SLOW
     assert ANSWERS not in rejected.values()

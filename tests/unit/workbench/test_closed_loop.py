@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from agent.identify.noise.autoregression import innovations
-from agent.workbench.innovations import lowers_innovations
+from agent.workbench.innovations import likelihood_ratio
 
 N = 2000
 
@@ -40,7 +40,9 @@ def free_run(op, width):
 
 
 def better(smaller, larger, parameters):
-    return lowers_innovations(innovations(smaller), innovations(larger), parameters)
+    """Whether the record is likelier with the larger model, its parameters paid by Schwarz."""
+    ratio = likelihood_ratio(innovations(smaller), innovations(larger))
+    return ratio >= parameters * np.log(N)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 3, 4])

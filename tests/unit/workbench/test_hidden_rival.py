@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from agent.analysis.record.recording import LoopWindow
-from agent.workbench.doubts import STANDS_FOR_OP
+from agent.workbench.checks.doubts import STANDS_FOR_OP
 from agent.workbench.session import Workbench
 from agent.workbench.shown.excitation import excitation_of, is_hidden_rival
 from simulators.draws.open_records import open_record

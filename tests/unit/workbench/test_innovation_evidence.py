@@ -19,10 +19,9 @@ from agent.workbench.first.first_fit import first_fit
 from agent.workbench.fit import fit, nested_fit
 from agent.workbench.folds import HeldOut
 from agent.workbench.innovations import likelihood_ratio
-from agent.workbench.likeliest import less_likely
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
-from agent.workbench.residual.very_strong import very_strong
+from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 from agent.workbench.trial import Tried
 from benchmarks.cases.decoy import Decoy
 
@@ -61,12 +60,10 @@ def with_effect(effect, base, record):
 
 def test_it_is_for_what_changed_and_not_for_what_stands_in_for_it(changed):
     found = {each.name: evidence(each, *changed) for each in (GainChange(), LoadStepEffect(), Deadband())}
-    assert found["gain_change"].explains
+    assert found["gain_change"].plain
     assert found["gain_change"].by_chance < 1e-10
-    assert not found["deadband"].explains
-    unlikely = less_likely({name: each.criterion for name, each in found.items()})
-    assert "gain_change" not in unlikely
-    assert "load_step" in unlikely
+    assert found["deadband"].odds < 0
+    assert found["gain_change"].criterion - found["load_step"].criterion > VERY_STRONG
 
 
 def test_an_instant_pays_once_more_than_any_other_number(changed):
@@ -95,7 +92,7 @@ def test_a_walk_must_show_in_the_innovations(height, there):
     load = height * walk.columns(np.arange(N), op, np.zeros(0))[:, 0]
     record = bare_record(LoopWindow("loop", 0.0, 1.0, op, pv + load))
     found = evidence(walk, model_on(record), record)
-    assert found.explains is there
+    assert (found.odds > 0) is there
     assert (found.by_chance < 0.05) is there
     assert not found.blind  # nor are blocks that were not fitted, which the same walk crosses
 

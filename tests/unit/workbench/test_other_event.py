@@ -9,10 +9,10 @@ from agent.physics.bases import Fopdt
 from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.loop_model import LoopModel
+from agent.workbench.checks.other_event import begins_with_op, is_another_gain, is_only_another_level
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.first.first_fit import first_fit
 from agent.workbench.fit import fit, nested_fit
-from agent.workbench.other_event import begins_with_op, is_another_gain, is_only_another_level
 from agent.workbench.prediction_search import predictor
 from agent.workbench.predictor import predictor_behind
 from agent.workbench.projection import target_of

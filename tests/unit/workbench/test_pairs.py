@@ -11,10 +11,9 @@ from agent.analysis.record.recording import LoopWindow
 from agent.physics.bases import Fopdt
 from agent.physics.effects import EFFECTS
 from agent.physics.loop_model import LoopModel
-from agent.workbench import candidates
-from agent.workbench.checks import pairs
+from agent.workbench.checks import doubts, pairs
+from agent.workbench.checks.doubts import STANDS_FOR_OP
 from agent.workbench.checks.pairs import Pair, as_likely_words, far_likelier_words, is_beside, likeliest_pair
-from agent.workbench.doubts import STANDS_FOR_OP
 from agent.workbench.evidence import Evidence, evidence_of
 from agent.workbench.hooks import silent
 from agent.workbench.record import bare_record
@@ -25,8 +24,8 @@ from agent.workbench.step import step_of
 NAMED = {each.name: each for each in EFFECTS}
 
 
-def evidence(criterion, family="valve", *, answers=True, once=False, explains=True):
-    return Evidence(explains, 1e-6, criterion, family, answers, once)
+def evidence(criterion, family="valve", *, answers=True, once=False, odds=20.0):
+    return Evidence(1e-6, criterion, odds, family, answers, once)
 
 
 def pair_of(monkeypatch, found, beside):
@@ -44,14 +43,14 @@ def test_a_pair_is_the_likeliest_that_acts_on_op_and_the_likeliest_beside_it(mon
     found = {
         "step": evidence(180.0, "load", answers=False, once=True),
         "gain": evidence(170.0, "gain", once=True),
-        "answer": evidence(150.0, explains=False),
+        "answer": evidence(150.0, odds=-1.0),
         "slack": evidence(90.0),
         "rate": evidence(60.0, "speed"),
     }
     beside = {
         ("slack", "rate"): evidence(100.0, "speed"),
         ("slack", "trim"): evidence(40.0, "trim"),
-        ("slack", "idle"): evidence(200.0, "lag", explains=False),
+        ("slack", "idle"): evidence(200.0, "lag", odds=-1.0),
     }
     assert pair_of(monkeypatch, found, beside) == Pair(("slack", "rate"), 190.0, "rate")
 
@@ -97,8 +96,8 @@ def test_an_event_stands_by_how_likely_the_record_is_with_two_effects(
 ):
     trials, base, criterion = stepped
     pair = Pair(("rate_limit", "saturation"), criterion + more, None)
-    monkeypatch.setattr(candidates, "likeliest_pair", lambda *_: pair)
-    monkeypatch.setattr(candidates, "is_beside", lambda *_: beside)
+    monkeypatch.setattr(doubts, "likeliest_pair", lambda *_: pair)
+    monkeypatch.setattr(doubts, "is_beside", lambda *_: beside)
     decision = trials.judged_on(base, [NAMED["rate_limit"], NAMED["load_step"]]).decision
     assert (decision.kind, decision.effect) == verdict
     assert (as_likely_words(pair) in decision.lacks) == (verdict == ("suggested", "load_step"))

@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from agent.identify.noise.autoregression import Innovations
+from agent.workbench.innovations import likelihood_ratio
 from agent.workbench.residual.independence import independence
 from agent.workbench.residual.noise_floor import noise_floor
-from agent.workbench.residual.power import smallest_reduction
+from agent.workbench.residual.power import NUMBERS, smallest_reduction
+from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.residual.whiteness import LAGS, whiteness
 
 N = 1500
@@ -107,18 +110,20 @@ def test_a_residual_of_gaps_has_no_lower_end():
     assert 0.9 < found.high < 1.1
 
 
-def test_the_smallest_effect_grows_with_the_scatter_of_the_blocks():
-    found = []
-    for scatter in (0.01, 0.3, 0.8):
-        rng = np.random.default_rng(0)
-        base = rng.gamma(4.0, 1.0, 24)
-        other = base * (1 + scatter * rng.normal(size=24))
-        found.append(smallest_reduction(base, other, 12, rng))
-    assert found[0] == 5.0
-    assert found[0] < found[1] < found[2]
+@pytest.mark.parametrize(
+    ("samples", "candidates", "percent"), [(200, 24, 12.6), (300, 24, 8.8), (5000, 24, 5.0)]
+)
+def test_the_smallest_effect_is_that_of_the_likelihood_or_what_counts(samples, candidates, percent):
+    assert smallest_reduction(samples, candidates) == pytest.approx(percent, abs=0.1)
 
 
-def test_too_few_blocks_show_no_effect_at_all():
-    base = np.ones(4)
-    other = base + np.array([0.1, -0.1, 0.2, 0.0])
-    assert smallest_reduction(base, other, 12, np.random.default_rng(0)) is None
+def test_the_likelihood_of_the_smallest_effect_is_just_very_strong():
+    n, tries, support = 300, 24, []
+    share = smallest_reduction(n, tries) / 100
+    for seed in range(30):
+        white, course = np.random.default_rng(seed).standard_normal((2, n))
+        course -= white * (white @ course) / (white @ white)  # so that its share is known
+        course *= np.sqrt(share / (1 - share) * (white @ white) / (course @ course))
+        before, after = (Innovations(each, np.zeros(0), each.var()) for each in (white + course, white))
+        support.append(likelihood_ratio(before, after) - NUMBERS * np.log(n) - 2 * np.log(tries))
+    assert np.mean(support) == pytest.approx(VERY_STRONG, abs=2.0)

@@ -9,10 +9,10 @@ from agent.physics.effects import EFFECTS
 from agent.physics.effects.hysteresis import S_BY_LAW
 from agent.report.comparison_json import comparison_json
 from agent.report.comparison_text import comparison_lines, verdict_words
-from agent.workbench.candidates import ran_out
 from agent.workbench.comparison import not_testable
 from agent.workbench.session import Workbench
 from agent.workbench.step import Verdict
+from agent.workbench.verdict import ran_out
 
 pytestmark = pytest.mark.timeout(240)  # a cold cache of kernels takes a minute
 FEW = tuple(each.name for each in EFFECTS if each.name not in {"deadband", "sensor_lag", "load_step"})
