@@ -97,7 +97,7 @@ def judged(
         decision = against_rivals(decision, tries.smaller, tries.found, rivals, tries.together, tries.record)
     if tries.smaller.predicts is not None and decision.kind in CONFIRMED:
         decision = adequate(decision, tries.models, tries.found, also, tries.together, tries.record)
-    decision = replace(decision, candidates=_explained(decision.candidates, tries))
+    decision = replace(decision, candidates=_explained(decision, tries))
     return AllTried(decision, tries.models, frozenset(name for name, each in doubts.items() if each.lowers))
 
 
@@ -196,13 +196,14 @@ def _unnamed(decision: Decision, smaller: Step) -> tuple[tuple[Effect, str], ...
     return () if decision.family in LINEAR else ((dynamics_on(smaller.fit.model.base), AS_LIKELY),)
 
 
-def _explained(candidates: tuple[Candidate, ...], tries: Tries) -> tuple[Candidate, ...]:
+def _explained(decision: Decision, tries: Tries) -> tuple[Candidate, ...]:
     """Return the candidates with words for why one that seems large enough is not named."""
+    candidates, named = decision.candidates, {decision.effect, *decision.indistinguishable}
     answers = SLOW if tries.record.facts.stepped else ANSWERS  # in manual nothing answers PV
     likely = [each for each in candidates if not each.by_blocks and each.odds > 0.0]
 
     def words(each: Candidate) -> str | None:
-        if each.objection is not None or each.by_blocks:
+        if each.objection is not None or each.by_blocks or each.effect in named:
             return each.objection or (None if each.odds else SLOW_LINE)
         if each.odds <= 0.0:
             return answers if tries.found[each.effect].answers else BY_CHANCE

@@ -1,10 +1,10 @@
 """An explanation must leave a residual that is as good as noise, or be confirmed together with what remains.
 
-What remains with an effect (``remainder.py``) may be another effect of the library: then both are needed, and
-nothing remains with both. Else the true cause may be one that is not in the library, which the effect stands
-for: it is suggested, unless what remains is a trifle beside what it explains, and no other family explains
-nearly as much: no law is quite that of the plant. One price for all effects, whether they act on OP, happened
-once, or go on all the time.
+What remains with an effect (``remainder.py``) may be another effect of the library, one that the innovations
+hint at or that is likely by itself: then both are needed, and nothing remains with both. Else the true cause
+may be one that is not in the library, which the effect stands for: it is suggested, unless what remains is a
+trifle beside what it explains, and no other family explains nearly as much: no law is quite that of the
+plant. One price for all effects, whether they act on OP, happened once, or go on all the time.
 """
 
 from __future__ import annotations
@@ -58,7 +58,8 @@ def adequate(
     once = happens_once(model.fit.model.effects[-1], record.facts)
     added: list[str] = []
     while not _is_noise(model):
-        larger = _larger(model, models, also, together, record) if len(added) < MOST_BESIDE else None
+        beside = (*_likely_alone(model, models, found), *also(model)) if len(added) < MOST_BESIDE else ()
+        larger = _larger(model, models, beside, together, record)
         if larger is None:
             # The law of a balance is a guess: what remains may be its own, or an event may stand for it.
             guessed = not once and not model.fit.model.base.linear
@@ -74,17 +75,27 @@ def adequate(
 def _larger(
     model: Optimum,
     models: Mapping[str, Tried],
-    also: Callable[[Optimum], Iterable[Effect]],
+    beside: Iterable[Effect],
     together: Callable[[Step | Optimum, Effect], Optimum],
     record: Record,
 ) -> Optimum | None:
     """Return a model with one more effect that is needed beside the others; None: there is none."""
-    for other in also(model):
+    for other in beside:
         larger = together(model, other)
         alone = (model, *(models[name] for name in (other.name,) if name in models))
         if all(far_likelier(each, larger, record) for each in alone):
             return larger
     return None
+
+
+def _likely_alone(model: Optimum, models: Mapping[str, Tried], found: Mapping[str, Evidence]) -> list[Effect]:
+    """Return the likeliest effect, if any, that is very strongly supported and of a family not in a model.
+
+    Without a wave that is missing too, its free run may make more error than none.
+    """
+    families = {each.family for each in model.fit.model.effects}
+    able = [name for name, each in found.items() if each.plain and each.family not in families]
+    return [models[max(able, key=lambda name: found[name].criterion)].fit.model.effects[-1]] if able else []
 
 
 def _is_noise(found: Optimum) -> bool:

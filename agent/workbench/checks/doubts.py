@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from agent.workbench.checks.lacking import DYNAMICS, is_trifle, lacks_words, larger_dynamics
-from agent.workbench.checks.other_event import begins_with_op, is_another_gain, is_only_another_level
+from agent.workbench.checks.other_event import begins_with_op, is_only_another_level
 from agent.workbench.checks.own_cycle import WORDS as OWN_CYCLE
 from agent.workbench.checks.own_cycle import may_be_loops_own
 from agent.workbench.checks.pairs import (
@@ -96,12 +96,12 @@ class Tries:
     def _doubt_of_event(self, name: str) -> Doubt:
         """Return what speaks against what seems to have happened once.
 
-        A load does not do what another gain does, nor knows it of OP; another answer to OP does more than
-        another level; and two effects that go on all the time may do as much (``pairs.py``).
+        A load knows nothing of OP; another answer to OP does more than another level; and two effects that go
+        on all the time may do as much (``pairs.py``).
         """
         evidence, predicts, stands_for_op = self.found[name], self.models[name].predicts, None
         if predicts is not None:
-            if is_only_another_level(*predicts) if evidence.answers else is_another_gain(*predicts):
+            if evidence.answers and is_only_another_level(*predicts):
                 return Doubt(OTHER_EVENT)
             if not evidence.answers and begins_with_op(*predicts) < LEVEL:
                 stands_for_op = STANDS_FOR_OP

@@ -51,26 +51,6 @@ def is_only_another_level(predicts: Predictor, best: FloatArray) -> bool:
     return not all(event.gains(each, event.own) for each in (steps, min(above, key=event.unlikely)))
 
 
-def is_another_gain(predicts: Predictor, best: FloatArray) -> bool:
-    """Return whether steps of a load are no more than another gain from one of their instants on.
-
-    They are no more where that, and a step at that instant, make the record as likely, and the step alone
-    does not: a load that steps once leaves nothing to another gain. The step may have any lags, which cost
-    nothing: three steps have more instants.
-
-    Args:
-        predicts: Of a model whose last effect is steps.
-        best: The point of the unit cube where its predictions are best, (k,).
-    """
-    event = _event(predicts, best)
-    least = event.unlikely(event.own)
-    for instant in event.instants:
-        step, gain = event.steps(instant), event.answer(event.time > instant)
-        if event.gains(step, gain) and event.unlikely(np.hstack((step, gain))) - least <= VERY_STRONG:
-            return True
-    return False
-
-
 def begins_with_op(predicts: Predictor, best: FloatArray) -> float:
     """Return how likely steps of a load begin by chance as near to where PV begins to answer moves of OP.
 

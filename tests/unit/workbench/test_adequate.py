@@ -16,6 +16,7 @@ from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.session import Workbench
 from agent.workbench.session.opening import opened
 from agent.workbench.step import step_of
+from benchmarks.cases.hidden_case import drawn
 from simulators.draws.open_records import open_record
 from simulators.field import response
 from simulators.parameters import Drift, Wander
@@ -80,3 +81,16 @@ def test_what_remains_may_be_another_effect_or_a_trifle_and_lowers_nothing_then(
     assert (decision.kind, decision.effect, decision.lacks) == (alone, "deadband", (NOT_IN_LIBRARY,))
     able = trials.judged_on(base, [NAMED["deadband"]], [NAMED["pv_gain"]]).decision
     assert (able.kind, able.lacks) == ("confirmed", ("with it pv gain is still missing",))
+
+
+def test_a_wave_is_confirmed_beside_a_valve_that_alone_makes_more_error():
+    """However likely the valve is; and no score hints at it beside the wave."""
+    _, window = drawn("stiction_sinusoid", 91688, "closed_loop")
+    kept = {"sinusoid", "stiction", "asymmetric_stiction"}
+    bench = Workbench(window, without=[each.name for each in EFFECTS if each.name not in kept])
+    decision = bench.candidates()
+    valve = next(each for each in decision.candidates if each.effect == "stiction")
+    assert valve.odds > VERY_STRONG
+    assert not valve.is_large
+    assert (decision.kind, decision.effect) == ("confirmed", "sinusoid")
+    assert "stiction is still missing" in decision.lacks[-1]

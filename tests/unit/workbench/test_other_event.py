@@ -9,7 +9,7 @@ from agent.physics.bases import Fopdt
 from agent.physics.effects.gain_change import GainChange
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.loop_model import LoopModel
-from agent.workbench.checks.other_event import begins_with_op, is_another_gain, is_only_another_level
+from agent.workbench.checks.other_event import begins_with_op, is_only_another_level
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.first.first_fit import first_fit
 from agent.workbench.fit import fit, nested_fit
@@ -69,19 +69,6 @@ def test_another_answer_from_a_level_on_that_op_comes_to_once_is_no_other_gain()
 def test_another_gain_is_reported_where_op_moves_at_the_same_levels_before_and_after():
     op, pv = open_loop((-3, 5, -2, 4, -1, 2, -5, 1, -4, 3))
     assert not is_only_another_level(*told(GainChange(), op, pv + answered_more(op, LATER)))
-
-
-@pytest.mark.parametrize("heights", [[(1000, 3.0)], [(600, 3.0), (1250, -4.0)]])
-def test_a_load_that_steps_is_reported_as_one(heights):
-    op, pv = loop(0, slack=0.0)
-    assert not is_another_gain(*told(LoadStepEffect(), op, stepped_pv(pv, *heights)))
-
-
-def test_steps_where_op_moved_once_before_the_gain_changed_are_another_gain():
-    """A step of the load hides that one move."""
-    op, pv = open_loop((0, 0, 4, 4, 4, 0, -2, -2, 3, 1))
-    pv += 2.0 * answered_more(op, LATER)
-    assert is_another_gain(*told(LoadStepEffect(), op, pv))
 
 
 BUMP = np.where((np.arange(N) > 300) & (np.arange(N) <= 500), -5.0, 0.0)
