@@ -89,6 +89,8 @@ class Tries:
         if event.rejects is not None:
             return event
         lacks, lowers = self._lacks(name)
+        if self.found[name].once and lowers is not None:
+            return Doubt(lowers)
         if may_be_loops_own(self.smaller.predicts, self.models[name].fit):
             lowers = OWN_CYCLE
         return Doubt(lowers=event.lowers or lowers, lacks=lacks)
@@ -121,7 +123,8 @@ class Tries:
 
         It is what made the smaller model fail, and is still there. A wave that goes on all the time is seen
         by itself, whatever else is missing. What happened once and knows nothing of OP must leave nothing
-        that hangs on OP.
+        that hangs on OP. The likelihood of an event is too kind under a load that wanders, so that one that
+        leaves something stands for another cause, and hides none.
         """
         evidence, predicts = self.found[name], self.models[name].predicts
         remains = {} if predicts is None else state_dependence(*predicts)
