@@ -19,7 +19,7 @@ from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import by_chance, likelihood_ratio
 from agent.workbench.library import acts_on_op, happens_once, instants
-from agent.workbench.residual.very_strong import VERY_STRONG
+from agent.workbench.residual.very_strong import VERY_STRONG, odds_of
 from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
         price = _price(*larger.predicts) - _price(*smaller.predicts)
         if math.isfinite(price):
             criterion = max(criterion, ratio - price)
-    odds, chance = criterion - 2 * math.log(candidates), 1.0
+    odds, chance = odds_of(criterion, candidates), 1.0
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
     if answers or not blind or odds > VERY_STRONG:
         added = _numbers(larger, record) - _numbers(smaller, record)

@@ -101,10 +101,12 @@ def decide(candidates: Sequence[Candidate], lower: Callable[[str, str], bool]) -
     ranked = tuple(sorted(candidates, key=lambda each: -each.error_reduction_percent))
     likely, shown = _likeliest(candidates, lower), _shown_by_blocks(candidates, lower)
     by_odds, by_blocks = _of_set(likely, ranked), _of_set(shown, ranked)
-    if by_odds.kind == "none" or not shown:
-        return by_blocks if by_odds.kind == "none" else by_odds
+    if by_odds.kind == "none":
+        return by_blocks
+    if by_blocks.kind not in CONFIRMED:
+        return by_odds
     events = all(each.once and lower(shown[0].effect, each.effect) for each in likely)
-    return by_blocks if by_blocks.kind in CONFIRMED and (events or by_odds.kind not in CONFIRMED) else by_odds
+    return by_blocks if events or by_odds.kind not in CONFIRMED else by_odds
 
 
 def _likeliest(candidates: Sequence[Candidate], lower: Callable[[str, str], bool]) -> list[Candidate]:

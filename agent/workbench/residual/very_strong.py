@@ -11,6 +11,11 @@ VERY_STRONG = 10.0
 773)."""
 
 
+def odds_of(criterion: float, candidates: int) -> float:
+    """Return ``Evidence.criterion`` of one of some candidates less the price of being one of them."""
+    return criterion - 2 * math.log(candidates)
+
+
 def very_strong(criterion: float, candidates: int) -> bool:
     """Return whether ``Evidence.criterion`` of one of some candidates is, each as likely before."""
-    return criterion - 2 * math.log(candidates) > VERY_STRONG
+    return odds_of(criterion, candidates) > VERY_STRONG
