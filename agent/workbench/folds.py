@@ -1,8 +1,9 @@
 """Held-out error: blocks of the record that a fit did not use, predicted in free run from OP.
 
-The model runs through the whole record from OP alone, so the samples before a held-out block reveal nothing
-of it except the noise that both share at its edges; hence the guard (``missing_effect.md`` section 4, step
-5).
+The model runs through the whole record from OP alone, so the samples beside a held-out block reveal nothing
+of it except the noise that both share at its edges. A guard for that is not worth its samples: with none the
+error of a true model is that of the noise, wrong effects lower it no more often, and a fold keeps what its
+neighbours say of a bump (decision 140; ``missing_effect.md`` section 4, step 5 asks for one).
 Level and slow drift belong to no effect and are removed with the whole record: extrapolated into a block they
 would hide every difference. Only the opening of the record shows where the valve stood before it; every fit
 uses the opening and no score counts it.
@@ -16,7 +17,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from agent.physics.bases.linear_process import LinearProcess
 from agent.workbench.fit import Fit, refit
 from agent.workbench.record import FEW_CYCLES
 from agent.workbench.shown.leverage import leverage_of
@@ -41,8 +41,6 @@ LEAST_SHARE = 0.25
 equal length; else they are shorter where OP tests the loop."""
 SMOOTH = 50
 """Parts of the record over which the information is averaged: one sample is no block."""
-RUN = 4
-"""Least length of a run of blocks held out together, in guards: else the guards would take all the rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +51,6 @@ class Folds:
     """Number of each sample's block, -1 where it belongs to none, (n,)."""
     fold: NDArray[np.int64]
     """Of each block, (b,)."""
-    guard: int
-    """Samples on both sides of the held-out blocks that no fit by free run uses."""
     opening: int
     """First samples, in no block, that all fits use."""
 
@@ -67,11 +63,9 @@ class Folds:
         """Return which samples the fit of a fold does not use but must predict, (n,)."""
         return np.asarray((self.block >= 0) & (self.fold[self.block] == fold), dtype=np.bool_)
 
-    def seen(self, fold: int, weight: FloatArray, guard: int) -> FloatArray:
-        """Return ``weight`` (n,), zero where a fold's fit predicts and within ``guard`` samples of it."""
-        hidden = np.convolve(self.held_out(fold), np.ones(2 * guard + 1), mode="same") > 0.5
-        hidden[: self.opening] = False
-        return weight * ~hidden
+    def seen(self, fold: int, weight: FloatArray) -> FloatArray:
+        """Return ``weight`` (n,), zero where a fold's fit predicts."""
+        return weight * ~self.held_out(fold)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +95,7 @@ def folds_of(record: Record, base: Fit) -> Folds | str:
 
     Args:
         record: OP and PV.
-        base: The base alone, fitted: its delay and time constants give the time for which OP affects PV.
+        base: The base alone, fitted: where its response moves OP tests the loop.
     """
     n, period = len(record), record.period
     length = min(max(2 * period, LEAST_BLOCK), n / BLOCKS)
@@ -109,13 +103,13 @@ def folds_of(record: Record, base: Fit) -> Folds | str:
     length = int(min(max(length, least), n / (FEWEST_BLOCKS + SPARE)))
     equal = np.minimum(np.arange(n) // length, n // length - 1)  # the last one takes the rest
     share = leverage_of(base, record)
-    found = _folds(equal, record, base)
+    found = _folds(equal, record)
     if isinstance(found, str):
         return found
     held = [float(share[found.held_out(fold)].sum()) for fold in range(FOLDS)]
     if min(held) >= LEAST_SHARE * sum(held) / FOLDS:
         return found
-    by_excitation = _folds(_as_much_in_each(share, n // length), record, base)
+    by_excitation = _folds(_as_much_in_each(share, n // length), record)
     return found if isinstance(by_excitation, str) else by_excitation
 
 
@@ -130,7 +124,7 @@ def _as_much_in_each(share: FloatArray, blocks: int) -> NDArray[np.int64]:
     return np.minimum((held * blocks).astype(np.int64), blocks - 1)
 
 
-def _folds(block: NDArray[np.int64], record: Record, base: Fit) -> Folds | str:
+def _folds(block: NDArray[np.int64], record: Record) -> Folds | str:
     """Return folds of blocks (n,), those with less than half of their samples left out."""
     lengths = np.bincount(block)
     enough = np.bincount(block, weights=record.weight) >= 0.5 * lengths
@@ -138,20 +132,8 @@ def _folds(block: NDArray[np.int64], record: Record, base: Fit) -> Folds | str:
     if enough.sum() < FEWEST_BLOCKS:
         return f"only {enough.sum()} stretches of the record have enough samples, {FEWEST_BLOCKS} are needed"
     number = np.where(enough, np.cumsum(enough) - 1, -1)
-    shortest = int(lengths[enough].min())
-    guard = int(min(memory(base, record), shortest))
-    run = min(max(1, -(-RUN * guard // shortest)), int(enough.sum()) // FOLDS)
-    fold = np.arange(enough.sum()) // run % FOLDS
-    return Folds(number[block], fold, guard, opening=int(lengths[0]))
-
-
-def memory(base: Fit, record: Record) -> float:
-    """Return how long OP affects PV, samples: delay and three time constants, one period where unknown."""
-    own = len(base.model.base.parameters(record.facts))
-    process = base.model.base.process(base.values[:own])
-    if not isinstance(process, LinearProcess) or process.integrates:
-        return record.period
-    return (process.delay + process.settling) / record.facts.ts
+    fold = np.arange(enough.sum()) % FOLDS
+    return Folds(number[block], fold, opening=int(lengths[0]))
 
 
 def held_out(fitted: Fit, record: Record, folds: Folds, noise: Innovations | None = None) -> HeldOut:
@@ -164,12 +146,10 @@ def held_out(fitted: Fit, record: Record, folds: Folds, noise: Innovations | Non
         noise: Noise model of its residual; the refits then minimise the prediction error, as ``fitted`` does.
             None: they minimise the error of the free run. The folds are predicted in free run either way.
     """
-    # Innovations are independent, so those of neighbours contain nothing of the held-out samples.
-    guard = folds.guard if noise is None else 0
     pv = np.full(len(record), np.nan)
     values = []
     for fold in range(FOLDS):
-        one = refit(fitted, record, folds.seen(fold, record.weight, guard), noise)
+        one = refit(fitted, record, folds.seen(fold, record.weight), noise)
         hidden = folds.held_out(fold)
         pv[hidden] = one.pv[hidden]
         values.append(one.values)

@@ -15,15 +15,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.physics.bases.linear_process import LinearProcess
 from agent.workbench.design.plans import Plan, minutes, plan_words, plans
 from agent.workbench.design.rival import Rival, rival_of
-from agent.workbench.folds import memory
 from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.identify.noise.autoregression import Innovations
+    from agent.workbench.fit import Fit
     from agent.workbench.record import Record
     from agent.workbench.step import Step, Verdict
     from agent.workbench.trial import Tried
@@ -105,6 +106,15 @@ def next_test(step: Step, verdict: Verdict, models: dict[str, Tried]) -> NextTes
         return NextTest(*names, None, 0, 0.0, facts.ts, None, variance**0.5)
     repeats = int(np.ceil(NEEDED / best[0]))
     return NextTest(*names, best[1], repeats, repeats * best[0], facts.ts, best[2], variance**0.5)
+
+
+def memory(base: Fit, record: Record) -> float:
+    """Return how long OP affects PV, samples: delay and three time constants, one period where unknown."""
+    own = len(base.model.base.parameters(record.facts))
+    process = base.model.base.process(base.values[:own])
+    if not isinstance(process, LinearProcess) or process.integrates:
+        return record.period
+    return (process.delay + process.settling) / record.facts.ts
 
 
 def _information(rival: Rival, record: Record, noise: Innovations, variance: float) -> FloatArray:

@@ -9,7 +9,7 @@ from loops import made
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.effects import EFFECTS
 from agent.report.comparison_text import verdict_words
-from agent.workbench.folds import memory
+from agent.workbench.design.next_test import memory
 from agent.workbench.record import bare_record
 from agent.workbench.session import Workbench
 from agent.workbench.session.other_base import WORDS
