@@ -91,8 +91,8 @@ def decide(candidates: Sequence[Candidate], lower: Callable[[str, str], bool]) -
     """Return the likeliest candidate that lowers the error by as much as counts, with those as good.
 
     No other is named in place of one that is far likelier and lowers the error by less. What held-out blocks
-    show is named where nothing else is confirmed, or only an event that makes surely more error, though the
-    blocks know when it happened.
+    show is named where nothing else is confirmed, where it is far likelier, though an autoregression predicts
+    it, or where all else are events that make surely more error, though the blocks know when they happened.
 
     Args:
         candidates: The simplest of a family first.
@@ -105,8 +105,10 @@ def decide(candidates: Sequence[Candidate], lower: Callable[[str, str], bool]) -
         return by_blocks
     if by_blocks.kind not in CONFIRMED:
         return by_odds
-    events = all(each.once and lower(shown[0].effect, each.effect) for each in likely)
-    return by_blocks if events or by_odds.kind not in CONFIRMED else by_odds
+    wave = shown[0]
+    far = all(wave.criterion - each.criterion > VERY_STRONG for each in likely)
+    events = all(each.once and lower(wave.effect, each.effect) for each in likely)
+    return by_blocks if far or events or by_odds.kind not in CONFIRMED else by_odds
 
 
 def _likeliest(candidates: Sequence[Candidate], lower: Callable[[str, str], bool]) -> list[Candidate]:

@@ -26,7 +26,10 @@ PLACES, WIDTHS, RATIOS = 12, (0.0, 0.1, 0.25), (0.5, 1.0, 2.0)
 
 @dataclass(frozen=True, slots=True)
 class SplitRange:
-    """Two slopes with a gap between them in which OP moves no flow."""
+    """Two slopes with a gap between them in which OP moves no flow.
+
+    The valve moves beyond the gap: one that ends with the travel is a stop, and counts as no gap.
+    """
 
     name: str = "split_range"
     family: str = "valve_characteristic"
@@ -58,7 +61,8 @@ class SplitRange:
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:  # noqa: ARG002
         """Return the flow, in OP units of the lower part."""
         place, width, ratio = (float(value) for value in values)
-        if width == 0.0 and ratio == 1.0:
+        least, most = float(position.min()), float(position.max())
+        if (width == 0.0 and ratio == 1.0) or place + width > most - EDGE * (most - least):
             return position
         above = np.maximum(position - place - width, 0.0)
         return np.asarray(np.minimum(position, place) + ratio * above)

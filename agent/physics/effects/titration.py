@@ -15,9 +15,12 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-WIDTH = (0.01, 2.0)
-"""Of the steep part, over OP's span: from a step to nearly a straight line."""
-PLACES, WIDTHS = 15, (0.03, 0.1, 0.3, 1.0)
+WIDTH = (1e-3, 2.0)
+"""Of the steep part, over OP's span: from a step, as of a strong acid without a buffer, to nearly a straight
+line."""
+OUTSIDE = 0.5
+"""Of OP's span, by which the steepest place may lie beyond it: then only one side of the curve is seen."""
+PLACES, WIDTHS = 15, (0.005, 0.03, 0.1, 0.3, 1.0)
 """Middles and widths, over OP's span, from which a search begins."""
 
 
@@ -33,8 +36,9 @@ class Titration:
     def parameters(self, facts: Facts) -> tuple[Parameter, ...]:
         """Return the OP that leads to the steepest place in the long run, and the width of the steep part."""
         low, high = (each * facts.op_span for each in WIDTH)
+        beyond = OUTSIDE * facts.op_span
         return (
-            Parameter("middle", "OP", facts.op_low, facts.op_high),
+            Parameter("middle", "OP", facts.op_low - beyond, facts.op_high + beyond),
             Parameter("width", "OP", low, high, log=True),
         )
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.checks.lacking import is_trifle
 from agent.workbench.checks.remainder import remainder
 from agent.workbench.evidence import far_likelier
@@ -80,10 +81,12 @@ def _larger(
     record: Record,
 ) -> Optimum | None:
     """Return a model with one more effect that is needed beside the others; None: there is none."""
+    # A wave is seen by itself: an autoregression predicts it, so that it may make nothing likelier.
+    seen = any(isinstance(each, Sinusoid) for each in model.fit.model.effects)
     for other in beside:
         larger = together(model, other)
-        alone = (model, *(models[name] for name in (other.name,) if name in models))
-        if all(far_likelier(each, larger, record) for each in alone):
+        alone = () if seen else tuple(models[name] for name in (other.name,) if name in models)
+        if all(far_likelier(each, larger, record) for each in (model, *alone)):
             return larger
     return None
 

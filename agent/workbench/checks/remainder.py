@@ -1,11 +1,13 @@
 """What remains with an effect, without a name: whether the innovations still go along with anything of OP.
 
 The true cause need not be in the library. Whatever it is, a wrong effect leaves a part of what the true one
-does: of curves of the valve's position or of the response, of slack in either, of further lags, of a speed
-that is limited, of a gain that changes in time. Columns of all of these are added behind the model one after
-the other, the best first, each paid by Schwarz's criterion and for being chosen: a matching pursuit (Mallat
-and Zhang, IEEE Trans. Signal Process. 41 (1993) 3397) over a score test (Rao 1948). What the model does by a
-small change of its own numbers is no remainder, but a number at a bound cannot move. Nothing is fitted.
+does: of curves of the valve's position or of the response, of slack in either, of further lags, of what
+follows large moves otherwise than small ones, or moves up otherwise than moves down, of a valve that needs
+time for its travel, of a gain that changes in time. Columns of all of these are added behind the model one
+after the other, the best first, each paid by Schwarz's criterion and for being chosen: a matching pursuit
+(Mallat and Zhang, IEEE Trans. Signal Process. 41 (1993) 3397) over a score test (Rao 1948). What the model
+does by a small change of its own numbers is no remainder, but a number at a bound cannot move. Nothing is
+fitted.
 """
 
 from __future__ import annotations
@@ -32,8 +34,8 @@ BANDS = tuple(np.geomspace(0.01, 1.2, 10).tolist())
 """Widths of slack, over the span of what moves: from hardly seen to more than its moves."""
 LAGS = tuple(np.geomspace(0.01, 1.0, 7).tolist())
 """Further time constants, dominant periods."""
-SPEEDS = (0.5, 0.7, 0.9, 0.97)
-"""Quantiles of the response's speed that it does not exceed."""
+TRAVELS = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
+"""Times in which the valve goes through all of its travel, dominant periods."""
 INSTANTS = 10
 """From which on the gain drifts, equally spaced."""
 MOST = 4
@@ -78,13 +80,13 @@ def _unnamed(predicts: Predictor, best: FloatArray) -> Iterator[FloatArray]:
     record, layout, values = objective.record, objective.layout, objective.space.values(best)
     position = layout.position(record.op, values)
     response = layout.response(position, values)
-    bends = np.column_stack([*_bent(position)])
-    yield from layout.answers(position, bends - position[:, np.newaxis], values).T
+    speeds = [float(np.ptp(position)) / (time * record.period) for time in TRAVELS]
+    moved = np.column_stack([*_bent(position), *(slewed(position, speed) for speed in speeds)])
+    yield from layout.answers(position, moved - position[:, np.newaxis], values).T
     yield from _bent(response)
     for lag in LAGS:
-        yield lagged(response, lag * record.period)
-    for speed in np.quantile(np.abs(np.diff(response)), SPEEDS):
-        yield slewed(response, float(speed))
+        rise = response - lagged(response, lag * record.period)
+        yield from (rise, np.abs(rise), rise * np.abs(rise))
     time = np.linspace(0.0, 1.0, len(response))
     for instant in np.arange(INSTANTS) / INSTANTS:
         yield response * np.maximum(time - instant, 0.0)

@@ -12,6 +12,7 @@ from agent.physics.effects import EFFECTS
 from agent.workbench.checks.adequate import NOT_IN_LIBRARY
 from agent.workbench.checks.remainder import remainder
 from agent.workbench.hooks import silent
+from agent.workbench.hypotheses import CONFIRMED
 from agent.workbench.residual.very_strong import VERY_STRONG
 from agent.workbench.session import Workbench
 from agent.workbench.session.opening import opened
@@ -52,7 +53,26 @@ def test_a_trim_that_stands_for_a_curve_behind_the_lags_is_suggested():
     assert (decision.kind, decision.family) == ("suggested", "valve_characteristic")
     assert NOT_IN_LIBRARY in decision.lacks
     named = judged(record, "valve_characteristic", "pv_gain")
-    assert (named.kind, named.effect, named.lacks) == ("family", "square_law", ())
+    assert named.kind in CONFIRMED
+    assert (named.effect, named.lacks) == ("square_law", ())
+
+
+def test_a_lag_that_stands_for_a_limited_speed_is_seen():
+    """The lag lowers the error, but large moves take longer than small ones."""
+    record = open_record(91702, "prbs", "rate_limit")
+    alone = judged(record, "extra_lag")
+    assert alone.family == "extra_lag"
+    assert NOT_IN_LIBRARY in alone.lacks
+    both = judged(record, "extra_lag", "valve_speed")
+    assert (both.kind, both.effect, both.lacks) == ("confirmed", "rate_limit", ())
+
+
+def test_a_wave_is_seen_by_itself_whatever_is_missing_beside_it():
+    """An autoregression predicts it, so that with the lag it makes the record no likelier."""
+    record = open_record(91700, "prbs", "sinusoid")
+    found = judged(record, "disturbance", "extra_lag")
+    assert (found.kind, found.effect) == ("confirmed", "sinusoid")
+    assert found.lacks == ("with it sensor lag is still missing",)
 
 
 @pytest.mark.bench  # the accuracy on one draw

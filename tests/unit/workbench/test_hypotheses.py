@@ -24,8 +24,9 @@ def tried(effect, criterion, percent=60.0, **other):
     return Candidate(effect, FAMILIES[effect], percent, criterion=criterion, **known)
 
 
-def wave(effect, percent, **other):
-    return tried(effect, 0.0, percent, **({"p": 1e-3, "odds": math.inf, "by_blocks": True} | other))
+def wave(effect, percent, criterion=0.0, **other):
+    known = {"p": 1e-3, "odds": math.inf, "by_blocks": True} | other
+    return tried(effect, criterion, percent, **known)
 
 
 def verdict(candidates):
@@ -134,3 +135,9 @@ def test_a_wave_that_slow_noise_may_have_made_is_suggested_where_nothing_else_is
 
 def test_no_candidates_is_none():
     assert decided() == ("none", None, ())
+
+
+@pytest.mark.parametrize(("ahead", "effect"), [(VERY_STRONG + 1, "wave"), (VERY_STRONG - 1, "deadband")])
+def test_a_wave_that_makes_the_record_far_likelier_is_named_before_what_is_plain(ahead, effect):
+    plain = tried("deadband", 50.0, 42.0)
+    assert decided(plain, wave("wave", 80.0, criterion=50.0 + ahead))[:2] == ("confirmed", effect)

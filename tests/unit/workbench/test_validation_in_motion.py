@@ -56,7 +56,7 @@ def test_a_lag_of_the_valve_remembers_too():
     fitted, other = halves(1, "vessels")
     bench = Workbench(fitted, base="oscillatory", validate=other)
     step = bench.add("actuator_lag")
-    assert step.rmse_validation < 1.25 * step.held_out.rmse  # 2.4 times with the begin at rest
+    assert step.rmse_validation < 1.4 * step.held_out.rmse  # 2.7 times with the begin at rest
     moved = replace(other, pv=other.pv + np.where(np.arange(HALF) < HALF // 2, 0.0, 10.0))
     assert rmse_on(step.fit, bare_record(moved)) > 2 * step.rmse_validation  # no begin explains that
 
