@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from agent.report.numbers import p_words, share_words, tenths
+from agent.report.numbers import odds_words, p_words, share_words, tenths
 from agent.workbench.residual.axis_effects import FAMILIES_ON
 from agent.workbench.residual.state_dependence import LEVEL
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 CHANCE = 0.2
 """p from which a reduction may be chance, whatever its interval."""
+TRIED = "what would lower the held-out squared error, with 90 % interval and odds"
 HARMONICS = 3
 """Of a wave that are shown."""
 PANELS = 3
@@ -53,11 +54,11 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
     for line in found.lines[:PANELS]:
         yield f"  a wave of {1 / line.frequency:.4g} s comes from outside: it keeps its own time"
     if found.candidates:
-        yield "what would lower the held-out squared error"
+        yield TRIED
     for tried in found.candidates[:CANDIDATES]:
         interval = f"({tenths(tried.low)} to {tenths(tried.high)})"
         percent = f"{tenths(tried.error_reduction_percent):>9} %"
-        yield f"  {tried.effect:28}{percent}  {interval}  {chance_words(tried)}"
+        yield f"  {tried.effect:28}{percent}  {interval}  {evidence_words(tried)}"
     yield from _ends(found)
 
 
@@ -87,17 +88,16 @@ def _ends(found: Comparison) -> Iterator[str]:
         yield f"next test: {found.next_test.words}"
 
 
-def chance_words(tried: Candidate) -> str:
-    """Return what stands beside the share that a candidate explains: its p, or what counts instead of p.
+def evidence_words(tried: Candidate) -> str:
+    """Return what decides on a candidate, to stand beside the share of the error that it explains.
 
-    An interval above zero and a p near 1 are of different things (of what happened once p is that of its
-    innovations, for the held-out blocks know when it happened): side by side they contradict each other.
+    Its odds, or of a wave the p of its held-out blocks: what an autoregression predicts has no odds.
     """
     if tried.surprises:
         return f"rejected: {tried.objection}"
-    if tried.low > 0 and tried.p >= CHANCE:
-        return "may be chance"
-    return p_words(tried.p)
+    if not tried.by_blocks:
+        return odds_words(tried.odds)
+    return "may be chance" if tried.low > 0 and tried.p >= CHANCE else p_words(tried.p)
 
 
 def _not_shown(found: Comparison) -> Iterator[str]:

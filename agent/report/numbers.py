@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -9,6 +10,8 @@ if TYPE_CHECKING:
 
 SMALLEST_P = 1e-3
 """Below which p has no digits."""
+EXPONENTS = 3, 99
+"""Powers of ten from which on odds have no other digits, and no further power."""
 
 
 def percent_words(value: float) -> str:
@@ -29,6 +32,17 @@ def share_words(share: float) -> str:
 def p_words(p: float) -> str:
     """Return a probability by chance; smaller ones than a thousandth are no better evidence to a reader."""
     return "p < 0.001" if p < SMALLEST_P else f"p = {p:.2g}"
+
+
+def odds_words(odds: float) -> str:
+    """Return how much likelier than not something is, of twice the logarithm of its odds."""
+    if odds <= 0.0:
+        return "no likelier with it"
+    exponent = odds / (2 * math.log(10.0))
+    if exponent < EXPONENTS[0]:
+        return f"odds {10.0**exponent:.0f} to 1"
+    above = "above " if exponent > EXPONENTS[1] else ""
+    return f"odds {above}1e{min(round(exponent), EXPONENTS[1])} to 1"
 
 
 def interval_words(estimate: IntervalEstimate) -> str:

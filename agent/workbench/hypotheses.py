@@ -60,6 +60,11 @@ class Candidate:
         return self.error_reduction_percent >= LEAST_PERCENT
 
     @property
+    def is_likely(self) -> bool:
+        """Whether the record is likelier with it than without; of a wave, whether held-out blocks show it."""
+        return self.low > 0 and self.p < LEVEL if self.by_blocks else self.odds > 0.0
+
+    @property
     def surprises(self) -> bool:
         """Whether it seems large enough to be confirmed, so that what rejects it must be stated."""
         return self.objection is not None and self.is_large and self.low > 0
@@ -116,7 +121,7 @@ def _likeliest(candidates: Sequence[Candidate], lower: Callable[[str, str], bool
 
     Of its family also those that may lower the error as much, for no law is quite that of the plant.
     """
-    supported = [each for each in candidates if each.odds > 0.0 and not each.by_blocks]
+    supported = [each for each in candidates if each.is_likely and not each.by_blocks]
     able = [each for each in supported if each.is_large]
     if not able:
         return []
@@ -138,7 +143,7 @@ def _shown_by_blocks(candidates: Sequence[Candidate], lower: Callable[[str, str]
     able = [
         each
         for each in candidates
-        if each.by_blocks and each.objection is None and each.is_large and each.low > 0 and each.p < LEVEL
+        if each.by_blocks and each.objection is None and each.is_large and each.is_likely
     ]
     if not able:
         return []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from agent.report.comparison_text import causes_words, chance_words, in_words, verdict_words
+from agent.report.comparison_text import TRIED, causes_words, evidence_words, in_words, verdict_words
 from agent.report.headline import headline
 from agent.report.numbers import p_words, share_words, tenths
 from agent.report.terminal_pictures import residual_lines, staircase_lines
@@ -52,10 +52,10 @@ def lines_of(view: View) -> Iterator[str]:
     else:
         yield from _failure_lines(found)
     if view.numbered:
-        yield "what would lower the held-out squared error, with 90 % interval"
+        yield TRIED
     for number, each in enumerate(view.numbered, 1):
         gain = f"{tenths(each.error_reduction_percent):>6} %  ({tenths(each.low)} to {tenths(each.high)})"
-        yield f"  {number}  {each.effect:22}{gain}  {chance_words(each)}"
+        yield f"  {number}  {each.effect:22}{gain}  {evidence_words(each)}"
     if found.verdict.kind != "not_testable":
         yield f"verdict: {verdict_words(found.verdict, found)}"
     if found.verdict.kind == "none_of_the_known":

@@ -8,9 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, tidy
-from agent.report.comparison_text import chance_words
+from agent.report.comparison_text import evidence_words
 from agent.workbench.paired_blocks import LEAST_PERCENT
-from agent.workbench.residual.holm import LEVEL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,7 +21,7 @@ SHOWN = -20.0
 
 
 def candidates_figure(loop: str, tried: Sequence[Candidate]) -> Figure:
-    """Draw the reductions with their intervals; red where significant, large enough and not rejected.
+    """Draw the reductions with their intervals; red where likely, large enough and not rejected.
 
     Args:
         loop: Name for the title.
@@ -35,24 +34,18 @@ def candidates_figure(loop: str, tried: Sequence[Candidate]) -> Figure:
         np.maximum([getattr(each, name) for each in tried], SHOWN)
         for name in ("error_reduction_percent", "low", "high")
     )
-    found = [
-        each.p < LEVEL
-        and each.error_reduction_percent >= LEAST_PERCENT
-        and each.low > 0
-        and not each.surprises
-        for each in tried
-    ]
+    found = [each.is_large and each.is_likely and each.objection is None for each in tried]
     axes.barh(at, value, color=[MODEL if each else SET_POINT for each in found], height=0.6)
     axes.errorbar(value, at, xerr=(value - low, high - value), fmt="none", ecolor=MEASURED, capsize=3)
     axes.axvline(LEAST_PERCENT, color=MEASURED, linewidth=0.8, linestyle="--")
     axes.axvline(0, color=MEASURED, linewidth=0.6)
     axes.set_yticks(at, [f"{each.effect.replace('_', ' ')}  ({_beside(each)})" for each in tried])
     axes.invert_yaxis()
-    axes.set_xlabel("reduction of held-out squared error, %, 90 % interval; dashed: smallest that counts")
+    axes.set_xlabel("reduction of held-out squared error, %, 90 % interval (dashed: least)")
     tidy(axes)
     figure.suptitle(f"{loop}: effects on top of this model", x=0.01, ha="left", fontsize=12)
     return figure
 
 
 def _beside(each: Candidate) -> str:
-    return "rejected" if each.surprises else chance_words(each)
+    return "rejected" if each.surprises else evidence_words(each)

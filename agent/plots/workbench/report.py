@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from agent.report.comparison_text import (
     CANDIDATES,
     causes_words,
-    chance_words,
+    evidence_words,
     in_words,
     step_name,
     verdict_words,
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from agent.workbench.step import Step, VerdictKind
 
 DPI = 110
-BY_CHANCE = "by chance?"
+EVIDENCE = "evidence"
 """Head of the column whose cells are words."""
 CAPTIONS = {
     "overlay": (
@@ -162,12 +162,12 @@ def _step(step: Step, evidence: StepEvidence) -> Iterable[str]:
             in_words(each.effect),
             tenths(each.error_reduction_percent),
             f"{tenths(each.low)} to {tenths(each.high)}",
-            chance_words(each),
+            evidence_words(each),
         )
         for each in evidence.candidates[:CANDIDATES]
     ]
     if rows:
-        yield table(("tried", "held-out squared error lower by, %", "90 % interval", BY_CHANCE), rows)
+        yield table(("tried", "held-out squared error lower by, %", "90 % interval", EVIDENCE), rows)
     if step.verdict is not None:
         others = " or ".join(map(in_words, step.verdict.indistinguishable))
         beside = f"; this record cannot distinguish it from {others}" if others else ""
@@ -189,7 +189,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def _cell(tag: str, cell: str, column: str) -> str:
-    kind = ' class="words"' if column == BY_CHANCE else ""
+    kind = ' class="words"' if column == EVIDENCE else ""
     return f"<{tag}{kind}>{escape(cell)}</{tag}>"
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.plots.workbench.overlay import overlay_figure
-from agent.plots.workbench.report import BY_CHANCE, number, page, picture, table
+from agent.plots.workbench.report import EVIDENCE, number, page, picture, table
 from agent.report.headline import capital
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def _parts(found: Together) -> Iterator[str]:
     yield table(("recording", *own[0]), rows)
     if found.candidates:
         yield "<h2>What would make them likelier</h2>"
-        head = "tried", "twice a logarithm", "held-out squared error lower by, %", BY_CHANCE
+        head = "tried", "twice a logarithm", "held-out squared error lower by, %", EVIDENCE
         tried = [
             (
                 each.effect,

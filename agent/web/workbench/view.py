@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from agent.report.comparison_json import not_shown_json
-from agent.report.comparison_text import causes_words, chance_words, step_name, verdict_words
+from agent.report.comparison_text import causes_words, evidence_words, step_name, verdict_words
 from agent.report.headline import capital, headline
 from agent.web.rows import numbers, plain
 from agent.web.workbench.same_lines import command_of, python_of
@@ -186,7 +186,7 @@ def _found(found: Comparison) -> dict[str, Any]:
                 "low": plain(each.low),
                 "high": plain(each.high),
                 "p": plain(each.p),
-                "chance": chance_words(each),
+                "chance": evidence_words(each),
             }
             for each in found.candidates
         ],

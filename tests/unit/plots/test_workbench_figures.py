@@ -1,5 +1,6 @@
 """Pictures of the workbench and the report, from values."""
 
+import math
 import re
 from html.parser import HTMLParser
 from itertools import pairwise
@@ -104,24 +105,28 @@ def test_the_staircase_falls_to_the_floor():
 
 def test_a_rejected_candidate_is_not_coloured_as_one_that_counts():
     tried = [
-        Candidate("rate_limit", "valve_speed", 95.0, 87.0, 97.0, 0.0001),
-        Candidate("saturation", "valve_limits", 27.0, 10.0, 40.0, 0.01, "another effect is far more likely"),
-        Candidate("deadband", "valve_hysteresis", 0.1, -1.0, 1.0, 1.0),
+        Candidate("rate_limit", "valve_speed", 95.0, 87.0, 97.0, 1.0, odds=90.0),
+        Candidate("sinusoid", "disturbance", 40.0, 30.0, 50.0, 0.001, odds=math.inf, by_blocks=True),
+        Candidate("saturation", "valve_limits", 27.0, 10.0, 40.0, 1.0, "far less likely", odds=20.0),
+        Candidate("gain_change", "gain", 20.0, 10.0, 40.0, 0.01, odds=-2.0),
+        Candidate("deadband", "valve_hysteresis", 0.1, -1.0, 1.0, 1.0, odds=12.0),
     ]
-    counts, rejected, small = candidates_figure("FIC101", tried).axes[0].patches
-    assert rejected.get_facecolor() == small.get_facecolor() != counts.get_facecolor()
+    counts, wave, *others = candidates_figure("FIC101", tried).axes[0].patches
+    assert counts.get_facecolor() == wave.get_facecolor()
+    assert all(each.get_facecolor() != counts.get_facecolor() for each in others)
 
 
 def test_candidates_are_coloured_where_they_count():
     tried = [
-        Candidate("stiction", "valve_hysteresis", 60.0, 50.0, 70.0, 0.001),
+        Candidate("stiction", "valve_hysteresis", 60.0, 50.0, 70.0, 0.001, odds=40.0),
         Candidate("load_step", "disturbance", -900.0, -2000.0, -1.0, 1.0),
     ]
     (axes,) = candidates_figure("FIC101", tried).axes
     first, second = axes.patches
     assert first.get_facecolor() != second.get_facecolor()
     assert (first.get_width(), second.get_width()) == (60.0, -20.0)
-    assert axes.get_yticklabels()[1].get_text() == "load step  (p = 1)"
+    said = [label.get_text() for label in axes.get_yticklabels()]
+    assert said == ["stiction  (odds 1e9 to 1)", "load step  (no likelier with it)"]
 
 
 class Tags(HTMLParser):

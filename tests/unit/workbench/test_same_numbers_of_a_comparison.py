@@ -1,6 +1,7 @@
 """One comparison in text, conversation, JSON, pictures and report: each number is the same everywhere."""
 
 import json
+import math
 import re
 from html import unescape
 
@@ -14,6 +15,7 @@ from agent.plots.workbench.comparison_figures import comparison_figures
 from agent.plots.workbench.report import report_html
 from agent.report.comparison_json import comparison_json
 from agent.report.comparison_text import comparison_lines
+from agent.report.numbers import odds_words
 from agent.workbench.session import Workbench
 
 pytestmark = pytest.mark.timeout(240)  # a cold cache of kernels takes a minute
@@ -82,7 +84,10 @@ def test_candidates_and_where_it_fails(printed):
         line = rf"{each['effect']}\s+{re.escape(share)}\s+{re.escape(ends)}  (.*)$"
         said = [re.search(line, words[name], re.MULTILINE).group(1) for name in ("text", "conversation")]
         assert said[0] == said[1]
-        assert said[0] in (f"p = {each['p']:.2g}", "may be chance", f"rejected: {each['objection']}")
+        exponent = each["log10_odds"]
+        odds = None if exponent is None else odds_words(2 * math.log(10.0) * exponent)
+        rejected = f"rejected: {each['objection']}"
+        assert said[0] in (odds, f"p = {each['p']:.2g}", "may be chance", "no likelier with it", rejected)
         beside = "rejected" if said[0].startswith("rejected") else said[0]
         assert f"{each['effect'].replace('_', ' ')}  ({beside})" in drawn["candidates"]
     for each in own["where_it_fails"]:

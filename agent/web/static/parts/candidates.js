@@ -14,7 +14,7 @@ export function Candidates({ state, busy, tick, untick }) {
   const others = tried.filter((each) => !alike.has(each.effect));
   const row = (each) => html`<${Row} key=${each.effect} effect=${each.effect} on=${false} busy=${busy} change=${() => tick(each.effect)} each=${each} loud=${each.effect === verdict?.effect} />`;
   return html`<section class="card wb-candidates"><h2>Effects</h2>
-    <p class="quiet">Tick one: everything is fitted again. An effect that nothing in the residual hints at is fitted only when you tick it. The bar is how far the held-out squared error is expected to fall, with its 90 % interval.</p>
+    <p class="quiet">Tick one: everything is fitted again. An effect that nothing in the residual hints at is fitted only when you tick it. The bar is how far the held-out squared error is expected to fall, with its 90 % interval; the odds say how much likelier the record is with the effect.</p>
     ${model.effects.map((each) => html`<${Row} key=${each} effect=${each} on=${true} busy=${busy} change=${() => untick(each)} note="in the model" />`)}
     ${!found && html`<p class="quiet working" role="status">Each effect is being tried</p>`}
     ${together.length > 0 && html`<div class="wb-alike" role="group" aria-label="Effects that this record cannot distinguish"><p class="wb-alike-title">This record cannot distinguish these</p>
@@ -40,4 +40,4 @@ function Row({ effect, on, busy, change, each, note, why, loud }) {
 }
 
 const fall = (value) => (Math.abs(value) < 0.5 ? "0 %" : `${value < 0 ? "−" : ""}${Math.abs(value).toFixed(0)} %`);
-const beside = (each) => each.chance.startsWith("p "); // else words, in a line of their own
+const beside = (each) => /^(p|odds) /.test(each.chance); // else words, in a line of their own
