@@ -3,7 +3,7 @@
 The model runs through the whole record from OP alone, so the samples beside a held-out block reveal nothing
 of it except the noise that both share at its edges. A guard for that is not worth its samples: with none the
 error of a true model is that of the noise, wrong effects lower it no more often, and a fold keeps what its
-neighbours say of a bump (decision 140; ``missing_effect.md`` section 4, step 5 asks for one).
+neighbours say of a bump (decision 140; ``missing_effect.md`` section 4, step 5 requires one).
 Level and slow drift belong to no effect and are removed with the whole record: extrapolated into a block they
 would hide every difference. Only the opening of the record shows where the valve stood before it; every fit
 uses the opening and no score counts it.
