@@ -40,4 +40,4 @@ function Row({ effect, on, busy, change, each, note, why, loud }) {
 }
 
 const fall = (value) => (Math.abs(value) < 0.5 ? "0 %" : `${value < 0 ? "−" : ""}${Math.abs(value).toFixed(0)} %`);
-const beside = (each) => /^(p|odds) /.test(each.chance); // else words, in a line of their own
+const beside = (each) => each.chance.startsWith("p "); // else words, in a line of their own
