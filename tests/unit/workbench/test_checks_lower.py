@@ -111,7 +111,7 @@ def test_an_effect_must_beat_linear_dynamics_that_have_no_name():
 
 
 def test_a_rate_limit_that_is_there_beats_them():
-    record = open_record(60002, "prbs", "rate_limit")
+    record = open_record(60003, "prbs", "rate_limit")
     window = LoopWindow("loop", 0.0, record.scenario.ts, record.op, record.pv)
     decision = Workbench(window, without={each.family for each in EFFECTS} - {"valve_speed"}).candidates()
     assert (decision.kind, decision.effect, decision.lacks) == ("confirmed", "rate_limit", ())

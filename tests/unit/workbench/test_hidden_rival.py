@@ -35,7 +35,7 @@ def decision_on(seed, truth, without=FAMILIES):
 
 
 def test_losses_are_no_more_than_suggested_where_a_dead_band_makes_a_bump_test_as_likely():
-    decision = decision_on(91536, "stiction", FAMILIES - {"pv_gain"})
+    decision = decision_on(91542, "asymmetric_stiction", FAMILIES - {"pv_gain"})
     assert (decision.kind, decision.effect) == ("suggested", "loss_curve")
     assert decision.lacks[-1] == "deadband, which this record cannot show, makes it as likely"
 
