@@ -186,7 +186,7 @@ def _found(found: Comparison) -> dict[str, Any]:
                 "low": plain(each.low),
                 "high": plain(each.high),
                 "p": plain(each.p),
-                "chance": evidence_words(each),
+                "evidence": evidence_words(each),
             }
             for each in found.candidates
         ],

@@ -46,6 +46,16 @@ def test_the_slope_of_a_curve_over_pv_grows_by_its_curvature():
     assert slopes.max() / slopes.min() == pytest.approx(np.exp(0.05 * 20), rel=0.05)
 
 
+def test_a_gap_that_ends_with_the_travel_is_a_stop_and_counts_as_none():
+    position = np.linspace(40.0, 60.0, 201)
+    inside, to_the_end = (
+        SplitRange().apply(position, np.array([50.0, width, 0.5]), 1.0) for width in (4.0, 9.5)
+    )
+    assert np.ptp(inside[position >= 54.0]) == pytest.approx(3.0)
+    assert np.ptp(inside[(position >= 50.0) & (position <= 54.0)]) == pytest.approx(0.0)
+    assert to_the_end is position
+
+
 def test_a_titration_is_steepest_in_the_middle():
     slopes = np.diff(Titration().apply(WAVE, np.array([52.0, 2.0]), 1.0)) / np.diff(WAVE)
     assert slopes.max() == pytest.approx(1.0, abs=0.01)

@@ -13,6 +13,7 @@ from agent.workbench.folds import FEWEST_BLOCKS, FOLDS, block_losses, folds_of, 
 from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record
 from agent.workbench.space import space_of
+from simulators.draws.open_records import open_record
 
 FOPDT = LoopModel(Fopdt())
 
@@ -123,6 +124,17 @@ def test_the_held_out_error_of_the_truth_is_the_noise():
     assert out.rmse == pytest.approx(noise, rel=0.08)
     assert out.losses == pytest.approx(block_losses(record, folds, out.pv))
     assert out.values.shape == (FOLDS, 2)
+
+
+@pytest.mark.parametrize("seed", [91700, 91722, 91723])
+def test_so_it_is_where_one_bump_is_all_that_tests_the_loop(seed):
+    """Neighbours of a held-out block say how the process answers; held out with it, nothing does."""
+    bump = open_record(seed, "bump", "slow_drift")
+    window = bumped(bump.op, bump.pv)
+    record = bare_record(window)
+    base = fit(FOPDT, record, record.weight)
+    out = held_out(base, record, folds_of(record, base))
+    assert out.rmse < 1.15 * np.sqrt(base.error / record.weight.sum())
 
 
 def test_too_few_stretches_are_reported():

@@ -32,12 +32,12 @@ function Row({ effect, on, busy, change, each, note, why, loud }) {
   return html`<label class=${`wb-effect ${loud ? "loud" : ""} ${idle ? "idle" : ""}`} data-effect=${effect}>
     <input type="checkbox" checked=${on} disabled=${busy} onChange=${change} />
     <span class="wb-name">${named(effect)}${loud && html` <span class="tag">proposed</span>`}</span>
-    ${each ? html`<span class="wb-gain">${fall(each.percent)}${!idle && html`<small>${fall(each.low)} to ${fall(each.high)}${beside(each) && `, ${each.chance}`}</small>`}</span>
+    ${each ? html`<span class="wb-gain">${fall(each.percent)}${!idle && html`<small>${fall(each.low)} to ${fall(each.high)}${beside(each) && `, ${each.evidence}`}</small>`}</span>
       ${!idle && html`<svg class="wb-bar" height="8" width="100%" role="img" aria-label=${`Error falls by ${fall(each.percent)}, ${fall(each.low)} to ${fall(each.high)}`}><line x1="0" x2="100%" y1="4" y2="4" class="scale" />
         <line x1=${place(each.low)} x2=${place(each.high)} y1="4" y2="4" class="interval" /><line x1=${place(each.percent)} x2=${place(each.percent)} y1="0" y2="8" class="value" /></svg>`}
-      ${!idle && !beside(each) && html`<small class="wb-why">${sentence(plainly(each.chance))}</small>`}` : html`${note && html`<span class="quiet">${note}</span>`}${why && html`<small class="wb-why">${sentence(plainly(why))}</small>`}`}
+      ${!idle && !beside(each) && html`<small class="wb-why">${sentence(plainly(each.evidence))}</small>`}` : html`${note && html`<span class="quiet">${note}</span>`}${why && html`<small class="wb-why">${sentence(plainly(why))}</small>`}`}
   </label>`;
 }
 
 const fall = (value) => (Math.abs(value) < 0.5 ? "0 %" : `${value < 0 ? "−" : ""}${Math.abs(value).toFixed(0)} %`);
-const beside = (each) => each.chance.startsWith("p "); // else words, in a line of their own
+const beside = (each) => each.evidence.startsWith("p "); // else words, in a line of their own
