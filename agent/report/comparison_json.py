@@ -91,7 +91,7 @@ def _candidate(each: Candidate) -> dict[str, object]:
         "low": _number(each.low),
         "high": _number(each.high),
         "p": _number(each.p),
-        "log10_odds": None if each.by_blocks else _number(each.odds / (2 * math.log(10.0))),
+        "log10_odds": _number(each.log10_odds),
         "objection": each.objection,
     }
 

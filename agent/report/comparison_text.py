@@ -95,8 +95,8 @@ def evidence_words(tried: Candidate) -> str:
     """
     if tried.surprises:
         return f"rejected: {tried.objection}"
-    if not tried.by_blocks:
-        return odds_words(tried.odds)
+    if tried.log10_odds is not None:
+        return odds_words(tried.log10_odds)
     return "may be chance" if tried.low > 0 and tried.p >= CHANCE else p_words(tried.p)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -34,11 +33,10 @@ def p_words(p: float) -> str:
     return "p < 0.001" if p < SMALLEST_P else f"p = {p:.2g}"
 
 
-def odds_words(odds: float) -> str:
-    """Return how much likelier than not something is, of twice the logarithm of its odds."""
-    if odds <= 0.0:
+def odds_words(exponent: float) -> str:
+    """Return how much likelier than not something is, of its odds as a power of ten."""
+    if exponent <= 0.0:
         return "no likelier with it"
-    exponent = odds / (2 * math.log(10.0))
     if exponent < EXPONENTS[0]:
         return f"odds {10.0**exponent:.0f} to 1"
     above = "above " if exponent > EXPONENTS[1] else ""

@@ -200,12 +200,12 @@ def _explained(decision: Decision, tries: Tries) -> tuple[Candidate, ...]:
     """Return the candidates with words for why one that seems large enough is not named."""
     candidates, named = decision.candidates, {decision.effect, *decision.indistinguishable}
     answers = SLOW if tries.record.facts.stepped else ANSWERS  # in manual nothing answers PV
-    likely = [each for each in candidates if not each.by_blocks and each.odds > 0.0]
+    likely = [each for each in candidates if not each.by_blocks and each.is_likely]
 
     def words(each: Candidate) -> str | None:
         if each.objection is not None or each.by_blocks or each.effect in named:
             return each.objection or (None if each.odds else SLOW_LINE)
-        if each.odds <= 0.0:
+        if not each.is_likely:
             return answers if tries.found[each.effect].answers else BY_CHANCE
         ahead = max(other.criterion for other in likely)
         return UNLIKELY if ahead - each.criterion > VERY_STRONG else None

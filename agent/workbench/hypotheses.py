@@ -60,6 +60,11 @@ class Candidate:
         return self.error_reduction_percent >= LEAST_PERCENT
 
     @property
+    def log10_odds(self) -> float | None:
+        """The odds as a power of ten; None where held-out blocks decide."""
+        return None if self.by_blocks else self.odds / (2 * math.log(10.0))
+
+    @property
     def is_likely(self) -> bool:
         """Whether the record is likelier with it than without; of a wave, whether held-out blocks show it."""
         return self.low > 0 and self.p < LEVEL if self.by_blocks else self.odds > 0.0

@@ -41,7 +41,7 @@ def candidates_figure(loop: str, tried: Sequence[Candidate]) -> Figure:
     axes.axvline(0, color=MEASURED, linewidth=0.6)
     axes.set_yticks(at, [f"{each.effect.replace('_', ' ')}  ({_beside(each)})" for each in tried])
     axes.invert_yaxis()
-    axes.set_xlabel("reduction of held-out squared error, %, 90 % interval (dashed: least)")
+    axes.set_xlabel("reduction of held-out squared error, %, 90 % interval\ndashed: the smallest that counts")
     tidy(axes)
     figure.suptitle(f"{loop}: effects on top of this model", x=0.01, ha="left", fontsize=12)
     return figure

@@ -85,7 +85,7 @@ def _larger(
     seen = any(isinstance(each, Sinusoid) for each in model.fit.model.effects)
     for other in beside:
         larger = together(model, other)
-        alone = () if seen else tuple(models[name] for name in (other.name,) if name in models)
+        alone = [models[other.name]] if other.name in models and not seen else []
         if all(far_likelier(each, larger, record) for each in (model, *alone)):
             return larger
     return None

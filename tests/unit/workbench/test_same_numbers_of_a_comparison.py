@@ -1,7 +1,6 @@
 """One comparison in text, conversation, JSON, pictures and report: each number is the same everywhere."""
 
 import json
-import math
 import re
 from html import unescape
 
@@ -85,7 +84,7 @@ def test_candidates_and_where_it_fails(printed):
         said = [re.search(line, words[name], re.MULTILINE).group(1) for name in ("text", "conversation")]
         assert said[0] == said[1]
         exponent = each["log10_odds"]
-        odds = None if exponent is None else odds_words(2 * math.log(10.0) * exponent)
+        odds = None if exponent is None else odds_words(exponent)
         rejected = f"rejected: {each['objection']}"
         assert said[0] in (odds, f"p = {each['p']:.2g}", "may be chance", "no likelier with it", rejected)
         beside = "rejected" if said[0].startswith("rejected") else said[0]
