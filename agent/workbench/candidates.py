@@ -68,7 +68,7 @@ def judged(
         input_p: Of measured inputs: how likely one explains as much where it does not act.
         worse: Whether a larger model, the second, follows another recording less well than a smaller one.
         also: What of the library the innovations hint at beside an effect, the best first.
-        hidden_rivals: Effects that may be there, but that the record cannot show.
+        hidden_rivals: Effects that may be there, but that were not tried.
     """
     candidates, losses = _candidates(tries, input_p)
 

@@ -19,6 +19,7 @@ from agent.physics.effects.sinusoid import Sinusoid
 from agent.workbench.fit import SCAN, residual_of
 from agent.workbench.innovations import by_chance, likelihood_ratio
 from agent.workbench.library import acts_on_op, happens_once, instants
+from agent.workbench.price import price_of_a_valve
 from agent.workbench.residual.very_strong import VERY_STRONG, odds_of
 from agent.workbench.space import space_of
 
@@ -95,11 +96,8 @@ def evidence_of(smaller: ModelAtBest, larger: ModelAtBest, record: Record, candi
         return Evidence(1.0, 0.0, 0.0, effect.family, answers, once, blind)
     ratio = likelihood_ratio(before, after, _rounding(larger))
     criterion = _criterion(ratio, before, _priced(smaller, larger, record))
-    if isinstance(effect, HysteresisEffect) and smaller.predicts and larger.predicts:
-        # Most strokes show little of a stem's constants: Schwarz's price of seven numbers hides a valve.
-        price = _price(*larger.predicts) - _price(*smaller.predicts)
-        if math.isfinite(price):
-            criterion = max(criterion, ratio - price)
+    if smaller.predicts and larger.predicts:
+        criterion = max(criterion, ratio - price_of_a_valve(effect, smaller.predicts, larger.predicts))
     odds, chance = odds_of(criterion, candidates), 1.0
     # Thirty lags do not quite whiten a load as slow as a slow wave, so that the latter must be plainer.
     if answers or not blind or odds > VERY_STRONG:
@@ -144,20 +142,6 @@ def _criterion(ratio: float, before: Innovations, priced: int) -> float:
 def _rounding(model: ModelAtBest) -> float:
     """Return the mean square below which innovations are rounding, PV units squared."""
     return model.predicts[0].rounding if model.predicts else 0.0
-
-
-def _price(predicts: Predictor, best: FloatArray) -> float:
-    """Return how much of the ranges of its values a record rules out: Laplace's price of fitting them.
-
-    Twice the logarithm of the cube over the Gaussian peak of the likelihood in it, of the directions that the
-    record shows (D. MacKay, Information Theory, Inference, and Learning Algorithms (2003), 28.1). NaN where
-    the model has no answer beside its best.
-    """
-    derivative = predicts.derivative(best)
-    if not np.isfinite(derivative).all():
-        return math.nan
-    sharpness = np.linalg.eigvalsh(derivative.T @ derivative) / predicts.variance(best)
-    return float(np.sum(np.log(np.maximum(sharpness / (2 * np.pi), 1.0))))
 
 
 def _priced(smaller: ModelAtBest, larger: ModelAtBest, record: Record) -> int:

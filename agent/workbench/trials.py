@@ -14,7 +14,6 @@ from agent.physics.effects.wave import RepeatingWave
 from agent.physics.foreign import EffectError
 from agent.workbench.candidates import AllTried, judged
 from agent.workbench.checks.doubts import Tries
-from agent.workbench.checks.lacking import LARGER_DYNAMICS
 from agent.workbench.checks.wave_lines import is_wave
 from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.first.begun import Begun
@@ -41,7 +40,6 @@ from agent.workbench.trial import (
 )
 from agent.workbench.validation import rmse_on
 from agent.workbench.valve_starts import with_valves
-from agent.workbench.verdict import ran_out
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
@@ -123,17 +121,11 @@ class Trials:
         return self._done[step.effects]
 
     def _worth_a_fit(self, step: Step, effects: Sequence[Effect]) -> list[Effect]:
-        """Return the effects that the innovations hint at, by a score or by a first fit.
-
-        And where a lag is best at the end of its search, the larger dynamics are fitted: it stands for an
-        integrator, which to first order adds nothing to it.
-        """
+        """Return the effects that the innovations hint at, by a score and by a first fit."""
         self.progress("a score of each", 0, 1)
-        facts = self.record.facts
-        events = {each.name for each in effects if happens_once(each, facts)}
-        anyway = LARGER_DYNAMICS if ran_out(step, facts) else ()
-        hinted = worth_a_fit(effects, step.predicts, events, anyway, self.run)
-        return gaining(self.begun.of(step, hinted), anyway)
+        events = {each.name for each in effects if happens_once(each, self.record.facts)}
+        hinted = worth_a_fit(effects, step.predicts, events, self.run)
+        return gaining(self.begun.of(step, hinted))
 
     def shown_on(self, step: Step, library: Sequence[Effect]) -> tuple[Shown, ...]:
         """Return what the record can show of each effect that a model does not have; empty: not known."""
@@ -164,7 +156,7 @@ class Trials:
         return judged(tries, input_p, self.is_worse, also, hidden)
 
     def _hidden_rivals(self, step: Step, tried: Sequence[Effect]) -> list[Effect]:
-        """Return the simplest effect of each family that may be there, but that the record cannot show."""
+        """Return the simplest effect of each family that may be there, but was not tried."""
         did, families = excitation_of(self.record.op), {each.family for each in tried}
         simplest: dict[str, Effect] = {}
         for each in missing(step.fit.model, EFFECTS):

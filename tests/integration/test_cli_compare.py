@@ -173,5 +173,5 @@ def test_a_bump_test_in_manual_is_compared_and_says_what_it_cannot_show(slipjump
     assert found["verdict"]["kind"] == "no_failure_visible"
     assert found["steps"][0]["parameters"]["tau"]["value"] == pytest.approx(8.0, rel=0.1)
     why = {each["effect"]: each["why"] for each in found["not_shown"]}
-    assert why["deadband"] == "OP turns back only once"
+    assert "deadband" not in why  # the valve does not come back to where it was
     assert "another gain" in why["characteristic"]

@@ -1,8 +1,8 @@
 """What would be confirmed must be far likelier than rivals that no decision names.
 
-One has no name: linear dynamics that no effect is (``unnamed.py``). Others the record cannot show: in a bump
-test OP turns back once, and a valve that sticks does not come back to where it was. That is no proof of
-stiction, for a step of the load does the same; so it is none of a step of the load either.
+One has no name: linear dynamics that no effect is (``unnamed.py``). Another was not tried: in a bump test OP
+turns back once, and a valve that sticks does not come back to where it was, as after a step of the load.
+Where too little of that shows, or no such valve is in the library, it may be there all the same.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 
 def hidden_words(effect: Effect) -> str:
-    """Return what an effect that the record cannot show makes of a decision, in words."""
-    return f"{effect.name.replace('_', ' ')}, which this record cannot show, makes it as likely"
+    """Return what an effect that was not tried makes of a decision, in words."""
+    return f"{effect.name.replace('_', ' ')}, which was not tried, makes it as likely"
 
 
 def against_rivals(

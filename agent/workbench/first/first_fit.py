@@ -18,6 +18,7 @@ import numpy as np
 
 from agent.workbench.library import instants
 from agent.workbench.predictor import renewed, with_effect
+from agent.workbench.price import price_of_a_valve
 from agent.workbench.search import best_of, by_slopes, spread_about
 from agent.workbench.solved.fewest_steps import NUMBERS_OF_A_STEP, variances_with_fewer
 
@@ -46,7 +47,7 @@ class FirstFit:
     values: FloatArray
     """Of the larger model, own units, (k + j,)."""
     criterion: float
-    """How much likelier the record is, twice a logarithm, each number paid by Schwarz's criterion: of a load
+    """How much likelier the record is, twice a logarithm, its numbers paid as ``evidence_of`` does: of a load
     with as few steps as are worth it."""
 
 
@@ -76,9 +77,10 @@ def first_fit(
     count = len(predicts.pv)
     columns = larger.columns(end).shape[1] - predicts.behind.columns(best).shape[1]
     numbers = space.searched - predicts.space.searched + columns + instants(effect, record.facts)
+    valve = price_of_a_valve(effect, (predicts, best), (found, end))
     criterion = max(
         count * math.log(predicts.variance(best) / max(variance, np.finfo(float).tiny))
-        - (numbers - fewer * NUMBERS_OF_A_STEP) * math.log(count)
+        - min((numbers - fewer * NUMBERS_OF_A_STEP) * math.log(count), valve)
         for fewer, variance in enumerate(variances_with_fewer(found, end))
     )
     return FirstFit(space.values(end), criterion)

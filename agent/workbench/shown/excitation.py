@@ -18,8 +18,8 @@ FEW_LEVELS = 2
 """With so many levels of OP every curve between them is a straight line: another gain."""
 SAME_LEVEL = 0.01
 """Part of OP's span within which two values are one level, at least."""
-ONE_TURN = 2
-"""Fewest turns that show a band on both sides: one each way."""
+MANY_TURNS = 2
+"""Of OP, from which on a stem that sticks comes back to where it was."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,13 +42,11 @@ def excitation_of(op: FloatArray) -> Excitation:
 def not_excited(family: str, did: Excitation) -> str | None:
     """Return in words why a family of effects does nothing that the record could show; None where it may.
 
-    A stem that sticks is seen where OP turns back; with two levels of OP its position has two levels as well,
-    and a stop, a curve and a band are all another gain.
+    A stem that sticks is seen where OP turns back: it does not come back to where it was. OP that goes on
+    between two levels leaves it two positions, and a stop, a curve and a band are all another gain.
     """
-    if family == "valve_hysteresis" and did.turns == 0:
-        return "OP never turns back"
-    if family == "valve_hysteresis" and did.turns < ONE_TURN:
-        return "OP turns back only once"
+    if family == "valve_hysteresis" and did.turns < MANY_TURNS:
+        return None if did.turns else "OP never turns back"
     if did.levels > FEW_LEVELS:
         return None
     if family in {"valve_characteristic", "valve_limits", "valve_hysteresis"}:
@@ -57,12 +55,12 @@ def not_excited(family: str, did: Excitation) -> str | None:
 
 
 def is_hidden_rival(family: str, did: Excitation) -> bool:
-    """Return whether a family moves PV in a record that cannot show it, so that another cause looks alike.
+    """Return whether a family that was not tried may move PV, so that another cause looks alike.
 
     After one turn of OP a stem that sticks is off where it was before, as after a step of the load. What OP
     does not excite at all moves nothing.
     """
-    return family == "valve_hysteresis" and 0 < did.turns < ONE_TURN
+    return family == "valve_hysteresis" and 0 < did.turns < MANY_TURNS
 
 
 def _levels(op: FloatArray, apart: float) -> int:

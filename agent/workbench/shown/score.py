@@ -61,26 +61,22 @@ def worth_a_fit(
     effects: Sequence[Effect],
     predictions: tuple[Predictor, FloatArray] | None,
     events: Collection[str] = (),
-    anyway: Collection[str] = (),
     run: Map = map,
 ) -> list[Effect]:
     """Return the effects whose family the innovations hint at, in their order.
 
-    The best family always, events, a wave, and measured inputs, which somebody named. Where anything is
-    very strong, the larger dynamics as well, which dead time and lag of a smaller model hide to first order.
+    The best family always, events, a wave, measured inputs, which somebody named, and the larger dynamics,
+    which dead time and lag of a smaller model hide to first order.
 
     Args:
         effects: That could be added.
         predictions: Of the model without them, and where they are best; None: not known.
-        events: Names of those that happened once and have passed a test of their own.
-        anyway: Names of those that are worth a fit for another reason.
+        events: Names of those that happened once, whose instants no slope shows.
         run: Works on several at a time.
     """
     if predictions is None:
         return [each for each in effects if each.name not in SELDOM]
-    found = promising(effects, scores_of(effects, *predictions, run), events)
-    names = {*anyway, *(each.name for each in found)}
-    return [each for each in effects if each.name in names]
+    return promising(effects, scores_of(effects, *predictions, run), events)
 
 
 def scores_of(
@@ -118,11 +114,8 @@ def promising(
     most = best[ranked[0]] if ranked else 0.0
     least = most / MOST_GAIN
     anyway = {each.name for each in effects if each.name not in scores or isinstance(each, MeasuredInput)}
-    anyway.add(PREDICTED)
-    anyway.update(events)
+    anyway.update((PREDICTED, *LARGER_DYNAMICS, *events))
     kept = {family for family in ranked if best[family] >= min(most, max(WORTH_A_FIT, least))}
-    if most > VERY_STRONG:
-        anyway.update(LARGER_DYNAMICS)
     return [each for each in effects if each.family in kept or each.name in anyway]
 
 

@@ -16,6 +16,7 @@ from agent.workbench.shown.information import shown_by
 from agent.workbench.shown.leverage import leverage_of
 from agent.workbench.shown.score import SELDOM, WORTH_A_FIT, Scores, scores_of, worth_a_fit
 from agent.workbench.step import step_of
+from agent.workbench.verdict import ran_out
 from simulators.draws.open_records import OPEN_KINDS, open_record
 
 LINEAR = library(EFFECTS, Fopdt())
@@ -33,26 +34,30 @@ def test_words_of_what_op_did():
     step = excitation_of(np.repeat([0.0, 1.0, 0.0, 1.0], 50))
     assert "only 2 levels" in not_excited("valve_characteristic", step)
     assert "only 2 levels" in not_excited("valve_hysteresis", step)
+    bump = excitation_of(np.repeat([0.0, 1.0, 0.0], 50))
+    assert not_excited("valve_hysteresis", bump) is None
+    assert "only 2 levels" in not_excited("valve_limits", bump)
     assert not_excited("extra_lag", step) is None
 
 
 @pytest.mark.bench  # the accuracy on one draw
-def test_a_process_that_ran_out_asks_for_larger_dynamics_though_nothing_hints_at_them():
+def test_a_process_that_ran_out_is_given_an_integrator_though_no_score_hints_at_it():
     record = open_record(91110, "prbs", "integrating")
     trials, alone, _ = shown(record.op, record.pv)
-    scores = scores_of(LINEAR, *alone.predicts)
-    assert scores["integrating"] < WORTH_A_FIT
-    assert "integrating" not in {each.name for each in worth_a_fit(LINEAR, alone.predicts)}
-    assert "integrating" in trials.all_on(step_of(alone, trials.record, None), LINEAR).models
+    assert scores_of(LINEAR, *alone.predicts)["integrating"] < WORTH_A_FIT
+    step = step_of(alone, trials.record, None)
+    assert ran_out(step, trials.record.facts) == ("tau",)
+    assert "integrating" in trials.all_on(step, LINEAR).models
 
 
 @pytest.mark.parametrize("kind", OPEN_KINDS)
-def test_records_in_manual_show_dynamics_and_only_steps_of_many_heights_a_band(kind):
+def test_records_in_manual_show_dynamics_and_only_steps_of_many_heights_a_curve(kind):
     record = open_record(11, kind)
     _, _, found = shown(record.op, record.pv)
     can = {name for name, each in found.items() if each.why_not is None}
     assert {"integrating", "inverse_response", "rate_limit", "load_step"} <= can
-    assert ("deadband" in can) == ("characteristic" in can) == (kind == "steps")
+    assert ("characteristic" in can) == (kind == "steps")
+    assert ("deadband" in can) == (kind in {"steps", "bump"})
 
 
 def test_in_a_loop_that_swings_all_is_shown_and_a_small_op_beside_loud_noise_shows_nothing():
@@ -86,7 +91,7 @@ def test_what_is_missing_is_fitted_and_what_nothing_goes_along_with_is_not():
     kept = worth_a_fit(LINEAR, alone.predicts)
     families = {each.family for each in kept}
     assert "valve_hysteresis" in families
-    assert {"inverse_response", "integrating"} <= {each.name for each in kept}  # the base fails
+    assert {"inverse_response", "integrating"} <= {each.name for each in kept}  # which dead time may hide
     assert len(kept) < len(LINEAR)
     best = {name: max(scores.of(each) for each in LINEAR if each.family == name) for name in families}
     assert max(best, key=best.get) == "valve_hysteresis"
