@@ -6,7 +6,7 @@ import pytest
 from agent.analysis.record.recording import LoopWindow
 from agent.workbench.checks.doubts import STANDS_FOR_OP
 from agent.workbench.session import Workbench
-from agent.workbench.shown.excitation import excitation_of, not_excited
+from agent.workbench.shown.excitation import excitation_of, is_hidden_rival, not_excited
 from simulators.draws.open_records import open_record
 
 TIME = np.arange(400.0)
@@ -27,6 +27,19 @@ HYSTERESIS = "valve_hysteresis"
 )
 def test_one_turn_shows_a_stem_that_sticks_and_two_levels_alone_do_not(op, family, shown):
     assert (not_excited(family, excitation_of(op)) is None) is shown
+
+
+@pytest.mark.parametrize(
+    ("op", "family", "hidden"),
+    [
+        (BUMP, HYSTERESIS, True),
+        (BUMP, "valve_limits", False),
+        (50 + 5 * (TIME > 100), HYSTERESIS, False),
+        (50 + 5 * np.sin(TIME / 9), HYSTERESIS, False),
+    ],
+)
+def test_a_stem_that_sticks_is_a_hidden_rival_where_op_turns_back_once(op, family, hidden):
+    assert is_hidden_rival(family, excitation_of(op)) is hidden
 
 
 def decision_on(seed, truth, without=FAMILIES):
@@ -69,3 +82,9 @@ def test_a_load_step_where_pv_answers_is_rejected():
     assert decision.kind == "none"
     event = next(each for each in decision.candidates if each.effect == "load_step")
     assert event.objection == STANDS_FOR_OP
+
+
+def test_a_wave_beside_which_a_dead_band_that_was_not_tried_explains_what_remains_is_confirmed():
+    decision = decision_on(91162, "stiction_sinusoid", {*FAMILIES, HYSTERESIS})
+    assert (decision.kind, decision.effect) == ("confirmed", "sinusoid")
+    assert "deadband" in decision.lacks[-1]
