@@ -15,6 +15,7 @@ import typer
 from agent.cli.common.columns import aligned
 from agent.cli.common.errors import BAD_INPUT, complain
 from agent.counted import counted
+from agent.durations import duration_words
 
 if TYPE_CHECKING:
     from agent.runtime.commission.probe import Finding
@@ -149,14 +150,13 @@ def _report(settings: Settings, findings: Sequence[Finding]) -> list[str]:
 
 
 def _tag_row(finding: Finding) -> list[str]:
-    from agent.runtime.commission.plausibility import duration
-
     reading = finding.reading
     if reading is None:
         return [finding.loop, finding.place, "", "", "", _says(finding)]
     value = reading.sample.value
     shown = value if isinstance(value, str) else "" if math.isnan(value) else f"{value:.6g}"
-    age = f"-{duration(-reading.age)}" if reading.age <= -0.05 else duration(abs(reading.age))
+    late = round(reading.age, 1)
+    age = f"-{duration_words(-late)}" if late < 0 else duration_words(abs(late))
     return [
         finding.loop,
         finding.place,

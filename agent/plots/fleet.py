@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from agent.durations import duration_words
 from agent.plots.axes import MEASURED, MODEL, VALVE, tidy
-from agent.report.fleet.quality_words import duration_words, quality_words
+from agent.report.fleet.quality_words import quality_words
 from agent.report.fleet.table import probability_words, stick_band, what_next
 
 if TYPE_CHECKING:

@@ -154,7 +154,9 @@ def verdict_words(verdict: Verdict, found: Comparison) -> str:
     elif found.smallest_percent is None:
         shown = "too few samples in a row count to know how small an effect would have been confirmed"
     else:
-        shown = f"an effect of {found.smallest_percent:.0f} % of the squared error would have been confirmed"
+        shown = (
+            f"an effect with {found.smallest_percent:.0f} % of the squared error would have been confirmed"
+        )
     if verdict.kind == "none_of_the_known":
         return (
             "something is missing that none of the known effects explains: "

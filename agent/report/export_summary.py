@@ -11,7 +11,7 @@ import numpy as np
 
 from agent.analysis.record.compression import DESTROYS, compression_factor
 from agent.counted import counted
-from agent.report.fleet.quality_words import duration_words
+from agent.durations import duration_words
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -32,9 +32,14 @@ def effect_words(step: Step, effect: str) -> str:
     numbers = []
     for each in lasting[:NUMBERS]:
         unit = "" if each.unit == "1" else f" {each.unit}"
-        name = "" if len(lasting) == 1 else f"{in_words(each.name.partition('.')[2])} "
+        name = "" if len(lasting) == 1 else f"{symbol(each.name.partition('.')[2])} "
         numbers.append(f"{name}{each.value:.4g}{unit} ({each.low:.4g} to {each.high:.4g})")
     return " ".join((in_words(effect), ", ".join(numbers))).rstrip()
+
+
+def symbol(parameter: str) -> str:
+    """Return a parameter of an effect in words; S and J as everybody writes them."""
+    return parameter.upper() if len(parameter) == 1 else in_words(parameter)
 
 
 def error_change(found: Comparison) -> float:

@@ -13,7 +13,7 @@ from agent.workbench.checks.adequate import adequate
 from agent.workbench.checks.doubts import UNLIKELY, Doubt, Tries
 from agent.workbench.checks.lacking import OF_A_LAW, may_be_of_a_law
 from agent.workbench.checks.pairs import far_likelier_words
-from agent.workbench.checks.rivals import against_rivals, hidden_words
+from agent.workbench.checks.rivals import against_rivals, untried_words
 from agent.workbench.checks.unnamed import AS_LIKELY, LINEAR, dynamics_on
 from agent.workbench.checks.wave_lines import SLOW, SLOW_LINE, is_wave, wave_objections
 from agent.workbench.hypotheses import CONFIRMED, Candidate, Decision, decide
@@ -59,7 +59,7 @@ def judged(
     input_p: Mapping[str, float],
     worse: Callable[[Fit, Fit], bool],
     also: Callable[[Optimum], Iterable[Effect]],
-    hidden_rivals: Iterable[Effect],
+    untried_rivals: Iterable[Effect],
 ) -> AllTried:
     """Judge effects as hypotheses of one set, and check what would be named.
 
@@ -68,7 +68,7 @@ def judged(
         input_p: Of measured inputs: how likely one explains as much where it does not act.
         worse: Whether a larger model, the second, follows another recording less well than a smaller one.
         also: What of the library the innovations hint at beside an effect, the best first.
-        hidden_rivals: Effects that may be there, but that were not tried.
+        untried_rivals: Effects that may be there, but that were not tried.
     """
     candidates, losses = _candidates(tries, input_p)
 
@@ -93,7 +93,10 @@ def judged(
         ]
     decision = _lowered(_or_pair(decision, doubts, tries), doubts, tries, worse)
     if tries.smaller.predicts is not None and decision.kind in CONFIRMED:
-        rivals = (*_unnamed(decision, tries.smaller), *((each, hidden_words(each)) for each in hidden_rivals))
+        rivals = (
+            *_unnamed(decision, tries.smaller),
+            *((each, untried_words(each)) for each in untried_rivals),
+        )
         decision = against_rivals(decision, tries.smaller, tries.found, rivals, tries.together, tries.record)
     if tries.smaller.predicts is not None and decision.kind in CONFIRMED:
         decision = adequate(decision, tries.models, tries.found, also, tries.together, tries.record)

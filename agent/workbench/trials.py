@@ -27,7 +27,7 @@ from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.paired_blocks import lowers_error
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.residual.holm import LEVEL
-from agent.workbench.shown.excitation import excitation_of, is_hidden_rival
+from agent.workbench.shown.excitation import excitation_of, is_untried_rival
 from agent.workbench.shown.information import Shown, shown_by
 from agent.workbench.shown.score import scores_of, worth_a_fit
 from agent.workbench.trial import (
@@ -139,10 +139,10 @@ class Trials:
     def judged_on(self, step: Step, effects: Sequence[Effect], able: Sequence[Effect] = ()) -> AllTried:
         """Try these effects on top of a model; beside one that leaves something also the ``able`` ones."""
         able = able or effects
-        hidden = self._hidden_rivals(step, able)
+        untried = self._untried_rivals(step, able)
 
         def also(found: Optimum) -> list[Effect]:
-            return [*self._hinted(found, able), *missing(found.fit.model, hidden)]
+            return [*self._hinted(found, able), *missing(found.fit.model, untried)]
 
         def answering(found: Optimum) -> list[Effect]:
             facts = self.record.facts
@@ -153,14 +153,14 @@ class Trials:
         screened = max(len(able), len(models))
         found = {name: evidence_of(step, each, self.record, screened) for name, each in models.items()}
         tries = Tries(step, models, found, self.record, self.begun.together, answering, screened)
-        return judged(tries, input_p, self.is_worse, also, hidden)
+        return judged(tries, input_p, self.is_worse, also, untried)
 
-    def _hidden_rivals(self, step: Step, tried: Sequence[Effect]) -> list[Effect]:
+    def _untried_rivals(self, step: Step, tried: Sequence[Effect]) -> list[Effect]:
         """Return the simplest effect of each family that may be there, but was not tried."""
         did, families = excitation_of(self.record.op), {each.family for each in tried}
         simplest: dict[str, Effect] = {}
         for each in missing(step.fit.model, EFFECTS):
-            if each.family not in families and is_hidden_rival(each.family, did):
+            if each.family not in families and is_untried_rival(each.family, did):
                 simplest.setdefault(each.family, each)
         return [*simplest.values()]
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.indices import INDICES
-from agent.report.fleet.quality_words import duration_words, quality_words, record_instead
+from agent.durations import duration_words
+from agent.report.fleet.quality_words import quality_words, record_instead
 from agent.report.fleet.table import probability_words, size_words, stick_band, what_next, why
 from agent.report.ranking import GROUPS
 

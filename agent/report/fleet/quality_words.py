@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from agent.durations import duration_words
 from agent.report.numbers import percent_words
 
 if TYPE_CHECKING:
     from agent.analysis.data_quality import DataQuality, Flaw
 
-UNITS = ((2 * 86400.0, 86400.0, "days"), (2 * 3600.0, 3600.0, "h"), (120.0, 60.0, "min"), (0.0, 1.0, "s"))
-"""Durations from the first number (s) on are printed in units of the second, named by the third."""
 FLAWS: Mapping[Flaw, Callable[[DataQuality], str]] = {
     "coarse": lambda each: f"only {each.samples_per_period:.1f} samples a period",
     "compressed": lambda each: f"compressed by the historian by about {each.compression:.0f}",
@@ -40,9 +39,3 @@ def record_instead(quality: DataQuality) -> str | None:
     automatic = ", in automatic" if "manual" in quality.flaws else ""
     limits = ", with OP between its limits" if "saturated" in quality.flaws else ""
     return f"record {each}{raw}{automatic}{limits}, for at least {duration_words(quality.record_for)}"
-
-
-def duration_words(seconds: float) -> str:
-    """Return a duration with its unit."""
-    scale, unit = next((scale, unit) for least, scale, unit in UNITS if seconds >= least)
-    return f"{seconds / scale:.3g} {unit}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from agent.report.fleet.quality_words import duration_words
+from agent.durations import duration_words
 
 if TYPE_CHECKING:
     from agent.analysis.diagnosis import Stretches

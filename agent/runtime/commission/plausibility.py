@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from agent.durations import duration_words
 from agent.settings import LoopSettings
 from connectors.base import Quality, Sample
 
@@ -66,7 +67,7 @@ def problems(reading: Reading, role: str, loop: LoopSettings, *, any_clock: bool
     if reading.changed and sample.time == reading.first.time:
         found.append("its value changes but its source time does not: its clock is stale")
     if reading.age < -CLOCK and not any_clock:
-        found.append(f"its clock is {duration(-reading.age)} ahead of this machine's")
+        found.append(f"its clock is {duration_words(-reading.age)} ahead of this machine's")
     return tuple(found)
 
 
@@ -86,11 +87,11 @@ def remarks(reading: Reading, role: str, loop: LoopSettings, watched: float) -> 
             if reading.changed
             else "nothing new since, or its clock stands"
         )
-        found.append(f"its source time is {duration(reading.age)} old: {why}")
+        found.append(f"its source time is {duration_words(reading.age)} old: {why}")
     if role == "mode" and not loop.is_automatic(sample.value):
         found.append(_not_automatic(sample.value, loop))
     if role == "pv" and not reading.changed and watched >= STILL * loop.ts:
-        found.append(f"constant: did not change in {duration(watched)}")
+        found.append(f"constant: did not change in {duration_words(watched)}")
     return tuple(found)
 
 
@@ -98,14 +99,6 @@ def _not_automatic(mode: float | str, loop: LoopSettings) -> str:
     if loop.mode_means(mode) is False:
         return "not automatic: such stretches are not used"
     return f"not known as automatic or manual, such stretches are not used; add it to modes of {loop.name}"
-
-
-def duration(seconds: float) -> str:
-    """Return a time as people say it, e.g. ``12 s``, ``3.5 h``."""
-    for unit, size in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2 * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.1f} s"
 
 
 def _same(one: float | str, other: float | str) -> bool:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from agent.workbench.trial import Optimum
 
 
-def hidden_words(effect: Effect) -> str:
+def untried_words(effect: Effect) -> str:
     """Return what an effect that was not tried makes of a decision, in words."""
     return f"{effect.name.replace('_', ' ')}, which was not tried, makes it as likely"
 

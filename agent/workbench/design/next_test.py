@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.durations import duration_words
 from agent.physics.bases.linear_process import LinearProcess
-from agent.workbench.design.plans import Plan, minutes, plan_words, plans
+from agent.workbench.design.plans import Plan, plan_words, plans
 from agent.workbench.design.rival import Rival, rival_of
+from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
@@ -60,6 +62,8 @@ class NextTest:
     """PV of both models without its level, PV units, each (n,)."""
     noise: float
     """Standard deviation of what neither model predicts, PV units."""
+    held: tuple[str, ...] = ()
+    """Measured inputs of the models, which have to stand still in the test."""
 
     @property
     def words(self) -> str:
@@ -68,8 +72,9 @@ class NextTest:
         if self.plan is None:
             return f"no test with OP and PV alone distinguishes {pair}: measure the valve's position as well"
         often = "" if self.repeats == 1 else f"; do it {self.repeats} times"
-        lasts = "" if self.repeats == 1 else f", {minutes(self.repeats * len(self.plan.op) * self.ts)}"
-        return f"to distinguish {pair}: {plan_words(self.plan, self.ts)}{often}{lasts}"
+        lasts = "" if self.repeats == 1 else f", {duration_words(self.repeats * len(self.plan.op) * self.ts)}"
+        held = f"; hold {', '.join(self.held)} still meanwhile" if self.held else ""
+        return f"to distinguish {pair}: {plan_words(self.plan, self.ts)}{often}{lasts}{held}"
 
 
 def next_test(step: Step, verdict: Verdict, models: dict[str, Tried]) -> NextTest | None:
@@ -92,20 +97,25 @@ def next_test(step: Step, verdict: Verdict, models: dict[str, Tried]) -> NextTes
     noise, variance = ahead[0].noise, ahead[0].variance(ahead[1])
     known = _information(second, record, noise, variance)
     names, facts, settling = (pair[0], pair[1]), record.facts, memory(step.fit, record)
+    held = tuple(dict.fromkeys(each for one in pair[:2] for each in _inputs(models[one].fit)))
     best: tuple[float, Plan, tuple[FloatArray, FloatArray]] | None = None
     for plan in sorted(plans(facts.op_low, facts.op_high, settling), key=lambda each: len(each.op)):
         if len(plan.op) < LEAST:
             continue
         difference, both = _difference(first, second, plan.op, noise, variance, known)
         if difference >= NEEDED:
-            return NextTest(*names, plan, 1, difference, facts.ts, both, variance**0.5)
+            return NextTest(*names, plan, 1, difference, facts.ts, both, variance**0.5, held)
         worth = difference / len(plan.op)
         if best is None or worth > best[0] / len(best[1].op):
             best = difference, plan, both
     if best is None or best[0] < HOPELESS * NEEDED:
-        return NextTest(*names, None, 0, 0.0, facts.ts, None, variance**0.5)
+        return NextTest(*names, None, 0, 0.0, facts.ts, None, variance**0.5, held)
     repeats = int(np.ceil(NEEDED / best[0]))
-    return NextTest(*names, best[1], repeats, repeats * best[0], facts.ts, best[2], variance**0.5)
+    return NextTest(*names, best[1], repeats, repeats * best[0], facts.ts, best[2], variance**0.5, held)
+
+
+def _inputs(fitted: Fit) -> tuple[str, ...]:
+    return tuple(each.name for each in fitted.model.effects if isinstance(each, MeasuredInput))
 
 
 def memory(base: Fit, record: Record) -> float:

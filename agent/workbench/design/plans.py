@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
+from agent.durations import duration_words
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -57,12 +59,12 @@ def plans(low: float, high: float, settling: float) -> Iterator[Plan]:
 def plan_words(plan: Plan, ts: float) -> str:
     """Return what to do, as a sentence without its stop."""
     first, size = f"{plan.op[0]:.4g}", f"{plan.size:.3g}"
-    held, whole = minutes(plan.hold * ts), minutes(len(plan.op) * ts)
+    held, whole = duration_words(plan.hold * ts), duration_words(len(plan.op) * ts)
     if plan.kind == "still":
         return f"in manual, keep OP at {first} for {whole}"
     begin = f"in manual, hold OP at {first} for {held}"
     by = {
-        "step": f"step it up by {size} and hold it for another {minutes(2 * plan.hold * ts)}",
+        "step": f"step it up by {size} and hold it for another {duration_words(2 * plan.hold * ts)}",
         "bump": f"step it up by {size}, hold it for {held}, and step it back",
         "back_in_steps": (
             f"step it up by {size}, then back in {SMALL} steps of {plan.size / SMALL:.3g}, "
@@ -74,11 +76,6 @@ def plan_words(plan: Plan, ts: float) -> str:
         ),
     }
     return f"{begin}, then {by[plan.kind]}: {whole} in all"
-
-
-def minutes(seconds: float) -> str:
-    """Return a time in the words of a person at a loop."""
-    return f"{seconds:.2g} s" if seconds < 60 else f"{seconds / 60:.2g} min"
 
 
 def _levels(kind: PlanKind) -> list[float]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.physics.effects.gain_change import GainChange
+from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.library import happens_once
 
 if TYPE_CHECKING:
@@ -27,7 +28,10 @@ DIFFERENCE = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Rival:
-    """A model with its numbers, what happened once left out: a load stays where it is, another gain stays."""
+    """A model with its numbers, less what stands still in a test.
+
+    What happened once is over: a load stays where it is, another gain stays. A measured input is held.
+    """
 
     model: LoopModel
     facts: Facts
@@ -78,16 +82,18 @@ class Rival:
 def rival_of(fitted: Fit, facts: Facts) -> Rival:
     """Return a fitted model as it will go on; ``facts`` are those of its record."""
     model = fitted.model
-    once = {each.name for each in model.effects if happens_once(each, facts)}
+    still = {
+        each.name for each in model.effects if isinstance(each, MeasuredInput) or happens_once(each, facts)
+    }
     changed = {each.name for each in model.effects if isinstance(each, GainChange)}
-    kept = replace(model, effects=tuple(each for each in model.effects if each.name not in once))
+    kept = replace(model, effects=tuple(each for each in model.effects if each.name not in still))
     names = [name.partition(".")[0] if "." in name else "" for name, _ in model.parameters(facts)]
-    values = fitted.values[[each not in once for each in names]]
+    values = fitted.values[[each not in still for each in names]]
     op = np.linspace(facts.op_low, facts.op_high, facts.samples)
     owners = model.layout(facts).owners(op, fitted.values)
     pairs = list(zip(owners, fitted.coefficients.tolist(), strict=True))
     gain = sum(each for owner, each in pairs if owner == "" or owner in changed)
-    rest = [each for owner, each in pairs if owner != "" and owner not in once]
+    rest = [each for owner, each in pairs if owner != "" and owner not in still]
     parameters = tuple(each for _, each in kept.parameters(facts))
     starts = tuple(at for at, each in enumerate(parameters) if each.of_record)
     return Rival(kept, facts, values, np.array([gain, *rest]), parameters, starts)

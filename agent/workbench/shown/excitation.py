@@ -54,7 +54,7 @@ def not_excited(family: str, did: Excitation) -> str | None:
     return None
 
 
-def is_hidden_rival(family: str, did: Excitation) -> bool:
+def is_untried_rival(family: str, did: Excitation) -> bool:
     """Return whether a family that was not tried may move PV, so that another cause looks alike.
 
     After one turn of OP a stem that sticks is off where it was before, as after a step of the load. What OP

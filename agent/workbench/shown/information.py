@@ -61,11 +61,11 @@ def shown_by(predicts: Predictor, best: FloatArray, effects: Iterable[Effect]) -
         effects: That could be added.
     """
     did = excitation_of(predicts.objective.record.op)
-    asked = _Asked(predicts, best, movable(predicts, best))
+    smaller = _Smaller(predicts, best, movable(predicts, best))
     found = []
     for effect in effects:
         try:
-            information, new = asked.told(effect)
+            information, new = smaller.shows(effect)
         except EffectError:
             continue  # the trial itself reports it
         why_not = not_excited(effect.family, did)
@@ -78,7 +78,7 @@ def shown_by(predicts: Predictor, best: FloatArray, effects: Iterable[Effect]) -
 
 
 @dataclass(frozen=True, slots=True)
-class _Asked:
+class _Smaller:
     """A model without the effects that are looked at."""
 
     predicts: Predictor
@@ -86,7 +86,7 @@ class _Asked:
     known: FloatArray
     """Orthonormal columns of what it can do by a small change of all its numbers, (m, q)."""
 
-    def told(self, effect: Effect) -> tuple[float, float]:
+    def shows(self, effect: Effect) -> tuple[float, float]:
         """Return the information of an effect, and the largest part of a change that is new.
 
         What a small change of the model does as well a large one may not: so before an effect is denied, the

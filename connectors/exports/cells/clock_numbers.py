@@ -146,7 +146,7 @@ def _in_years(scale: TimeScale, value: float) -> bool:
 
 def _days_or_seconds(middle: float, step: float, name: str) -> UnclearTimeError:
     return UnclearTimeError(
-        f"times near {middle:.6g} in steps of {step:.3g} may be days ({step * DAY:.3g} s a sample) "
+        f"times near {middle:.6g} in steps of {step:.4g} may be days ({step * DAY:.3g} s a sample) "
         f"or seconds: give --time-format {name} or --time-format seconds"
     )
 
@@ -156,7 +156,7 @@ def _checked(clock: TimeScale, step: float | None, middle: float) -> TimeScale:
     if step is None or 1e-2 * SHORTEST <= step * clock.factor <= LONGEST:
         return clock
     raise UnclearTimeError(
-        f"times near {middle:.6g} in steps of {step:.3g} would be {step * clock.factor:.3g} s a sample as "
+        f"times near {middle:.6g} in steps of {step:.4g} would be {step * clock.factor:.4g} s a sample as "
         f"{clock.name}: give --time-format {', '.join(FORMATS)} or a pattern, or --ts SECONDS"
     )
 
@@ -190,7 +190,7 @@ def _refuse_unlikely(step: float, steps: FloatArray, middle: float) -> None:
     seems = f", look like {looks}" if looks else ""
     options = " or ".join(f"--time-format {name}" for name in ("seconds", *(name for name, _ in others)))
     raise UnclearTimeError(
-        f"times near {middle:.6g} in steps of {step:.3g} would be {step:.3g} s a sample as seconds{seems}: "
+        f"times near {middle:.6g} in steps of {step:.4g} would be {step:.4g} s a sample as seconds{seems}: "
         f"give {options}, or --ts SECONDS"
     )
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from loops import DELAY, STEM, TAU, S, made
+from loops import DELAY, GAIN, STEM, TAU, S, made
 
 from agent.physics.bases import Fopdt
 from agent.physics.effects.actuator_lag import ActuatorLag
@@ -18,6 +18,7 @@ from agent.workbench.design.next_test import NEEDED, next_test
 from agent.workbench.design.plans import Plan
 from agent.workbench.fit import fit, fit_at
 from agent.workbench.hooks import silent
+from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.projection import target_of
 from agent.workbench.session.opening import opened
 from agent.workbench.step import Verdict, step_of
@@ -48,6 +49,24 @@ def planned(plain, first, second):
         models[effect.name] = Tried(fitted, alone.predicts, alone.held_out)
     verdict = Verdict("suggested", first[0].name, "", (second[0].name,))
     return next_test(step_of(alone, record, None), verdict, models)
+
+
+def test_a_measured_input_is_held_in_a_test_that_is_as_long_as_the_test_needs(plain):
+    feed = np.sin(0.05 * np.arange(len(plain[0])))
+    found = planned(plain, BAND, (MeasuredInput("FEED", feed), (5.0, 10.0)))
+    assert len(found.plan.op) != len(feed)
+    assert found.difference >= NEEDED
+    assert found.words.endswith("; hold FEED still meanwhile")
+    without = planned(plain, BAND, (SensorLag(), (0.5,)))
+    assert "still meanwhile" not in without.words
+    # Held, it is nothing but a level: what it would measure is what the process alone does.
+    _, second = found.predicted
+    process = LoopModel(Fopdt(), ())
+    alone = fit_at(
+        process, plain[0], target_of(plain[0], plain[0].weight, linear=True), np.array([DELAY, TAU])
+    )
+    response = process.columns(found.plan.op, alone.values, plain[0].facts)[:, 0]
+    assert np.corrcoef(GAIN * response, second)[0, 1] == pytest.approx(1.0, abs=1e-6)
 
 
 def test_bands_before_and_behind_the_lag_are_distinguished_by_a_move_and_back(plain):

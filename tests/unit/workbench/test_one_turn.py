@@ -6,7 +6,7 @@ import pytest
 from agent.analysis.record.recording import LoopWindow
 from agent.workbench.checks.doubts import STANDS_FOR_OP
 from agent.workbench.session import Workbench
-from agent.workbench.shown.excitation import excitation_of, is_hidden_rival, not_excited
+from agent.workbench.shown.excitation import excitation_of, is_untried_rival, not_excited
 from simulators.draws.open_records import open_record
 
 TIME = np.arange(400.0)
@@ -38,8 +38,8 @@ def test_one_turn_shows_a_stem_that_sticks_and_two_levels_alone_do_not(op, famil
         (50 + 5 * np.sin(TIME / 9), HYSTERESIS, False),
     ],
 )
-def test_a_stem_that_sticks_is_a_hidden_rival_where_op_turns_back_once(op, family, hidden):
-    assert is_hidden_rival(family, excitation_of(op)) is hidden
+def test_a_stem_that_sticks_is_an_untried_rival_where_op_turns_back_once(op, family, hidden):
+    assert is_untried_rival(family, excitation_of(op)) is hidden
 
 
 def decision_on(seed, truth, without=FAMILIES):
