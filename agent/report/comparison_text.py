@@ -66,12 +66,17 @@ def _parameters(numbers: Sequence[FittedParameter]) -> Iterator[str]:
     """Yield a line for each number; of a wave of edges, which may have twenty harmonics, the first ones."""
     for each in numbers:
         if _harmonic(each.name) <= HARMONICS:
-            unit = "" if each.unit == "1" else f" {each.unit}"
-            bound = ", at the bound of its search" if each.at_bound else ""
-            yield f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g}){bound}"
+            yield parameter_line(each)
     last = max((_harmonic(each.name) for each in numbers), default=1)
     if last > HARMONICS:
         yield f"  amplitudes and phases of harmonics {HARMONICS + 1} to {last}: --json has them"
+
+
+def parameter_line(each: FittedParameter) -> str:
+    """Return a number with its unit and interval."""
+    unit = "" if each.unit == "1" else f" {each.unit}"
+    bound = ", at the bound of its search" if each.at_bound else ""
+    return f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g}){bound}"
 
 
 def _harmonic(name: str) -> int:

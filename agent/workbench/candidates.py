@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 WORSE_ELSEWHERE = "with it the model follows the recording for validation less well"
 ANSWERS = "the innovations do not fall: it repeats what the controller does"
 BY_CHANCE = "the innovations show no such event: one as large appears by chance"
+BY_COURSE = "the innovations do not fall: slow noise goes along with its course as well"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +57,6 @@ class AllTried:
 
 def judged(
     tries: Tries,
-    input_p: Mapping[str, float],
     worse: Callable[[Fit, Fit], bool],
     also: Callable[[Optimum], Iterable[Effect]],
     untried_rivals: Iterable[Effect],
@@ -65,12 +65,11 @@ def judged(
 
     Args:
         tries: What was tried, the simplest of a family first.
-        input_p: Of measured inputs: how likely one explains as much where it does not act.
         worse: Whether a larger model, the second, follows another recording less well than a smaller one.
         also: What of the library the innovations hint at beside an effect, the best first.
         untried_rivals: Effects that may be there, but that were not tried.
     """
-    candidates, losses = _candidates(tries, input_p)
+    candidates, losses = _candidates(tries)
 
     @cache
     def lower(one: str, other: str) -> bool:
@@ -104,7 +103,7 @@ def judged(
     return AllTried(decision, tries.models, frozenset(name for name, each in doubts.items() if each.lowers))
 
 
-def _candidates(tries: Tries, input_p: Mapping[str, float]) -> tuple[list[Candidate], dict[str, FloatArray]]:
+def _candidates(tries: Tries) -> tuple[list[Candidate], dict[str, FloatArray]]:
     """Return what was tried, with all that decides on it, and the held-out error of each block, (b,)."""
     smaller, found = tries.smaller, tries.found
     names = list(tries.models)
@@ -115,13 +114,13 @@ def _candidates(tries: Tries, input_p: Mapping[str, float]) -> tuple[list[Candid
     objections = wave_objections(smaller.predicts, tries.models, found)
     rng, candidates = np.random.default_rng(0), []
     for name, own, p_of_signs in zip(names, losses, signs.tolist(), strict=True):
-        each, less, chance = found[name], reduction(base, own, rng), input_p.get(name, 0.0)
+        each, less = found[name], reduction(base, own, rng)
         # An effect that acts in few blocks cannot be significant by their signs, however plain it is there.
-        p = max(min(p_of_signs if each.blind else 1.0, each.by_chance), chance)
+        p = min(p_of_signs if each.blind else 1.0, each.by_chance)
         by_blocks, odds, objection = _is_by_blocks(tries, name), each.odds, objections.get(name)
         if by_blocks:
             odds, objection = (0.0, None) if objection == SLOW_LINE else (np.inf, objection)
-        elif chance >= LEVEL or (each.once and not each.plain):
+        elif each.once and not each.plain:
             odds = -np.inf
         candidates.append(
             Candidate(
@@ -176,7 +175,7 @@ def _lowered(
     words, pair = doubt.lowers, _pair_of(doubts)
     if words is None and is_wave(model.fit) and _odds(decision, effect) == 0.0:
         words = SLOW_LINE
-    if words is None and not is_wave(model.fit) and may_be_of_a_law(found, tries.smaller.of_laws):
+    if words is None and may_be_of_a_law(found, tries.smaller.of_laws):
         words = OF_A_LAW
     if words is None and decision.kind in CONFIRMED and worse(tries.smaller.fit, model.fit):
         words = WORSE_ELSEWHERE
@@ -202,14 +201,16 @@ def _unnamed(decision: Decision, smaller: Step) -> tuple[tuple[Effect, str], ...
 def _explained(decision: Decision, tries: Tries) -> tuple[Candidate, ...]:
     """Return the candidates with words for why one that seems large enough is not named."""
     candidates, named = decision.candidates, {decision.effect, *decision.indistinguishable}
-    answers = SLOW if tries.record.facts.stepped else ANSWERS  # in manual nothing answers PV
+    stepped = tries.record.facts.stepped  # in manual nothing answers PV
     likely = [each for each in candidates if not each.by_blocks and each.is_likely]
 
     def words(each: Candidate) -> str | None:
         if each.objection is not None or each.by_blocks or each.effect in named:
             return each.objection or (None if each.odds else SLOW_LINE)
         if not each.is_likely:
-            return answers if tries.found[each.effect].answers else BY_CHANCE
+            if tries.found[each.effect].answers:
+                return SLOW if stepped else ANSWERS
+            return BY_CHANCE if each.once else BY_COURSE
         ahead = max(other.criterion for other in likely)
         return UNLIKELY if ahead - each.criterion > VERY_STRONG else None
 

@@ -110,24 +110,6 @@ def _tail(seen: float, by_chance: FloatArray) -> float:
     return -math.expm1(-math.exp(-min(max((seen - mode) / scale, -50.0), 700.0)))
 
 
-def course_p(predicts: Predictor, best: FloatArray, effect: Effect) -> float:
-    """Return how likely a disturbance whose course is known explains as much where it does not act.
-
-    Of all its values the best counts, on the innovations and on each of their surrogates.
-
-    Args:
-        predicts: Of the model without the effect.
-        best: The point of the unit cube where its predictions are best, (k,).
-        effect: A disturbance of one column.
-    """
-    scan = _scan(predicts, best, effect)
-    if not len(scan.values):
-        return 1.0
-    seen = float(np.max((scan.atoms.T @ scan.left) ** 2))
-    others = beyond(surrogates(scan.left, SURROGATES, 0).T, scan.known)
-    return _tail(seen, np.max((scan.atoms.T @ others) ** 2, axis=0))
-
-
 def instants_seen(predicts: Predictor, best: FloatArray, effect: Effect) -> FloatArray:
     """Return values of an effect, own units, (m, k), that place it where the innovations show it.
 

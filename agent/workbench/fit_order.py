@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.predictor import Predictor
+    from agent.workbench.space import Space
 
 
 LAGS = ("tau", "tau2", "second_order.tau")
@@ -23,12 +24,11 @@ LAGS = ("tau", "tau2", "second_order.tau")
 
 def largest_first(predicts: Predictor, best: FloatArray) -> FloatArray:
     """Return the same model at a point of the unit cube, (k,), instants and lags in order."""
-    return _lags_in_order(predicts, _instants_in_order(predicts, best))
+    return lags_in_order(predicts.space, _instants_in_order(predicts, best))
 
 
-def _lags_in_order(predicts: Predictor, best: FloatArray) -> FloatArray:
-    """Return the point with the longest lag first, where the bounds of each allow that."""
-    space = predicts.space
+def lags_in_order(space: Space, best: FloatArray) -> FloatArray:
+    """Return a point of the unit cube, (k,), with the longest lag first, if the bounds of each allow that."""
     at = [space.names.index(name) for name in LAGS if name in space.names]
     values = space.values(best)
     ordered = np.sort(values[at])[::-1]
@@ -40,6 +40,12 @@ def _lags_in_order(predicts: Predictor, best: FloatArray) -> FloatArray:
     point = best.copy()
     point[at] = space.at(values)[at]
     return point
+
+
+def lags_alike(space: Space) -> tuple[int, ...]:
+    """Return which coordinates are lags in series with one range, the longest first."""
+    at = [space.names.index(name) for name in LAGS if name in space.names]
+    return tuple(i for i in at if space.parameters[i].low == space.parameters[at[0]].low)
 
 
 def _instants_in_order(predicts: Predictor, best: FloatArray) -> FloatArray:

@@ -17,7 +17,7 @@ from agent.physics.bases.base import StartingBase
 from agent.workbench.fit import SCAN
 from agent.workbench.fit_order import instants_of
 from agent.workbench.library import happens_once
-from agent.workbench.predictor import predictor_behind, renewed
+from agent.workbench.predictor import predictor_behind, predictor_with, renewed
 from agent.workbench.projection import target_of
 from agent.workbench.search import (
     best_of,
@@ -32,6 +32,7 @@ from agent.workbench.search import (
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
+    from agent.workbench.first.first_fit import FirstFit
     from agent.workbench.fit import Fit
     from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
@@ -59,7 +60,7 @@ PLACED = 2
 def predictor(
     fitted: Fit,
     record: Record,
-    nested: FloatArray | None = None,
+    nested: FirstFit | None = None,
     starts: FloatArray | None = None,
 ) -> tuple[Predictor, FloatArray] | None:
     """Return the predictions of a model, and the point where they are best.
@@ -67,8 +68,8 @@ def predictor(
     Args:
         fitted: In free run; the search begins there.
         record: What it was fitted to.
-        nested: Values, own units, (k,), of its first fit on top of the model without the last effect, so that
-            it predicts no worse than that; None where there is none.
+        nested: Its first fit on top of the model without the last effect, so that it predicts no worse than
+            that; None where there is none.
         starts: Values to begin from as well, own units, (m, k): of an event those that the innovations of the
             smaller model show, of a valve those that the quantifier found.
 
@@ -89,7 +90,7 @@ def predictor(
     if found is None or not len(start):
         return found
     if nested is not None:
-        found = _deeper(found, objective.space.at(nested))
+        found = _deeper(found, nested)
     if any(happens_once(each, record.facts) for each in fitted.model.effects[-1:]):
         # Each turn has looked for its instants all over the record, but for those that go with its lag.
         if points is not None:
@@ -147,20 +148,19 @@ def _elsewhere(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArr
     return _sought(predicts, scanned) if deeper else None
 
 
-def _deeper(found: tuple[Predictor, FloatArray], other: FloatArray) -> tuple[Predictor, FloatArray]:
-    """Return where the predictions are best from another point, if it is deeper; else what was found.
+def _deeper(found: tuple[Predictor, FloatArray], first: FirstFit) -> tuple[Predictor, FloatArray]:
+    """Return where the predictions are best from a first fit, if that is deeper; else what was found.
 
-    Behind the autoregression of what was found, or behind its own: behind that of a wrong valley the wrong
-    one looks deeper, and behind its own a point that the slopes have not quite led down looks higher.
+    Behind the autoregression of what was found, or behind that of the first fit: behind that of a wrong
+    valley the wrong one looks deeper, and its gains there are those of the wrong one.
     """
-    (predicts, at), own = found, renewed(found[0], other)
-    if own is None:
-        return found
+    predicts, at = found
+    own, other = predictor_with(predicts.objective, first.noise), predicts.space.at(first.values)
     deeper = predicts.error(other) < (1 - CLEARLY) * predicts.error(at)
     if not deeper and own.variance(other) >= (1 - CLEARLY) * predicts.variance(at):
         return found
     sought = _settled(own, other)
-    return found if sought is None else min(found, sought, key=_variance)
+    return min((found, (own, other), *([] if sought is None else [sought])), key=_variance)
 
 
 def _scanned(predicts: Predictor, at: FloatArray) -> FloatArray:

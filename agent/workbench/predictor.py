@@ -167,8 +167,11 @@ def predictor_behind(objective: Objective, model_pv: FloatArray) -> Predictor | 
     record = objective.record
     counts = record.weight > 0
     noise = innovations(np.where(counts, record.pv - model_pv, np.nan), longest=True)
-    if noise is None:
-        return None
+    return None if noise is None else predictor_with(objective, noise)
+
+
+def predictor_with(objective: Objective, noise: Innovations) -> Predictor:
+    """Return the predictions of a model behind an autoregression."""
     behind = whitened(objective, noise)
     target = replace(behind.target, gain_sign=0)
     kept = target.weight > 0

@@ -72,9 +72,18 @@ class Objective:
         """Return the best coefficients at a point of the unit cube, (k,)."""
         return solve(self.columns(at), self.target)
 
+    def residual(self, at: FloatArray) -> FloatArray:
+        """Return what the best coefficients leave at a point of the unit cube, PV units, (n,)."""
+        return self.solved(at).residual
+
     def error(self, at: FloatArray) -> float:
         """Return the sum of squares, PV units squared."""
         return _error(self.columns(at), self.target)
+
+    @property
+    def rough(self) -> bool:
+        """Whether the error has steps or kinks, ``is_rough``."""
+        return is_rough(self)
 
 
 @dataclass(frozen=True, slots=True)

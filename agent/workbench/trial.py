@@ -112,8 +112,7 @@ def optimum(trial: Trial) -> Optimum:
         fitted = nested_fit(known, model, record, starts)
     else:
         fitted = fit_from(model, record, first.values)
-    nested = None if first is None else first.values
-    found = _optimum(fitted, record, nested, _where_it_predicts(trial))
+    found = _optimum(fitted, record, first, _where_it_predicts(trial))
     return with_all_harmonics(_with_fewest_steps(found, record), record)
 
 
@@ -163,7 +162,7 @@ def with_held_out(found: Optimum, record: Record, folds: Folds) -> Tried:
 
 
 def _optimum(
-    fitted: Fit, record: Record, nested: FloatArray | None = None, starts: FloatArray | None = None
+    fitted: Fit, record: Record, nested: FirstFit | None = None, starts: FloatArray | None = None
 ) -> Optimum:
     """Return where a fit predicts best; ``nested`` and ``starts`` as ``predictor`` takes them."""
     found = predictor(fitted, record, nested, starts)

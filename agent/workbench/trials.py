@@ -19,7 +19,6 @@ from agent.workbench.evidence import evidence_of, far_likelier
 from agent.workbench.first.begun import Begun
 from agent.workbench.first.deeper import deeper
 from agent.workbench.first.gaining import gaining, gains
-from agent.workbench.first.input_chances import InputChances
 from agent.workbench.first.valves_beside import ValvesBeside
 from agent.workbench.first.valves_shared import sought, to_seek
 from agent.workbench.fit import fit
@@ -69,20 +68,17 @@ class Trials:
     """Another recording of the loop, to which nothing is fitted."""
     _done: dict[tuple[str, ...], AllTried] = field(default_factory=dict)
     _shown: dict[tuple[str, ...], tuple[Shown, ...]] = field(default_factory=dict)
-    chances: InputChances = field(init=False)
     begun: Begun = field(init=False)
     """Trials with their first fits."""
 
     def __post_init__(self) -> None:
         """Prepare what is looked for once."""
-        self.chances = InputChances(self.run)
         valves = ValvesBeside(self.window, self.record, self.run)
         self.begun = Begun(self.record, self.folds, self.run, self.progress, valves)
 
     def with_hooks(self, run: Map, progress: Progress) -> Trials:
         """Return the same with other hooks; what was tried is shared, but for searches that go on."""
         other = replace(self, run=run, progress=progress)
-        other.chances = replace(self.chances, run=run)
         other.begun = replace(
             self.begun, run=run, progress=progress, valves=self.begun.valves.with_hooks(run)
         )
@@ -149,11 +145,11 @@ class Trials:
             lasting = [each for each in able if acts_on_op(each, facts) and not happens_once(each, facts)]
             return self._hinted(found, lasting)
 
-        input_p, models = self.chances.of(step, effects), self._tried(step, effects)
+        models = self._tried(step, effects)
         screened = max(len(able), len(models))
         found = {name: evidence_of(step, each, self.record, screened) for name, each in models.items()}
         tries = Tries(step, models, found, self.record, self.begun.together, answering, screened)
-        return judged(tries, input_p, self.is_worse, also, untried)
+        return judged(tries, self.is_worse, also, untried)
 
     def _untried_rivals(self, step: Step, tried: Sequence[Effect]) -> list[Effect]:
         """Return the simplest effect of each family that may be there, but was not tried."""
@@ -176,11 +172,7 @@ class Trials:
         ]
         scores = scores_of(others, *found.predicts, self.run)
         others = sorted((each for each in others if each.name in scores), key=lambda each: -scores[each.name])
-        chances = self.chances.of(found, others[:BESIDE])
-        trials = self.begun.of(
-            found, [each for each in others[:BESIDE] if chances.get(each.name, 0.0) < LEVEL]
-        )
-        return [each.effect for each in trials if gains(each)]
+        return [each.effect for each in self.begun.of(found, others[:BESIDE]) if gains(each)]
 
     def both(self, smaller: Step, found: AllTried, name: str, rival: Effect) -> Tried | None:
         """Return the model with an effect and a rival, if each is confirmed beside the other.
@@ -198,9 +190,7 @@ class Trials:
         if any(self.is_worse(each.fit, larger.fit) for each in (smaller, *alone)):
             return None
         for one, other in (alone, alone[::-1]):
-            effect = other.fit.model.effects[-1]
-            by_chance = any(p >= LEVEL for p in self.chances.of(one, [effect]).values())
-            if by_chance or not lowers_error(one.held_out.losses, larger.held_out.losses, LEVEL):
+            if not lowers_error(one.held_out.losses, larger.held_out.losses, LEVEL):
                 return None
             if not (is_wave(other.fit) or far_likelier(one, larger, self.record)):
                 return None

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from agent.cli.comparing.outputs import report_part
+from agent.report.comparison_text import parameter_line
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
@@ -123,8 +124,8 @@ def together_lines(found: Together) -> Iterator[str]:
         if step.rmse_validation is not None:
             yield f"  {'':28}{'validation':24}{'':>10}{step.rmse_validation:>10.4g}"
     yield "what all recordings share, with 90 % intervals"
-    for name, each in _shared(found.steps[-1]).items():
-        yield f"  {name:28}{each['value']:>10.4g}  ({each['low']:.4g} to {each['high']:.4g})"
+    for each in found.steps[-1].fitted.shared():
+        yield parameter_line(each)
     for name, own in zip(found.recordings, found.steps[-1].fitted.own(), strict=True):
         yield f"  {name:28}{', '.join(f'{key} {value:.4g}' for key, value in own.items())}"
     if found.candidates:
@@ -135,9 +136,9 @@ def together_lines(found: Together) -> Iterator[str]:
     yield f"verdict: {found.verdict_words}"
 
 
-def _shared(step: JointStep) -> dict[str, dict[str, float]]:
+def _shared(step: JointStep) -> dict[str, dict[str, float | str]]:
     """Return what all recordings share, own units, with its interval."""
     return {
-        name: dict(zip(("value", "low", "high"), each, strict=True))
-        for name, each in step.fitted.shared().items()
+        each.name: {"value": each.value, "low": each.low, "high": each.high, "unit": each.unit}
+        for each in step.fitted.shared()
     }

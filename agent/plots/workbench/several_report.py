@@ -38,10 +38,10 @@ def _parts(found: Together) -> Iterator[str]:
     last = found.steps[-1].fitted
     yield "<h2>What all recordings share</h2>"
     shared = [
-        (name, number(value), f"{number(low)} to {number(high)}")
-        for name, (value, low, high) in last.shared().items()
+        (each.name, number(each.value), f"{number(each.low)} to {number(each.high)}", each.unit)
+        for each in last.shared()
     ]
-    yield table(("parameter", "value", "90 % interval"), shared)
+    yield table(("parameter", "value", "90 % interval", "unit"), shared)
     yield "<h2>What each recording has for itself</h2>"
     own = last.own()
     rows = [

@@ -1,8 +1,9 @@
 """The parameters of a fitted model, and how sure they are.
 
-A model has those with which it predicts best (``prediction_search.py``), with the interval that the
-derivatives of the innovations give, the autoregression free as well; of what was added it is at least that of
-the ``likelihood_profile``. It holds what a lag within a sample may have moved (``lag_within_a_sample.py``).
+A model has those with which it predicts best (``prediction_search.py``), with the interval of the
+``likelihood_profile``, the autoregression free as well. That of what was added is at least what the
+derivatives of the innovations give; those of a base say nothing of two lags that are alike. It holds what a
+lag within a sample may have moved (``lag_within_a_sample.py``).
 Without predictions it has those of its fit, with the delete-a-group jackknife over the folds: each leaves a
 fifth of the record out, and from the scatter of the K estimates follows the variance of the one from all,
 (K - 1) / K times their sum of squares about the mean, with K - 1 degrees of freedom (reconstructed from Shao
@@ -29,6 +30,7 @@ from agent.workbench.certainty.likelihood_profile import (
     likelihood_profile,
 )
 from agent.workbench.event_scan import instant_p
+from agent.workbench.fit_order import lags_alike, lags_in_order
 from agent.workbench.paired_blocks import CONFIDENCE
 from agent.workbench.residual.state_dependence import Dependence, state_dependence
 from agent.workbench.solved.numbers import solved_numbers
@@ -85,20 +87,21 @@ def estimated(found: Tried, record: Record) -> Estimate:
     space = predicts.space
     freed = with_free_memory(predicts, best)
     half = np.tile(QUANTILE * freed.spread(best), (2, 1))
-    as_likely = [best[np.newaxis]]
+    as_likely, alike = [best], lags_alike(space)
     for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
-        what = name.partition(".")[2]  # of an effect; empty for the base
-        if parameter.constant:
+        if parameter.constant or (parameter.of_record and not parameter.instant):
             continue
+        effect, _, what = name.rpartition(".")
         if not parameter.of_record:
-            half[:, i] *= WIDER
-        if parameter.instant or (what and what not in MOTION and not parameter.of_record):
+            half[:, i] *= WIDER if effect else 0.0
+        if what not in MOTION:
             clearly = CLEARLY_AT_AN_INSTANT if parameter.instant else CLEARLY
-            ends = likelihood_profile(freed, best, i, clearly)
-            half[:, i] = np.maximum(half[:, i], _reach(ends, best)[:, i])
-            if not parameter.instant:
-                as_likely.append(ends)
-    half = np.maximum(half, _reach(np.vstack(as_likely), best))
+            points = likelihood_profile(freed.behind, best, i, clearly, alike)
+            if parameter.instant:
+                half[:, i] = np.maximum(half[:, i], _reach(points, best)[:, i])
+            else:
+                as_likely.extend(lags_in_order(space, each) for each in points)
+    half = np.maximum(half, _reach(np.array(as_likely), best))
     half = np.maximum(half, _by_law(space, best)) + _reach(values_beside_a_lag(predicts, best), best)
     parameters = _within(space, best, half)
     return Estimate(

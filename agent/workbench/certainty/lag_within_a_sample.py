@@ -57,7 +57,7 @@ def values_beside_a_lag(predicts: Predictor, best: FloatArray) -> FloatArray:
         starts[:, delay] -= (length + np.array(SOONER)) * ts
         points = np.clip(larger.space.at(starts), 0.0, 1.0)
         start = min(points, key=larger.behind.error)
-        point, error = refitted(larger, start, len(best), float(start[-1]), most)
+        point, error = refitted(larger.behind, start, (len(best),), float(start[-1]), most)
         if error <= most:
             found.append(point[:-1])
     return np.array(found).reshape(-1, len(best))

@@ -9,19 +9,18 @@ Source: Cox and Hinkley, Theoretical Statistics (1974), 9.3.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from scipy import stats
 
 from agent.workbench.gauss_newton import lowest
 from agent.workbench.paired_blocks import CONFIDENCE
-from agent.workbench.search import COARSE, SAME, STEPS, is_rough
+from agent.workbench.search import COARSE, SAME, STEPS
 from agent.workbench.simplex import lowered_by_simplex
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
-    from agent.workbench.predictor import Predictor
 
 WIDER = 1.1
 """Intervals of what answers OP over those of the books, which take OP for given; in closed loop it holds the
@@ -47,33 +46,57 @@ STEP = 0.02
 """First step of that refit, parts of a parameter's range."""
 
 
+class Profiled(Protocol):
+    """White residuals of a model, of one recording or of several, as a function of its values."""
+
+    @property
+    def count(self) -> int:
+        """Samples."""
+
+    @property
+    def rough(self) -> bool:
+        """Whether their squares have steps or kinks."""
+
+    def residual(self, at: FloatArray) -> FloatArray:
+        """Return them at a point of the unit cube, (n,), zeros between them allowed."""
+
+    def error(self, at: FloatArray) -> float:
+        """Return the sum of their squares; infinite where the point has no answer."""
+
+
 def likelihood_profile(
-    predicts: Predictor, best: FloatArray, at: int, clearly: float = CLEARLY
+    model: Profiled, best: FloatArray, at: int, clearly: float = CLEARLY, alike: tuple[int, ...] = ()
 ) -> FloatArray:
-    """Return where coordinate ``at`` is least and largest of what is as likely as the best, (2, k).
+    """Return points as likely as the best, coordinate ``at`` from its least to its largest, (m, k).
 
     Args:
-        predicts: The model's predictions.
+        model: Its innovations.
         best: Of the unit cube, (k,), where they are best.
         at: Which coordinate.
         clearly: Twice the logarithm of a ratio of likelihoods.
+        alike: Coordinates that may change places, the largest first; they do not, but may be equal.
     """
-    most = predicts.error(best) * float(np.exp(clearly / len(predicts.pv)))
-    return np.array([_moved_outward(predicts, best, at, side, most) for side in (-1.0, 1.0)])
+    most = model.error(best) * float(np.exp(clearly / model.count))
+    lower, upper = (_moved_outward(model, best, at, side, most, alike) for side in (-1.0, 1.0))
+    return np.array([*lower[::-1], best, *upper])
 
 
-def _moved_outward(predicts: Predictor, best: FloatArray, at: int, side: float, most: float) -> FloatArray:
-    """Return the point with a coordinate farthest to a ``side`` whose error is at most ``most``.
+def _moved_outward(
+    model: Profiled, best: FloatArray, at: int, side: float, most: float, alike: tuple[int, ...]
+) -> list[FloatArray]:
+    """Return points with a coordinate ever farther to a ``side`` whose error is at most ``most``.
 
     Behind a few distances with more there may be others: a dead time has a valley within each sample.
     """
     found, inside = best, 0.0
+    path: list[FloatArray] = []
     failed: list[float] = []
     room = float(1.0 - best[at] if side > 0 else best[at])
     for distance in (*(each for each in OUTWARD if each < room), room):
-        moved, error = refitted(predicts, found, at, best[at] + side * distance, most)
+        moved, error = _in_order(model, found, at, best[at] + side * distance, most, alike)
         if error <= most:
             found, inside, failed = moved, distance, []
+            path.append(moved)
         elif len(failed) < PATIENCE:
             failed.append(distance)
         else:
@@ -81,35 +104,50 @@ def _moved_outward(predicts: Predictor, best: FloatArray, at: int, side: float, 
     outside = failed[0] if failed else room
     for _ in range(HALVINGS if failed else 0):
         between = 0.5 * (inside + outside)
-        moved, error = refitted(predicts, found, at, best[at] + side * between, most)
+        moved, error = _in_order(model, found, at, best[at] + side * between, most, alike)
         if error > most:
             outside = between
         else:
             found, inside = moved, between
-    return found
+            path.append(moved)
+    return path
+
+
+def _in_order(
+    model: Profiled, start: FloatArray, at: int, place: float, most: float, alike: tuple[int, ...]
+) -> tuple[FloatArray, float]:
+    """Return ``refitted``, with those of ``alike`` that would pass the coordinate at its place."""
+    moved, error = refitted(model, start, (at,), place, most)
+    if at in alike:
+        own = alike.index(at)
+        passed = [each for each in alike[:own] if moved[each] < place]
+        passed += [each for each in alike[own + 1 :] if moved[each] > place]
+        if passed:
+            return refitted(model, moved, (at, *passed), place, most)
+    return moved, error
 
 
 def refitted(
-    predicts: Predictor, start: FloatArray, at: int, place: float, most: float
+    model: Profiled, start: FloatArray, held: tuple[int, ...], place: float, most: float
 ) -> tuple[FloatArray, float]:
-    """Return a point near ``start`` with coordinate ``at`` at ``place``, and its error.
+    """Return a point near ``start`` with the coordinates ``held`` at ``place``, and its error.
 
     The best one, but that the simplex, where steps or kinks stopped Gauss and Newton, ends at ``most``.
     """
-    behind, moves = predicts.behind, np.arange(len(start)) != at
+    moves = ~np.isin(np.arange(len(start)), held)
 
     def whole(others: FloatArray) -> FloatArray:
         point = start.copy()
-        point[at], point[moves] = place, others
+        point[~moves], point[moves] = place, others
         return point
 
     def error(others: FloatArray) -> float:
-        return behind.error(whole(others))
+        return model.error(whole(others))
 
     found = start[moves]
     if len(found):
-        found = lowest(lambda others: behind.solved(whole(others)).residual, found, STEPS, COARSE)
-    if len(found) and is_rough(behind) and error(found) > most:
-        flat = SAME / behind.count * most
+        found = lowest(lambda others: model.residual(whole(others)), found, STEPS, COARSE)
+    if len(found) and model.rough and error(found) > most:
+        flat = SAME / model.count * most
         found = lowered_by_simplex(error, found, STEP, EVALUATIONS, near=1.0, flat=flat, enough=most)
     return whole(found), error(found)

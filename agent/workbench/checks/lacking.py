@@ -63,11 +63,15 @@ def is_trifle(name: str, model: Optimum, found: Mapping[str, Evidence]) -> bool:
 def may_be_of_a_law(found: Evidence, of_laws: float) -> bool:
     """Return whether an effect is little beside those that a model has: no law is quite that of the plant.
 
+    What acts on OP may be a part of such a law, and an event may stand for one. A load that goes on and knows
+    nothing of OP, measured or a wave, is no part of it.
+
     Args:
         found: What the innovations say of the effect.
         of_laws: How much likelier the record is with what acts on OP in the model, ``Step.of_laws``.
     """
-    return of_laws > 0.0 and found.criterion <= PART_LEFT * of_laws
+    bears_on_op = found.answers or found.once
+    return bears_on_op and of_laws > 0.0 and found.criterion <= PART_LEFT * of_laws
 
 
 def larger_dynamics(models: Mapping[str, Tried], beside: Collection[str]) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ from agent.workbench.solved.fewest_steps import NUMBERS_OF_A_STEP, variances_wit
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
+    from agent.identify.noise.autoregression import Innovations
     from agent.physics.effect import Effect
     from agent.workbench.predictor import Predictor
 
@@ -49,6 +50,8 @@ class FirstFit:
     criterion: float
     """How much likelier the record is, twice a logarithm, its numbers paid as ``evidence_of`` does: of a load
     with as few steps as are worth it."""
+    noise: Innovations
+    """The autoregression behind which it is that: behind another its gain, and so the valley, is another."""
 
 
 def first_fit(
@@ -83,7 +86,7 @@ def first_fit(
         - min((numbers - fewer * NUMBERS_OF_A_STEP) * math.log(count), valve)
         for fewer, variance in enumerate(variances_with_fewer(found, end))
     )
-    return FirstFit(space.values(end), criterion)
+    return FirstFit(space.values(end), criterion, found.noise)
 
 
 def _behind_own_noise(predicts: Predictor, ends: list[FloatArray]) -> tuple[Predictor, FloatArray]:

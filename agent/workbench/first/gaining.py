@@ -29,14 +29,12 @@ def gaining(trials: Sequence[Trial]) -> list[Effect]:
     return [
         each.effect
         for each in trials
-        if each.effect.family in families or each.effect.name in names or _is_not_known(each)
+        if each.effect.family in families
+        or each.effect.name in names
+        or isinstance(each.effect, Sinusoid | MeasuredInput)
     ]
 
 
 def gains(trial: Trial) -> bool:
-    """Return whether an effect alone gains what is worth a whole fit, or its first fit does not say."""
-    return trial.criterion > WORTH_A_FIT or _is_not_known(trial)
-
-
-def _is_not_known(trial: Trial) -> bool:
-    return isinstance(trial.effect, Sinusoid | MeasuredInput)
+    """Return whether a first fit gains what is worth a whole one; yes of a wave, of which it says little."""
+    return trial.criterion > WORTH_A_FIT or isinstance(trial.effect, Sinusoid)

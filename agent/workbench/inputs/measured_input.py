@@ -30,8 +30,6 @@ class MeasuredInput:
     """At the samples of the record, its own unit, (n,); a straight line through each gap."""
     elsewhere: FloatArray | None = None
     """At the samples of the recording for validation, (m,); None where that does not have it."""
-    inputs: int = 1
-    """How many inputs are tried: they share the price of many tests."""
     family: str = FAMILY
     stage: Stage = "disturbance"
     bases: tuple[str, ...] = ()
@@ -83,9 +81,7 @@ def measured_inputs(
         if not known.size or np.ptp(known) == 0.0:
             raise ValueError(f"input {name} does not move")
         other = elsewhere.get(name)
-        found.append(
-            MeasuredInput(name, bridge(values), None if other is None else bridge(other), len(inputs))
-        )
+        found.append(MeasuredInput(name, bridge(values), None if other is None else bridge(other)))
     return tuple(found)
 
 

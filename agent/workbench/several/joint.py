@@ -13,12 +13,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.identify.noise.autoregression import innovations
-from agent.workbench.certainty.likelihood_profile import QUANTILE, WIDER
+from agent.physics.effects.hysteresis import MOTION
+from agent.workbench.certainty.intervals import FittedParameter
+from agent.workbench.certainty.likelihood_profile import QUANTILE, WIDER, likelihood_profile
 from agent.workbench.fit import Fit
+from agent.workbench.fit_order import lags_alike
 from agent.workbench.gauss_newton import lowest
 from agent.workbench.predictor import Predictor, predictor_behind
 from agent.workbench.projection import VANISHES, nuisance_part
-from agent.workbench.search import COARSE, SAME, STEPS, is_rough
+from agent.workbench.search import COARSE, SAME, STEPS
 from agent.workbench.simplex import lowered_by_simplex
 from agent.workbench.space import Space, space_of
 
@@ -75,6 +78,24 @@ class Joint:
         left = self.residual(at)
         return float(left @ left) if np.isfinite(left).all() else np.inf
 
+    @property
+    def lags_alike(self) -> tuple[int, ...]:
+        """Which coordinates are lags that may change places, the longest first, where all share them."""
+        found = [*lags_alike(self.space)]
+        if not found or self.own[found].any():
+            return ()
+        return tuple((np.cumsum(~self.own) - 1)[found].tolist())
+
+    @property
+    def count(self) -> int:
+        """Samples of all recordings."""
+        return sum(each.behind.count for each in self.predictors)
+
+    @property
+    def rough(self) -> bool:
+        """Whether the error has steps or kinks."""
+        return any(each.behind.rough for each in self.predictors)
+
     def fits(self, at: FloatArray) -> tuple[Fit, ...]:
         """Return the model in free run in each recording."""
         return tuple(_fit(*pair) for pair in zip(self.predictors, self.values(at), strict=True))
@@ -92,17 +113,27 @@ class JointFit:
     unlikely: float
     """Minus twice the logarithm of the likelihood, less a constant, its numbers paid (Schwarz 1978)."""
 
-    def shared(self) -> dict[str, tuple[float, float, float]]:
-        """Return each number that all share, own units, with the ends of its 90 % interval, by its name."""
-        joint, spread, found = self.joint, self.spread(), {}
-        for place, column in enumerate(np.flatnonzero(~joint.own).tolist()):
-            ends = []
-            for away in (0.0, -WIDER * QUANTILE, WIDER * QUANTILE):
-                moved = self.at.copy()
-                moved[place] = min(max(self.at[place] + away * spread[place], 0.0), 1.0)
-                ends.append(float(joint.values(moved)[0, column]))
-            found[joint.space.names[column]] = (ends[0], ends[1], ends[2])
-        return found
+    def shared(self) -> tuple[FittedParameter, ...]:
+        """Return each number that all share, with its 90 % interval, as ``certainty/intervals.py`` has it."""
+        joint, columns = self.joint, np.flatnonzero(~self.joint.own)
+        names = [joint.space.names[column] for column in columns]
+        parameters = [joint.space.parameters[column] for column in columns]
+        half, as_likely = WIDER * QUANTILE * self.spread(), [self.at]
+        for place, (name, parameter) in enumerate(zip(names, parameters, strict=True)):
+            effect, _, what = name.rpartition(".")
+            half[place] *= bool(effect) and not parameter.constant
+            if what not in MOTION and not parameter.constant:
+                as_likely.extend(likelihood_profile(joint, self.at, place, alike=joint.lags_alike))
+        points, best = np.array(as_likely)[:, : len(columns)], self.at[: len(columns)]
+        points[:, joint.lags_alike] = np.sort(points[:, joint.lags_alike], axis=1)[:, ::-1]
+        low = np.clip(np.minimum(points.min(axis=0), best - half), 0.0, 1.0)
+        high = np.clip(np.maximum(points.max(axis=0), best + half), 0.0, 1.0)
+        ends = [np.concatenate((each, self.at[len(columns) :])) for each in (best, low, high)]
+        value, least, most = (joint.values(each)[0, columns].tolist() for each in ends)
+        return tuple(
+            FittedParameter(name, parameter.unit, *numbers)
+            for name, parameter, *numbers in zip(names, parameters, value, least, most, strict=True)
+        )
 
     def own(self) -> list[dict[str, float]]:
         """Return what each recording has for itself: its gain, PV units per OP unit, and its own numbers."""
@@ -163,12 +194,14 @@ def fitted_together(
             return None
         joint = replace(joint, predictors=tuple(each for each in behind if each is not None))
         at = _lowered(joint, at)
+    alike = [*joint.lags_alike]
+    at[alike] = np.sort(at[alike])[::-1]
     return _judged(joint, at)
 
 
 def _lowered(joint: Joint, start: FloatArray) -> FloatArray:
     found = lowest(joint.residual, start, STEPS, COARSE)
-    if not any(is_rough(each.objective) for each in joint.predictors):
+    if not joint.rough:
         return found
     return lowered_by_simplex(joint.error, found, STEP, EVALUATIONS, near=1.0, flat=SAME)
 

@@ -7,6 +7,7 @@ import pytest
 from test_closed_loop import N, loop
 
 from agent.analysis.record.recording import LoopWindow
+from agent.identify.noise.autoregression import Innovations
 from agent.physics.bases import Fopdt
 from agent.physics.effects.deadband import Deadband
 from agent.physics.effects.inverse_response import InverseResponse
@@ -113,8 +114,11 @@ def test_an_inverse_response_that_dead_time_hides_is_fitted():
     assert [*bench.trials.all_on(bench.step, effects).models] == ["inverse_response"]
 
 
+WHITE = Innovations(np.zeros(0), np.zeros(0), 1.0)
+
+
 def trial(effect, criterion):
-    first = None if criterion is None else FirstFit(np.zeros(0), criterion)
+    first = None if criterion is None else FirstFit(np.zeros(0), criterion, WHITE)
     return Trial(None, effect, None, None, first=first)
 
 

@@ -71,7 +71,7 @@ def test_enter_adds_what_is_proposed_and_the_staircase_falls(added):
     assert bench.step.effects == ("deadband",)
     assert terminal.prompts[0].startswith("Enter adds deadband, ")
     assert "verdict: deadband is missing" in terminal.text
-    assert "found: deadband s" in terminal.text
+    assert "found: deadband S" in terminal.text
     assert "held-out error -" in terminal.text
     assert terminal.typed == ["1"]  # after quit nothing is read
 

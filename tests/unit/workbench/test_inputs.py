@@ -1,5 +1,7 @@
 """Measured inputs beside OP: found with their gain, dead time and lag, and only the one that acts."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from loops import made
@@ -10,6 +12,7 @@ from agent.physics.bases import Fopdt
 from agent.physics.bases.linear_process import lagged
 from agent.physics.effects import EFFECTS
 from agent.physics.loop_model import LoopModel
+from agent.workbench.candidates import BY_COURSE
 from agent.workbench.inputs.measured_input import MeasuredInput, measured_inputs
 from agent.workbench.session import Workbench
 
@@ -47,6 +50,47 @@ def test_the_input_that_acts_is_confirmed_and_the_other_is_not():
     assert found["FEED.lag"].value == pytest.approx(LAG, rel=0.1)
     assert step.rmse_validation < 0.3 * base.rmse_validation
     assert next(each for each in bench.candidates().candidates if each.effect == "TEMP").p > 0.05
+
+
+def stepped(height, noise):
+    """A loop on which an input acts that moves nine times, behind two lags, and the input."""
+    window, rng, feed = made(noise=noise), np.random.default_rng(50), np.zeros(800)
+    for at in range(60, len(feed), 90):
+        feed[at:] += rng.normal()
+    return replace(window, pv=window.pv + height * lagged(lagged(feed, 80), 20)), feed
+
+
+@pytest.mark.parametrize(("height", "noise"), [(3.0, 0.2), (10.0, 0.05)])
+def test_an_input_of_few_moves_is_found_though_an_autoregression_follows_it(height, noise):
+    window, feed = stepped(height, noise)
+    bench = Workbench(window, without=[*FEW, "disturbance"], inputs={"FEED": feed})
+    decision = bench.candidates()
+    assert (decision.kind, decision.effect) == ("confirmed", "FEED")
+    (found,) = [each for each in decision.candidates if each.effect == "FEED"]
+    assert found.error_reduction_percent > 60
+    # From its first fit, behind the autoregression of that, a search predicts no worse.
+    (begun,) = bench.trials.begun.of(bench.step, [bench.effect("FEED")])
+    assert found.criterion > begun.first.criterion - 5
+
+
+def test_a_load_beside_what_acts_on_op_is_no_part_of_its_law():
+    window, feed = fed()
+    bench = Workbench(window, without=[*FEW, "disturbance", "gain"], inputs={"FEED": feed})
+    effects = [bench.effect("FEED")]
+    found = bench.trials.judged_on(bench.step, effects).decision.candidates[0]
+    strict = replace(bench.step, of_laws=50 * found.criterion)
+    assert bench.trials.judged_on(strict, effects).decision.kind == "confirmed"
+
+
+def test_a_slow_input_that_does_not_act_is_rejected_in_words():
+    window = made(noise=0.05, seed=7)
+    slow = lagged(np.random.default_rng(3).standard_normal(800).cumsum(), 60)
+    window = replace(window, pv=window.pv + 0.05 * np.random.default_rng(4).standard_normal(800).cumsum())
+    bench = Workbench(window, without=[*FEW, "disturbance", "gain"], inputs={"FEED": slow})
+    decision = bench.candidates()
+    assert decision.kind == "none"
+    assert all(each.objection in {BY_COURSE, None} for each in decision.candidates)
+    assert all(each.odds <= 0 for each in decision.candidates)
 
 
 def test_a_recording_for_validation_without_the_input_is_named():

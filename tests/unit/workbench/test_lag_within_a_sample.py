@@ -38,7 +38,9 @@ def best_of(window, *effects):
 def test_a_zero_that_the_profile_rules_out_is_possible_beside_a_lag():
     predicts, best = best_of(bump_tests(), InverseResponse())
     at = list(predicts.space.names).index("inverse_response.lead")
-    low, high = (predicts.space.values(end)[at] for end in likelihood_profile(predicts, best, at))
+    low, high = (
+        predicts.space.values(end)[at] for end in likelihood_profile(predicts.behind, best, at)[[0, -1]]
+    )
     assert not low <= LEAD <= high
     leads = [predicts.space.values(each)[at] for each in values_beside_a_lag(predicts, best)]
     assert min(abs(each - LEAD) for each in leads) < 0.1
