@@ -55,7 +55,7 @@ def evidence(effect, base, record):
 def with_effect(effect, base, record):
     model = nested_fit(base.fit.values, LoopModel(Fopdt(), (effect,)), record)
     first = first_fit(*base.predicts, effect)
-    return Tried(model, predictor(model, record, first.values), blank(model))
+    return Tried(model, predictor(model, record, first), blank(model))
 
 
 def test_it_is_for_what_changed_and_not_for_what_stands_in_for_it(changed):

@@ -31,7 +31,7 @@ def told(effect, op, pv):
     larger = nested_fit(base.values, LoopModel(Fopdt(), (effect,)), record)
     smaller = predictor(base, record)
     seen = beside(smaller[0].space.values(smaller[1]), instants_seen(*smaller, effect))
-    return predictor(larger, record, first_fit(*smaller, effect, seen).values, seen)
+    return predictor(larger, record, first_fit(*smaller, effect, seen), seen)
 
 
 def open_loop(levels):

@@ -102,14 +102,14 @@ def test_a_load_that_steps_is_sought_where_the_innovations_show_it():
     wrong = fit_at(LoopModel(Fopdt(), (effect,)), record, target, slow)
     smaller = predictor(fit(LoopModel(Fopdt()), record, record.weight), record)
     seen = beside(smaller[0].space.values(smaller[1]), instants_seen(*smaller, effect))
-    nested = first_fit(*smaller, effect, seen).values
+    nested = first_fit(*smaller, effect, seen)
     predicts, best = predictor(wrong, record, nested, seen)
     found = np.sort(predicts.space.values(best)[2:5])
     assert np.allclose(found, plant.parameters["load_step.time"], atol=2.0)
 
 
 def test_a_load_of_long_memory_biases_no_rate():
-    """Behind the four lags of Schwarz's criterion the rate is told as 0.14 OP/s, and surely."""
+    """Behind the four lags of Schwarz's criterion the rate is reported as 0.14 OP/s, and surely."""
     plant = hidden_effect_plant(5200, "rate_limit")
     record = bare_record(LoopWindow("loop", 0.0, 1.0, plant.op, plant.pv))
     rate = plant.scenario.valve.rate

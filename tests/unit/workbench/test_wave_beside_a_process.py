@@ -42,7 +42,7 @@ def test_a_larger_model_predicts_no_worse_than_its_first_fit_though_its_free_run
     predicts, best = predictor(smaller, record)
     larger = fit_from(LoopModel(Fopdt(), (Sinusoid(),)), record, np.array([*smaller.values, SLOWER]))
     assert larger.values[1] > 20 * TAU
-    nested = first_fit(predicts, best, Sinusoid()).values
+    nested = first_fit(predicts, best, Sinusoid())
     found = predictor(larger, record, nested)
     assert found[0].variance(found[1]) < 1.01 * predicts.variance(best)
 
