@@ -43,19 +43,19 @@ def p_of_models(models: Sequence[Fitted], problem: Problem) -> FloatArray:
         problem: The record.
     """
     squares = np.array([residuals(each.candidate, each.structure, problem) ** 2 for each in models])
-    return p_of_losses(losses_of_pieces(squares, round(problem.period / problem.block)))
+    return p_of_losses(sums_of_pieces(squares, round(problem.period / problem.block)))
 
 
-def losses_of_pieces(squares: FloatArray, period: int) -> FloatArray:
+def sums_of_pieces(values: FloatArray, period: int) -> FloatArray:
     """Return the sums over pieces of the record of a period, (k, pieces).
 
     Args:
-        squares: Squared errors of each model, (k, m).
+        values: Of each block, such as squared errors of each model, (k, m).
         period: Blocks.
     """
-    length = max(1, min(period, squares.shape[1] // LEAST_PIECES))
-    pieces = squares.shape[1] // length
-    sums: FloatArray = squares[:, : pieces * length].reshape(len(squares), pieces, length).sum(axis=2)
+    length = max(1, min(period, values.shape[1] // LEAST_PIECES))
+    pieces = values.shape[1] // length
+    sums: FloatArray = values[:, : pieces * length].reshape(len(values), pieces, length).sum(axis=2)
     return sums
 
 

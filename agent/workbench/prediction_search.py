@@ -151,16 +151,18 @@ def _elsewhere(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArr
 def _deeper(found: tuple[Predictor, FloatArray], first: FirstFit) -> tuple[Predictor, FloatArray]:
     """Return where the predictions are best from a first fit, if that is deeper; else what was found.
 
-    Behind the autoregression of what was found, or behind that of the first fit: behind that of a wrong
-    valley the wrong one looks deeper, and its gains there are those of the wrong one.
+    Behind the autoregression of the first fit, and behind that of what the gains of what was found leave
+    there: behind that of a wrong valley the wrong one looks deeper, and its gains are those of that one.
     """
     predicts, at = found
-    own, other = predictor_with(predicts.objective, first.noise), predicts.space.at(first.values)
+    other = predicts.space.at(first.values)
     deeper = predicts.error(other) < (1 - CLEARLY) * predicts.error(at)
-    if not deeper and own.variance(other) >= (1 - CLEARLY) * predicts.variance(at):
-        return found
-    sought = _settled(own, other)
-    return min((found, (own, other), *([] if sought is None else [sought])), key=_variance)
+    ends = [found]
+    for own in (predictor_with(predicts.objective, first.noise), renewed(predicts, other)):
+        if own is not None and (deeper or own.variance(other) < (1 - CLEARLY) * predicts.variance(at)):
+            sought = _settled(own, other)
+            ends += [(own, other), *([] if sought is None else [sought])]
+    return min(ends, key=_variance)
 
 
 def _scanned(predicts: Predictor, at: FloatArray) -> FloatArray:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agent.identify.confidence_set import LEAST_PIECES, losses_of_pieces, p_of_losses
+from agent.identify.confidence_set import LEAST_PIECES, p_of_losses, sums_of_pieces
 
 MODELS, PIECES, LEVEL = 30, 25, 0.1
 
@@ -57,5 +57,5 @@ def test_it_is_the_same_for_losses_in_any_unit_and_each_time():
 
 def test_a_record_is_divided_into_its_periods_or_eight_pieces():
     squares = np.arange(200.0).reshape(2, 100)
-    np.testing.assert_array_equal(losses_of_pieces(squares, 10), squares.reshape(2, 10, 10).sum(axis=2))
-    assert losses_of_pieces(squares, 60).shape == (2, LEAST_PIECES)
+    np.testing.assert_array_equal(sums_of_pieces(squares, 10), squares.reshape(2, 10, 10).sum(axis=2))
+    assert sums_of_pieces(squares, 60).shape == (2, LEAST_PIECES)

@@ -88,16 +88,28 @@ def test_the_profile_ascends_and_nothing_is_better_than_the_best():
     np.testing.assert_allclose(found.j, 0.5)
 
 
+SURE = {"gain": 0.0, "delay": 0.0, "tau": 0.0, "tau2": 0.0}
+
+
+def test_the_process_ranges_over_what_one_path_of_the_valve_leaves_open():
+    best, other = fitted(1.0, 2.0, 1.0, delay=3.0), fitted(1.1, 2.1, 1.0, delay=4.0)
+    open_to = {"gain": 0.1, "delay": 2.5, "tau": np.log(2.0)}
+    ranges = process_intervals(found_of(best, (best, other)), [-0.5, -0.5, -0.7], open_to, 2.0)
+    assert ranges.gain == pytest.approx((-0.77, -0.45))
+    assert ranges.delay == pytest.approx((2.0, 13.0))  # a sample at least
+    assert ranges.tau == pytest.approx((5.0, 20.0))
+
+
 def test_the_process_ranges_over_its_own_structure_only():
     best, other = fitted(1.0, 2.0, 1.0, delay=3.0), fitted(1.1, 2.1, 1.0, delay=4.0)
     found = found_of(best, (best, other, fitted(1.1, 2.1, 1.0, SOPDT, delay=9.0)))
     assert same_structure(found) == [best, best, other]
-    ranges = process_intervals(found, [0.5, 0.5, 0.7], 2.0)
+    ranges = process_intervals(found, [0.5, 0.5, 0.7], SURE, 2.0)
     assert (ranges.gain, ranges.delay, ranges.tau2) == ((0.5, 0.7), (6.0, 8.0), None)
     assert ranges.tau == pytest.approx((10.0, 10.0))
 
 
 def test_an_integrator_has_no_time_constants():
     best = fitted(1.0, 2.0, 1.0, INTEGRATOR)
-    ranges = process_intervals(found_of(best, (best,)), [0.1, 0.1], 2.0)
+    ranges = process_intervals(found_of(best, (best,)), [0.1, 0.1], SURE, 2.0)
     assert (ranges.tau, ranges.tau2) == (None, None)

@@ -16,6 +16,7 @@ import numpy as np
 
 from agent.analysis.quantify.free_run.found import SLIDES_BELOW, Found, find
 from agent.analysis.quantify.free_run.intervals import (
+    LEAST_P,
     hidden_movement,
     process_intervals,
     profile,
@@ -23,6 +24,7 @@ from agent.analysis.quantify.free_run.intervals import (
     stiction_estimate,
 )
 from agent.analysis.quantify.free_run.problem import pose, structures
+from agent.analysis.quantify.free_run.process_reach import process_reach
 from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
 from agent.analysis.quantify.valves.turns import turns
 from agent.analysis.results import (
@@ -167,7 +169,7 @@ def process_intervals_of(found: Found, problem: Problem, ts: float) -> ProcessIn
     """Return the ranges of the process over the models that fit alike, engineering units."""
     per = ts if found.best.structure == INTEGRATOR else 1.0
     gains = [fitted_gain(fitted, problem) / per for fitted in same_structure(found)]
-    return process_intervals(found, gains, ts)
+    return process_intervals(found, gains, process_reach(found.best, problem, LEAST_P), ts)
 
 
 def process(

@@ -17,8 +17,10 @@ from agent.analysis.results import IntervalEstimate, ProcessIntervals, Profile, 
 from agent.identify.objective import DELAY, J_RATIO, LOG_TAU, LOG_TAU2, SOPDT, S
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from agent.analysis.quantify.free_run.found import Found
-    from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.identify.fitted import Fitted
     from agent.identify.problem import Problem
 
@@ -85,9 +87,7 @@ def hidden_movement(window: LoopWindow) -> float:
     return float(np.median(moves)) if moves.size else 0.0
 
 
-def interval(
-    values: np.ndarray[tuple[int], np.dtype[np.float64]], margin: float, above: float = 0.0
-) -> IntervalEstimate:
+def interval(values: FloatArray, margin: float, above: float = 0.0) -> IntervalEstimate:
     """Return the first value with the range of all, widened by the margin, not below zero.
 
     ``above`` is added to the upper end.
@@ -101,31 +101,45 @@ def width(estimate: IntervalEstimate) -> float:
     return (estimate.high or 0.0) - (estimate.low or 0.0)
 
 
-def process_intervals(found: Found, gains: list[float], ts: float) -> ProcessIntervals:
+def process_intervals(
+    found: Found, gains: list[float], reach: Mapping[str, float], ts: float
+) -> ProcessIntervals:
     """Return the ranges of the process over the models alike that share the best one's structure.
 
-    ``gains`` are those of ``same_structure(found)``, in its order; ``ts`` in s.
+    Widened by what the record leaves open behind each path of the valve.
+
+    Args:
+        found: The models.
+        gains: Of ``same_structure(found)``, in its order.
+        reach: Of the best one, ``process_reach``.
+        ts: s.
     """
     candidates = np.array([f.candidate for f in same_structure(found)])
     integrates = found.best.structure not in (0, SOPDT)
     taus = np.exp(candidates[:, LOG_TAU]) * ts
     seconds = np.minimum(np.exp(candidates[:, LOG_TAU2]) * ts, taus)
+    earliest, latest = _moved(candidates[:, DELAY] * ts, reach["delay"] * ts)
     return ProcessIntervals(
-        gain=(min(gains), max(gains)),
-        tau=None if integrates else ends(taus),
-        delay=ends(candidates[:, DELAY] * ts),
-        tau2=ends(seconds) if found.best.structure == SOPDT else None,
+        gain=_moved(np.array(gains), np.abs(gains) * reach["gain"]),
+        tau=None if integrates else _times(taus, reach["tau"]),
+        delay=(max(earliest, ts), latest),
+        tau2=_times(seconds, reach["tau2"]) if found.best.structure == SOPDT else None,
     )
+
+
+def _moved(values: FloatArray, reach: FloatArray | float) -> tuple[float, float]:
+    """Return the least and the largest, each ``reach`` farther."""
+    return float(np.min(values - reach)), float(np.max(values + reach))
+
+
+def _times(values: FloatArray, reach: float) -> tuple[float, float]:
+    """Return the least and the largest, their logarithms ``reach`` farther."""
+    return float(values.min()) * math.exp(-reach), float(values.max()) * math.exp(reach)
 
 
 def same_structure(found: Found) -> list[Fitted]:
     """Return the models alike whose process has the best one's structure, the best first."""
     return [f for f in alike(found) if f.structure == found.best.structure]
-
-
-def ends(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
-    """Return the least and the largest."""
-    return float(values.min()), float(values.max())
 
 
 def profile(found: Found, problem: Problem, ts: float) -> Profile:
