@@ -37,7 +37,7 @@ class Candidate:
     """Lower end of its 90 % interval."""
     high: float
     p: float
-    """That it reduces nothing: adjusted for all candidates, and of an input not below that by chance."""
+    """That it reduces nothing, adjusted for all candidates."""
     objection: str | None = None
     """In words what rejects it; None where nothing does."""
     criterion: float = 0.0

@@ -38,7 +38,12 @@ def _parts(found: Together) -> Iterator[str]:
     last = found.steps[-1].fitted
     yield "<h2>What all recordings share</h2>"
     shared = [
-        (each.name, number(each.value), f"{number(each.low)} to {number(each.high)}", each.unit)
+        (
+            each.name,
+            number(each.value),
+            f"{number(each.low)} to {number(each.high)}",
+            "" if each.unit == "1" else each.unit,
+        )
         for each in last.shared()
     ]
     yield table(("parameter", "value", "90 % interval", "unit"), shared)

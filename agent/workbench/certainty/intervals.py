@@ -93,7 +93,7 @@ def estimated(found: Tried, record: Record) -> Estimate:
             continue
         effect, _, what = name.rpartition(".")
         if not parameter.of_record:
-            half[:, i] *= WIDER if effect else 0.0
+            half[:, i] *= WIDER if effect else 0.0  # of a base the profile alone counts
         if what not in MOTION:
             clearly = CLEARLY_AT_AN_INSTANT if parameter.instant else CLEARLY
             points = likelihood_profile(freed.behind, best, i, clearly, alike)
