@@ -74,9 +74,15 @@ def _parameters(numbers: Sequence[FittedParameter]) -> Iterator[str]:
 
 def parameter_line(each: FittedParameter) -> str:
     """Return a number with its unit and interval."""
-    unit = "" if each.unit == "1" else f" {each.unit}"
     bound = ", at the bound of its search" if each.at_bound else ""
-    return f"  {each.name:28}{each.value:>10.4g}{unit}  ({each.low:.4g} to {each.high:.4g}){bound}"
+    return (
+        f"  {each.name:28}{each.value:>10.4g}{unit_behind(each)}  ({each.low:.4g} to {each.high:.4g}){bound}"
+    )
+
+
+def unit_behind(each: FittedParameter) -> str:
+    """Return the unit of a number, to stand behind it; empty where it has none."""
+    return "" if each.unit == "1" else f" {each.unit}"
 
 
 def _harmonic(name: str) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from agent.report.comparison_text import in_words, verdict_words
+from agent.report.comparison_text import in_words, unit_behind, verdict_words
 
 if TYPE_CHECKING:
     from agent.workbench.comparison import Comparison
@@ -31,9 +31,8 @@ def effect_words(step: Step, effect: str) -> str:
     lasting = [each for each in own if not each.of_record] or own
     numbers = []
     for each in lasting[:NUMBERS]:
-        unit = "" if each.unit == "1" else f" {each.unit}"
         name = "" if len(lasting) == 1 else f"{symbol(each.name.partition('.')[2])} "
-        numbers.append(f"{name}{each.value:.4g}{unit} ({each.low:.4g} to {each.high:.4g})")
+        numbers.append(f"{name}{each.value:.4g}{unit_behind(each)} ({each.low:.4g} to {each.high:.4g})")
     return " ".join((in_words(effect), ", ".join(numbers))).rstrip()
 
 

@@ -82,8 +82,8 @@ class Objective:
 
     @property
     def rough(self) -> bool:
-        """Whether the error has steps or kinks, ``is_rough``."""
-        return is_rough(self)
+        """Whether the error has steps or kinks: a slip, a stop or an event at another sample."""
+        return any(each.stage == "valve" or instants(each, self.facts) > 0 for each in self.model.effects)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +130,11 @@ class Pinned:
     def count(self) -> int:
         """Samples of the objective that count."""
         return self.objective.count
+
+    @property
+    def rough(self) -> bool:
+        """Whether the objective is."""
+        return self.objective.rough
 
     def whole(self, free: FloatArray) -> FloatArray:
         """Return all coordinates, (k,), of those that move."""
@@ -241,7 +246,7 @@ def best_of(objective: Objective | Pinned, starts: FloatArray, count: int) -> li
 def lowered(objective: Objective | Pinned, start: FloatArray, step: float, evaluations: int) -> FloatArray:
     """Return the best point of a local search from ``start`` (k,); ``evaluations`` for each parameter."""
     found = by_slopes(objective, start)
-    if not len(start) or not objective.model.base.linear or not is_rough(objective):
+    if not len(start) or not objective.model.base.linear or not objective.rough:
         return found
     flat = SAME / objective.count * max(objective.error(found), 1e-300)
     return lowered_by_simplex(objective.error, found, step, evaluations, near=1.0, flat=flat)
@@ -253,12 +258,6 @@ def by_slopes(objective: Objective | Pinned, start: FloatArray) -> FloatArray:
         return start
     steps, difference = (STEPS, COARSE) if objective.model.base.linear else (BALANCE_STEPS, SMOOTH)
     return lowest(lambda at: objective.solved(at).residual, start, steps, difference)
-
-
-def is_rough(objective: Objective | Pinned) -> bool:
-    """Return whether the error has steps or kinks: a slip, a stop or an event at another sample."""
-    model, facts = objective.model, objective.facts
-    return any(each.stage == "valve" or instants(each, facts) > 0 for each in model.effects)
 
 
 def searched(objective: Objective | Pinned, starts: FloatArray, rounds: Sequence[Round]) -> FloatArray:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.analysis.gates.fault import GateFault
+from agent.durations import duration_words
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import LoopWindow
@@ -27,7 +28,9 @@ def different_clocks(window: LoopWindow) -> tuple[GateFault, ...]:
     if apart == 0:
         return ()
     way = "ahead of" if apart > 0 else "behind"
-    reason = f"the clock of PV is {_words(abs(apart))} {way} that of OP, so that they cannot be compared"
+    reason = (
+        f"the clock of PV is {duration_words(abs(apart))} {way} that of OP, so that they cannot be compared"
+    )
     return (GateFault("clocks_differ", reason),)
 
 
@@ -60,7 +63,3 @@ def _manual(window: LoopWindow) -> GateFault | None:
     only = f"in automatic for only {100 * automatic:.0f} % of the record"
     share = "never in automatic" if automatic == 0 else only
     return GateFault("manual", f"the loop was {share}; OP shows the valve only where the controller moves it")
-
-
-def _words(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 3600:.1f} h"

@@ -9,6 +9,7 @@ import numpy as np
 
 from agent.plots.workbench.overlay import overlay_figure
 from agent.plots.workbench.report import EVIDENCE, number, page, picture, table
+from agent.report.comparison_text import unit_behind
 from agent.report.headline import capital
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def _parts(found: Together) -> Iterator[str]:
             each.name,
             number(each.value),
             f"{number(each.low)} to {number(each.high)}",
-            "" if each.unit == "1" else each.unit,
+            unit_behind(each).lstrip(),
         )
         for each in last.shared()
     ]

@@ -18,15 +18,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from agent.physics.effects.hysteresis import MOTION
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.workbench.certainty.free_memory import with_free_memory
 from agent.workbench.certainty.lag_within_a_sample import values_beside_a_lag
 from agent.workbench.certainty.likelihood_profile import (
-    CLEARLY,
     CLEARLY_AT_AN_INSTANT,
     QUANTILE,
-    WIDER,
+    as_likely,
+    by_derivatives,
     likelihood_profile,
 )
 from agent.workbench.event_scan import instant_p
@@ -86,22 +85,15 @@ def estimated(found: Tried, record: Record) -> Estimate:
     predicts, best = found.predicts
     space = predicts.space
     freed = with_free_memory(predicts, best)
-    half = np.tile(QUANTILE * freed.spread(best), (2, 1))
-    as_likely, alike = [best], lags_alike(space)
-    for i, (name, parameter) in enumerate(zip(space.names, space.parameters, strict=True)):
-        if parameter.constant or (parameter.of_record and not parameter.instant):
-            continue
-        effect, _, what = name.rpartition(".")
-        if not parameter.of_record:
-            half[:, i] *= WIDER if effect else 0.0  # of a base the profile alone counts
-        if what not in MOTION:
-            clearly = CLEARLY_AT_AN_INSTANT if parameter.instant else CLEARLY
-            points = likelihood_profile(freed.behind, best, i, clearly, alike)
-            if parameter.instant:
-                half[:, i] = np.maximum(half[:, i], _reach(points, best)[:, i])
-            else:
-                as_likely.extend(lags_in_order(space, each) for each in points)
-    half = np.maximum(half, _reach(np.array(as_likely), best))
+    pairs = [*zip(space.names, space.parameters, strict=True)]
+    wide = [QUANTILE if each.of_record else by_derivatives(name) for name, each in pairs]
+    half = np.tile(wide * freed.spread(best), (2, 1))
+    points = as_likely(freed.behind, best, pairs, lags_alike(space))
+    half = np.maximum(half, _reach(np.array([lags_in_order(space, each) for each in points]), best))
+    for i, parameter in enumerate(space.parameters):
+        if parameter.instant and not parameter.constant:
+            points = likelihood_profile(freed.behind, best, i, CLEARLY_AT_AN_INSTANT)
+            half[:, i] = np.maximum(half[:, i], _reach(points, best)[:, i])
     half = np.maximum(half, _by_law(space, best)) + _reach(values_beside_a_lag(predicts, best), best)
     parameters = _within(space, best, half)
     return Estimate(

@@ -14,13 +14,17 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from scipy import stats
 
+from agent.physics.effects.hysteresis import MOTION
 from agent.workbench.gauss_newton import lowest
 from agent.workbench.paired_blocks import CONFIDENCE
 from agent.workbench.search import COARSE, SAME, STEPS
 from agent.workbench.simplex import lowered_by_simplex
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from agent.analysis.record.recording import FloatArray
+    from agent.physics.effect import Parameter
 
 WIDER = 1.1
 """Intervals of what answers OP over those of the books, which take OP for given; in closed loop it holds the
@@ -62,6 +66,35 @@ class Profiled(Protocol):
 
     def error(self, at: FloatArray) -> float:
         """Return the sum of their squares; infinite where the point has no answer."""
+
+
+def by_derivatives(name: str) -> float:
+    """Return half of the interval of a number that lasts, standard deviations by the derivatives.
+
+    0 of a base, where the profile alone counts: two lags that are alike have no derivatives of their own.
+    """
+    return WIDER * QUANTILE if "." in name else 0.0
+
+
+def as_likely(
+    model: Profiled, best: FloatArray, parameters: Sequence[tuple[str, Parameter]], alike: tuple[int, ...]
+) -> FloatArray:
+    """Return points as likely as the best, (m, k): the best, and the profiles of what lasts.
+
+    Not of the motion of a stem, which a record mostly shows little of.
+
+    Args:
+        model: As ``likelihood_profile`` takes it, like ``best`` and ``alike``.
+        best: (k,).
+        parameters: With their names, of the first coordinates of the point.
+        alike: Coordinates.
+    """
+    points = [best]
+    for at, (name, parameter) in enumerate(parameters):
+        lasts = not (parameter.constant or parameter.of_record)
+        if lasts and name.rpartition(".")[2] not in MOTION:
+            points.extend(likelihood_profile(model, best, at, alike=alike))
+    return np.array(points)
 
 
 def likelihood_profile(

@@ -19,7 +19,6 @@ from agent.durations import duration_words
 from agent.physics.bases.linear_process import LinearProcess
 from agent.workbench.design.plans import Plan, plan_words, plans
 from agent.workbench.design.rival import Rival, rival_of
-from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.residual.very_strong import VERY_STRONG
 
 if TYPE_CHECKING:
@@ -97,7 +96,7 @@ def next_test(step: Step, verdict: Verdict, models: dict[str, Tried]) -> NextTes
     noise, variance = ahead[0].noise, ahead[0].variance(ahead[1])
     known = _information(second, record, noise, variance)
     names, facts, settling = (pair[0], pair[1]), record.facts, memory(step.fit, record)
-    held = tuple(dict.fromkeys(each for one in pair[:2] for each in _inputs(models[one].fit)))
+    held = tuple(dict.fromkeys((*first.held, *second.held)))
     best: tuple[float, Plan, tuple[FloatArray, FloatArray]] | None = None
     for plan in sorted(plans(facts.op_low, facts.op_high, settling), key=lambda each: len(each.op)):
         if len(plan.op) < LEAST:
@@ -112,10 +111,6 @@ def next_test(step: Step, verdict: Verdict, models: dict[str, Tried]) -> NextTes
         return NextTest(*names, None, 0, 0.0, facts.ts, None, variance**0.5, held)
     repeats = int(np.ceil(NEEDED / best[0]))
     return NextTest(*names, best[1], repeats, repeats * best[0], facts.ts, best[2], variance**0.5, held)
-
-
-def _inputs(fitted: Fit) -> tuple[str, ...]:
-    return tuple(each.name for each in fitted.model.effects if isinstance(each, MeasuredInput))
 
 
 def memory(base: Fit, record: Record) -> float:

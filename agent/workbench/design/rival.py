@@ -43,6 +43,8 @@ class Rival:
     parameters: tuple[Parameter, ...]
     starts: tuple[int, ...]
     """Which values say where an effect was at first."""
+    held: tuple[str, ...]
+    """Measured inputs that have to stand still."""
 
     @property
     def name(self) -> str:
@@ -82,9 +84,8 @@ class Rival:
 def rival_of(fitted: Fit, facts: Facts) -> Rival:
     """Return a fitted model as it will go on; ``facts`` are those of its record."""
     model = fitted.model
-    still = {
-        each.name for each in model.effects if isinstance(each, MeasuredInput) or happens_once(each, facts)
-    }
+    held = tuple(each.name for each in model.effects if isinstance(each, MeasuredInput))
+    still = {*held, *(each.name for each in model.effects if happens_once(each, facts))}
     changed = {each.name for each in model.effects if isinstance(each, GainChange)}
     kept = replace(model, effects=tuple(each for each in model.effects if each.name not in still))
     names = [name.partition(".")[0] if "." in name else "" for name, _ in model.parameters(facts)]
@@ -96,4 +97,4 @@ def rival_of(fitted: Fit, facts: Facts) -> Rival:
     rest = [each for owner, each in pairs if owner != "" and owner not in still]
     parameters = tuple(each for _, each in kept.parameters(facts))
     starts = tuple(at for at, each in enumerate(parameters) if each.of_record)
-    return Rival(kept, facts, values, np.array([gain, *rest]), parameters, starts)
+    return Rival(kept, facts, values, np.array([gain, *rest]), parameters, starts, held)

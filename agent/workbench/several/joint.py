@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agent.identify.noise.autoregression import innovations
-from agent.physics.effects.hysteresis import MOTION
 from agent.workbench.certainty.intervals import FittedParameter
-from agent.workbench.certainty.likelihood_profile import QUANTILE, WIDER, likelihood_profile
+from agent.workbench.certainty.likelihood_profile import as_likely, by_derivatives
 from agent.workbench.fit import Fit
 from agent.workbench.fit_order import lags_alike
 from agent.workbench.gauss_newton import lowest
@@ -118,14 +117,10 @@ class JointFit:
         joint, columns = self.joint, np.flatnonzero(~self.joint.own)
         names = [joint.space.names[column] for column in columns]
         parameters = [joint.space.parameters[column] for column in columns]
-        half, as_likely = WIDER * QUANTILE * self.spread(), [self.at]
-        for place, (name, parameter) in enumerate(zip(names, parameters, strict=True)):
-            effect, _, what = name.rpartition(".")
-            half[place] *= bool(effect) and not parameter.constant
-            if what not in MOTION and not parameter.constant:
-                as_likely.extend(likelihood_profile(joint, self.at, place, alike=joint.lags_alike))
-        points, best = np.array(as_likely)[:, : len(columns)], self.at[: len(columns)]
-        points[:, joint.lags_alike] = np.sort(points[:, joint.lags_alike], axis=1)[:, ::-1]
+        half = self.spread() * [by_derivatives(name) for name in names]
+        pairs, alike = [*zip(names, parameters, strict=True)], joint.lags_alike
+        points, best = as_likely(joint, self.at, pairs, alike)[:, : len(columns)], self.at[: len(columns)]
+        points[:, alike] = np.sort(points[:, alike], axis=1)[:, ::-1]
         low = np.clip(np.minimum(points.min(axis=0), best - half), 0.0, 1.0)
         high = np.clip(np.maximum(points.max(axis=0), best + half), 0.0, 1.0)
         ends = [np.concatenate((each, self.at[len(columns) :])) for each in (best, low, high)]
