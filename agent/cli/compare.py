@@ -24,6 +24,7 @@ from agent.cli.comparing.outputs import deliver, mapping_of, write_together
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
+    from agent.cli.comparing.several import Recorded
     from agent.physics.effect import Effect
     from agent.workbench.comparison import Comparison
     from agent.workbench.session import Workbench
@@ -137,16 +138,15 @@ def compare(
                 "--load": load,
                 "--add": add,
                 "--drop": drop,
-                "--input": measured,
                 "--save": save,
                 "--page": page,
                 "--guided": guided,
             }
         )
-        windows = [_window(each, options, loop) for each in recordings]
-        named = dict(zip(several.names_of(recordings), windows, strict=True))
-        other = None if validate is None else _window(validate, options, loop)
-        _several(named, base, without or (), effects, own or (), other, report, auto=auto, as_json=as_json)
+        recorded = [_recorded(each, options, loop, inputs) for each in recordings]
+        named = dict(zip(several.names_of(recordings), recorded, strict=True))
+        scored = None if validate is None else _recorded(validate, options, loop, inputs)
+        _several(named, base, without or (), effects, own or (), scored, report, auto=auto, as_json=as_json)
         return
     if own:
         raise typer.BadParameter("one recording has nothing of its own", param_hint="--own")
@@ -156,8 +156,8 @@ def compare(
 
         open_page(recording, base)
         return
-    window = _window(recording, options, loop)
-    other = None if validate is None else _window(validate, options, loop)
+    window, measured_there = _recorded(recording, options, loop, inputs)
+    other, elsewhere = (None, {}) if validate is None else _recorded(validate, options, loop, inputs)
     if _is_guided(guided, named=bool(load or add or drop or inputs or auto or as_json or report or save)):
         from agent.cli.comparing.guide import Question, guide
 
@@ -176,8 +176,8 @@ def compare(
                 other,
                 without or (),
                 effects=effects,
-                inputs=_inputs(recording, options, loop, inputs),
-                other_inputs={} if validate is None else _inputs(validate, options, loop, inputs),
+                inputs=measured_there,
+                other_inputs=elsewhere,
                 run=run,
                 progress=progress,
             )
@@ -198,12 +198,12 @@ def compare(
 
 
 def _several(
-    windows: Mapping[str, LoopWindow],
+    recorded: Mapping[str, Recorded],
     base: str,
     without: Sequence[str],
     effects: Sequence[Effect],
     own: Sequence[str],
-    other: LoopWindow | None,
+    other: Recorded | None,
     report: Path | None,
     *,
     auto: bool,
@@ -215,7 +215,7 @@ def _several(
         run = stack.enter_context(pool_of_cores())
         try:
             found = several.together(
-                windows, base, without, effects, own, run, progress, auto=auto, validate=other
+                recorded, base, without, effects, own, run, progress, auto=auto, validate=other
             )
         except ValueError as error:
             raise typer.BadParameter(str(error)) from error
@@ -259,21 +259,21 @@ def _window(path: Path, options: ReadOptions, loop: str | None) -> LoopWindow:
     return window_of(recording, LoopHints())
 
 
-def _inputs(
+def _recorded(
     path: Path, options: ReadOptions, loop: str | None, inputs: Mapping[str, str]
-) -> dict[str, FloatArray]:
-    """Return the measured inputs of a recording by their names, each on its time grid."""
+) -> tuple[LoopWindow, dict[str, FloatArray]]:
+    """Return a recording and its measured inputs by their names, each on its time grid."""
     from connectors.recording import RecordingError
 
-    found = {}
+    window, found = _window(path, options, loop), {}
     for name, column in inputs.items():
         try:
-            window = _window(path, replace(options, columns=replace(options.columns, mv=column)), loop)
+            other = _window(path, replace(options, columns=replace(options.columns, mv=column)), loop)
         except RecordingError as error:
             raise RecordingError(str(error).replace("--mv", "--input NAME=COLUMN")) from error
-        if window.mv is not None:
-            found[name] = window.mv
-    return found
+        if other.mv is not None:
+            found[name] = other.mv
+    return window, found
 
 
 def _steps(bench: Workbench, load: Path | None, add: Iterable[str], drop: Iterable[str]) -> None:

@@ -171,7 +171,8 @@ class Layout:
         response = self.response(self.position(op, values), values)
         if not self.disturbances:
             return response[:, np.newaxis]
-        return np.vstack((response, *(added.T for _, added in self._added(response, values)))).T
+        added = self._added(response, values)
+        return np.concatenate((response[np.newaxis], *(columns.T for _, columns in added))).T
 
     def owners(self, op: FloatArray, values: FloatArray) -> tuple[str, ...]:
         """Return for each of the ``columns`` the effect that adds it; empty for the response."""

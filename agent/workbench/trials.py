@@ -145,7 +145,7 @@ class Trials:
             lasting = [each for each in able if acts_on_op(each, facts) and not happens_once(each, facts)]
             return self._hinted(found, lasting)
 
-        models = self._tried(step, effects)
+        models = self.models_on(step, effects)
         screened = max(len(able), len(models))
         found = {name: evidence_of(step, each, self.record, screened) for name, each in models.items()}
         tries = Tries(step, models, found, self.record, self.begun.together, answering, screened)
@@ -243,7 +243,7 @@ class Trials:
         other = self.validation
         return other is not None and rmse_on(larger, other) > rmse_on(smaller, other)
 
-    def _tried(self, smaller: Step, effects: Sequence[Effect]) -> dict[str, Tried]:
+    def models_on(self, smaller: Step, effects: Sequence[Effect]) -> dict[str, Tried]:
         """Try effects, the most promising first; one that fails is left out from then on."""
         trials = sorted(self.begun.of(smaller, effects), key=lambda each: -each.criterion)
         names = [each.effect.name for each in trials]

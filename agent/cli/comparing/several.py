@@ -14,10 +14,14 @@ from agent.cli.comparing.outputs import report_part
 from agent.report.comparison_text import parameter_line
 
 if TYPE_CHECKING:
-    from agent.analysis.record.recording import LoopWindow
+    from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
     from agent.workbench.hooks import Map, Progress
-    from agent.workbench.several.together import JointStep, Together
+    from agent.workbench.several.joint_step import JointStep
+    from agent.workbench.several.together import Together
+
+    Recorded = tuple[LoopWindow, Mapping[str, FloatArray]]
+    """A recording with its measured inputs by their names, each (n,)."""
 
 
 def refuse_options(options: Mapping[str, object]) -> None:
@@ -29,14 +33,14 @@ def refuse_options(options: Mapping[str, object]) -> None:
     for name, value in options.items():
         if value:
             words = (
-                "several recordings are compared by --auto, --base, --without, --effect, --own, --validate, "
-                "--json and --report"
+                "several recordings are compared by --auto, --base, --without, --effect, --input, --own, "
+                "--validate, --json and --report"
             )
             raise typer.BadParameter(words, param_hint=name)
 
 
 def together(
-    windows: Mapping[str, LoopWindow],
+    recorded: Mapping[str, Recorded],
     base: str,
     without: Sequence[str],
     effects: Sequence[Effect],
@@ -45,19 +49,31 @@ def together(
     progress: Progress,
     *,
     auto: bool,
-    validate: LoopWindow | None = None,
+    validate: Recorded | None = None,
 ) -> Together:
     """Compare recordings of one loop, by their names, with one model; raises ValueError where it cannot."""
     from agent.workbench.session import Workbench
     from agent.workbench.several.together import compared_together
 
-    benches = {
-        name: Workbench(window, base, without=without, effects=effects, run=run, progress=progress)
-        for name, window in windows.items()
-    }
+    other, other_inputs = (None, {}) if validate is None else validate
+    benches = {}
+    for name, (window, inputs) in recorded.items():
+        try:
+            benches[name] = Workbench(
+                window,
+                base,
+                without=without,
+                effects=effects,
+                inputs=inputs,
+                other_inputs=other_inputs,
+                run=run,
+                progress=progress,
+            )
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from error
     for name, bench in benches.items():
         report_part(bench, name)
-    return compared_together(benches, own, auto=auto, validate=validate)
+    return compared_together(benches, own, auto=auto, validate=other)
 
 
 def names_of(paths: Sequence[Path]) -> list[str]:

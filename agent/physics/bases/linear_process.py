@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
-from scipy.signal import lfilter
 
 from agent.physics.processes.fopdt import fopdt
 from agent.physics.processes.integrator import integrator
+from agent.physics.processes.lag import lag_of_lines
 from agent.physics.processes.sopdt import sopdt
 
 if TYPE_CHECKING:
@@ -103,9 +102,6 @@ def lagged(signal: FloatArray, tau: float) -> FloatArray:
 
     Exact for a signal that goes in straight lines from sample to sample (first-order hold).
     """
-    if tau <= 0.0:
-        return signal
-    keep = math.exp(-1.0 / tau)
-    mean = tau * (1.0 - keep)  # weight of the older end of a line, before it fades
-    deviation = signal - signal[0]
-    return np.asarray(signal[0] + lfilter([1.0 - mean, mean - keep], [1.0, -keep], deviation))
+    response = np.empty_like(signal)
+    lag_of_lines(signal, 0.0, tau, 0.0, response)
+    return response

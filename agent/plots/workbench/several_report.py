@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from agent.workbench.several.together import JointStep, Together
+    from agent.workbench.several.joint_step import JointStep
+    from agent.workbench.several.together import Together
 
 
 def together_html(found: Together) -> str:

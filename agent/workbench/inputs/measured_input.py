@@ -9,8 +9,8 @@ import numpy as np
 
 from agent.identify.problem import bridge
 from agent.physics.bases.lag_bases import delay_of, lag_of
-from agent.physics.bases.linear_process import lagged
 from agent.physics.effect import Effect, Facts, Parameter, Solved, Stage
+from agent.physics.processes.lag import lag_of_lines
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -50,8 +50,9 @@ class MeasuredInput:
         """Return the input behind its dead time and lag, its own unit about its mean, (n, 1)."""
         delay, lag = (float(each) for each in values)
         ts = float(time[1] - time[0])
-        late = np.interp(time - delay, time, self.values)
-        return np.asarray(lagged(late, lag / ts) - self.values.mean())[:, np.newaxis]
+        column = np.empty_like(self.values)
+        lag_of_lines(self.values, float(self.values.mean()), lag / ts, delay / ts, column)
+        return column[:, np.newaxis]
 
 
 def measured_inputs(
@@ -100,3 +101,12 @@ def elsewhere(model: LoopModel) -> LoopModel:
         else:
             effects.append(each)
     return replace(model, effects=tuple(effects))
+
+
+def at_home(model: LoopModel) -> LoopModel:
+    """Return a model of a recording, to be scored on that one with numbers that were fitted to others."""
+    own = (
+        replace(each, elsewhere=each.values) if isinstance(each, MeasuredInput) else each
+        for each in model.effects
+    )
+    return replace(model, effects=tuple(own))

@@ -86,13 +86,7 @@ class Bench:
         self._failures: dict[tuple[object, ...], tuple[Failure, ...]] = {}
         self._other_bases: dict[tuple[object, ...], tuple[str, ...]] = {}
         self._trials: Trials | None = None
-        self._validation, self.not_validated = validation(validate, self.base)
-        lacking = [name for name in inputs if name not in other_inputs]
-        if lacking and self._validation is not None:
-            self._validation = None
-            self.not_validated = (
-                f"{window.loop} is not validated: its other recording has no input {lacking[0]}"
-            )
+        self._validation, self.not_validated = validation(validate, self.base, self.installed)
         """In plain words why nothing can be scored on the other recording; else, or without one, None."""
         if isinstance(found, str):
             self.reason = found

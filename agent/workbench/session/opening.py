@@ -11,6 +11,7 @@ from agent.physics.loop_model import LoopModel
 from agent.workbench.fit import Fit, fit, fit_at, refit_from, residual_of
 from agent.workbench.folds import folds_of
 from agent.workbench.innovations import likelihood_ratio
+from agent.workbench.inputs.measured_input import MeasuredInput
 from agent.workbench.projection import target_of
 from agent.workbench.record import Record, bare_record, closed_by, record_of
 from agent.workbench.residual.very_strong import VERY_STRONG
@@ -18,8 +19,11 @@ from agent.workbench.solved.from_before import begun_in_motion
 from agent.workbench.trials import Trials
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from agent.analysis.record.recording import LoopWindow
     from agent.physics.bases import Base
+    from agent.physics.effect import Effect
     from agent.workbench.hooks import Map, Progress
     from agent.workbench.trial import Tried
 
@@ -94,9 +98,22 @@ def other_record(window: LoopWindow, base: Base) -> Record:
     return bare_record(window, from_start=not base.linear)
 
 
-def validation(window: LoopWindow | None, base: Base) -> tuple[Record | None, str | None]:
-    """Return ``other_record``, or in words why nothing can be scored on it; both None without a window."""
+def validation(
+    window: LoopWindow | None, base: Base, effects: Iterable[Effect] = ()
+) -> tuple[Record | None, str | None]:
+    """Return ``other_record``, or in words why nothing can be scored on it; both None without a window.
+
+    Args:
+        window: The other recording.
+        base: Of the models.
+        effects: That they may have: each measured input must be known in the other recording, too.
+    """
+    if window is None:
+        return None, None
+    for each in effects:
+        if isinstance(each, MeasuredInput) and each.elsewhere is None:
+            return None, f"{window.loop} is not validated: its other recording has no input {each.name}"
     try:
-        return (None if window is None else other_record(window, base)), None
+        return other_record(window, base), None
     except ValueError as error:
         return None, str(error)

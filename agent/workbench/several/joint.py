@@ -22,6 +22,7 @@ from agent.workbench.predictor import Predictor, predictor_behind
 from agent.workbench.projection import VANISHES, nuisance_part
 from agent.workbench.search import COARSE, SAME, STEPS
 from agent.workbench.simplex import lowered_by_simplex
+from agent.workbench.solved.numbers import solved_at
 from agent.workbench.space import Space, space_of
 
 if TYPE_CHECKING:
@@ -131,13 +132,14 @@ class JointFit:
         )
 
     def own(self) -> list[dict[str, float]]:
-        """Return what each recording has for itself: its gain, PV units per OP unit, and its own numbers."""
-        joint, values = self.joint, self.joint.values(self.at)
+        """Return what each recording has for itself: what is solved for there, and its own numbers."""
+        joint, found = self.joint, []
         names = [name for name, is_own in zip(joint.space.names, joint.own.tolist(), strict=True) if is_own]
-        return [
-            {"gain": float(fit.coefficients[0]), **dict(zip(names, row[joint.own].tolist(), strict=True))}
-            for fit, row in zip(self.fits, values, strict=True)
-        ]
+        for predicts, fit, row in zip(joint.predictors, self.fits, joint.values(self.at), strict=True):
+            solved = {name: value for name, (value, _) in solved_at(predicts, row, fit.coefficients).items()}
+            searched = dict(zip(names, row[joint.own].tolist(), strict=True))
+            found.append({**solved, **searched})
+        return found
 
     def spread(self) -> FloatArray:
         """Return the standard deviation of each shared number, parts of its range."""

@@ -7,7 +7,6 @@ not use, taken together, and nothing on which the smaller model failed may remai
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -25,42 +24,23 @@ from agent.workbench.residual.very_strong import VERY_STRONG, very_strong
 from agent.workbench.session import Workbench
 from agent.workbench.session.automatic import MOST_EFFECTS
 from agent.workbench.session.opening import validation
-from agent.workbench.several.joint import JointFit, fitted_together
+from agent.workbench.several.joint import JointFit
+from agent.workbench.several.joint_step import JointJob, JointStep, joint_step
 from agent.workbench.shown.score import promising, scores_of
 from agent.workbench.step import Verdict
-from agent.workbench.validation import rmse_on
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from agent.analysis.record.recording import FloatArray, LoopWindow
     from agent.physics.effect import Effect
-    from agent.workbench.fit import Fit
     from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
     from agent.workbench.trial import Tried
 
-    Model = Sequence[tuple[Predictor, FloatArray]]
-
 NOT_LOWER = "it does not lower the error of recordings that its fit did not use"
 STANDS_FOR_ANOTHER = "with it the model still fails as before: it stands for another cause"
 UNLIKELY = "the recordings together are hardly likelier with it"
-
-
-@dataclass(frozen=True, slots=True)
-class JointStep:
-    """A model on all recordings."""
-
-    added: str | None
-    """None for the base."""
-    effects: tuple[str, ...]
-    fitted: JointFit
-    rmse: tuple[float, ...]
-    """Of the free run in each recording, PV units."""
-    rmse_held_out: tuple[float, ...]
-    """The same with what belongs to the loop fitted to the other recordings only."""
-    rmse_validation: float | None
-    """The same on another recording that no fit used; None without one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +89,7 @@ def compared_together(
 ) -> Together:
     """Compare recordings of one loop with one model.
 
-    What happened once belongs to one recording and is not tried here; nor are measured inputs.
+    What happened once belongs to one recording and is not tried here.
 
     Args:
         benches: By the name of the recording, each with its base fitted.
@@ -127,7 +107,8 @@ def compared_together(
     if len(used) < 2:
         words = "; ".join(f"{name}: {why}" for name, why in left_out.items())
         raise ValueError(f"two recordings at least are needed that can be compared ({words})")
-    other, not_validated = validation(validate, next(iter(used.values())).base)
+    first = next(iter(used.values()))
+    other, not_validated = validation(validate, first.base, first.installed)
     several = _Several(tuple(used.values()), frozenset(own), other)
     steps = [several.base()]
     while True:
@@ -153,7 +134,7 @@ class _Several:
     """For validation."""
 
     def base(self) -> JointStep:
-        found = self._step([_predictions(bench.step.predicts) for bench in self.benches], None)
+        found = joint_step(self._job([bench.step.predicts for bench in self.benches], None))
         if found is None:
             raise ValueError("the recordings have too few samples in a row")
         return found
@@ -174,13 +155,10 @@ class _Several:
         ]
         scores: dict[str, float] = {}
         for bench in self.benches:
-            for name, score in scores_of(able, *_predictions(bench.step.predicts)).items():
+            own = [bench.effect(each.name) for each in able]  # an input has its own course in each
+            for name, score in scores_of(own, *_predictions(bench.step.predicts)).items():
                 scores[name] = scores.get(name, 0.0) + score
-        tried = {}
-        for effect in promising(able, scores):
-            found = self._tried(effect)
-            if found is not None:
-                tried[effect.name] = found
+        tried = self._tried(promising(able, scores))
         candidates = tuple(
             sorted((self._judged(smaller, each) for each in tried.values()), key=lambda each: -each.criterion)
         )
@@ -207,35 +185,21 @@ class _Several:
             return verdict
         return replace(verdict, kind="suggested", lacks=(WORSE_ELSEWHERE,))
 
-    def _tried(self, effect: Effect) -> _Tried | None:
-        alone = []
-        for bench in self.benches:
-            models = bench.trials.judged_on(bench.step, [effect]).models
-            if effect.name not in models:
-                return None  # it failed; the trial reports it
-            alone.append(models[effect.name])
-        step = self._step([_predictions(each.predicts) for each in alone], effect.name)
-        return None if step is None else _Tried(step, tuple(alone))
+    def _tried(self, effects: Sequence[Effect]) -> dict[str, _Tried]:
+        """Return the models with each effect; one that failed in a recording is reported by its trial."""
+        own = [(bench, [bench.effect(each.name) for each in effects]) for bench in self.benches]
+        alone = [bench.trials.models_on(bench.step, able) for bench, able in own]
+        names = [each.name for each in effects if all(each.name in models for models in alone)]
+        jobs = [self._job([models[name].predicts for models in alone], name) for name in names]
+        steps = self.benches[0].trials.run(joint_step, jobs)
+        return {
+            name: _Tried(step, tuple(models[name] for models in alone))
+            for name, step in zip(names, steps, strict=True)
+            if step is not None
+        }
 
-    def _step(self, models: Model, added: str | None) -> JointStep | None:
-        whole = fitted_together(models, self.own)
-        if whole is None:
-            return None
-        shared = whole.joint.values(whole.at)
-        held_out = []
-        for i, bench in enumerate(self.benches):
-            others = [each for k, each in enumerate(models) if k != i]
-            rest = fitted_together(others, self.own, shared[i])
-            if rest is None:
-                return None
-            held_out.append(rmse_on(_mean(rest.fits), bench.record))
-        rmse = [
-            math.sqrt(fit.error / max(float(bench.record.weight.sum()), 1.0))
-            for fit, bench in zip(whole.fits, self.benches, strict=True)
-        ]
-        effects = tuple(each.name for each in whole.fits[0].model.effects)
-        validated = None if self.other is None else rmse_on(_mean(whole.fits), self.other)
-        return JointStep(added, effects, whole, tuple(rmse), tuple(held_out), validated)
+    def _job(self, predicts: Sequence[tuple[Predictor, FloatArray] | None], added: str | None) -> JointJob:
+        return JointJob(tuple(map(_predictions, predicts)), self.own, self.other, added)
 
     def _judged(self, smaller: JointStep, found: _Tried) -> JointCandidate:
         effect = found.step.fitted.fits[0].model.effects[-1]
@@ -282,14 +246,6 @@ def _why_not(bench: Workbench) -> str | None:
     if bench.reason is not None:
         return bench.reason
     return "its base predicts nothing" if bench.step.predicts is None else None
-
-
-def _mean(fits: Sequence[Fit]) -> Fit:
-    """Return a model with the mean of what some recordings have for themselves."""
-    values, coefficients = (
-        np.mean([getattr(each, name) for each in fits], axis=0) for name in ("values", "coefficients")
-    )
-    return replace(fits[0], values=values, coefficients=coefficients)
 
 
 def _predictions(found: tuple[Predictor, FloatArray] | None) -> tuple[Predictor, FloatArray]:

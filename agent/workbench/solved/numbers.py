@@ -8,7 +8,6 @@ Source: L. Ljung, System Identification, 2nd ed., 9.3.
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,8 +19,6 @@ from agent.workbench.predictor import DIFFERENCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Solved
@@ -39,32 +36,48 @@ def solved_numbers(predicts: Predictor, best: FloatArray) -> tuple[tuple[str, So
         best: The point of the unit cube where its predictions are best, (k,).
     """
     objective = predicts.objective
-    record, model = objective.record, objective.model
     mean = predicts.fit(best).coefficients
     spread = np.linalg.cholesky(_covariance(predicts, best, mean))
     normal = np.random.default_rng(0).standard_normal((DRAWS, len(spread)))
     draws = np.tile(mean, (DRAWS, 1))
     draws[:, len(mean) - len(spread) :] += WIDER * normal @ spread.T
-    found = []
-    if not objective.target.fixed_gain:
-        per = "PV/OP/s" if model.base.name == "integrator" else "PV/OP"
-        found.append(("gain", *_number(lambda each: {"gain": (float(each[0]), per)}, mean, draws)["gain"]))
-    owners = np.array(objective.layout.owners(record.op, objective.space.values(best)))
-    for effect in model.effects:
-        own = owners == effect.name
-        if not isinstance(effect, SolvedEffect) or not own.any():
-            continue
-        of_effect = _number(partial(_of_effect, effect, own), mean, draws)
-        found += [
-            (f"{effect.name}.{name}", *each)
-            for name, each in of_effect.items()
-            if not (objective.target.fixed_gain and each[0][1] == "PV/OP")
-        ]
-    return tuple(found)
+    numbers = _number(_solved_by(predicts, objective.space.values(best)), mean, draws)
+    return tuple((name, *each) for name, each in numbers.items())
 
 
-def _of_effect(effect: SolvedEffect, own: NDArray[np.bool_], coefficients: FloatArray) -> dict[str, Solved]:
-    return dict(effect.solved(coefficients[own], float(coefficients[0])))
+def solved_at(predicts: Predictor, values: FloatArray, coefficients: FloatArray) -> dict[str, Solved]:
+    """Return each number of ``solved_numbers`` alone.
+
+    Args:
+        predicts: Of a model.
+        values: That are searched, own units, (k,).
+        coefficients: Of its columns, (c,).
+    """
+    return _solved_by(predicts, values)(coefficients)
+
+
+def _solved_by(predicts: Predictor, values: FloatArray) -> Callable[[FloatArray], dict[str, Solved]]:
+    """Return what makes numbers of coefficients, (c,)."""
+    objective, model = predicts.objective, predicts.objective.model
+    fixed = objective.target.fixed_gain
+    per = "PV/OP/s" if model.base.name == "integrator" else "PV/OP"
+    owners = np.array(objective.layout.owners(objective.record.op, values))
+    own = [
+        (effect, owners == effect.name)
+        for effect in model.effects
+        if isinstance(effect, SolvedEffect) and effect.name in owners
+    ]
+
+    def numbers(coefficients: FloatArray) -> dict[str, Solved]:
+        gain = float(coefficients[0])
+        found: dict[str, Solved] = {} if fixed else {"gain": (gain, per)}
+        for effect, columns in own:
+            for name, each in effect.solved(coefficients[columns], gain).items():
+                if not (fixed and each[1] == "PV/OP"):
+                    found[f"{effect.name}.{name}"] = each
+        return found
+
+    return numbers
 
 
 def _number(
