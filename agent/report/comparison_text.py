@@ -127,9 +127,10 @@ def causes_words(axis: str) -> str:
 
 
 def step_name(step: Step) -> str:
-    """Return what the step changed; of the base its name."""
+    """Return what the step changed, and whether that is a suggestion; of the base its name."""
     if step.added is not None:
-        return f"+ {step.added}"
+        perhaps = " (perhaps)" if step.verdict is not None and step.verdict.kind == "suggested" else ""
+        return f"+ {step.added}{perhaps}"
     if step.dropped is not None:
         return f"- {step.dropped}"
     return " ".join((step.fit.model.base.name, *step.effects))

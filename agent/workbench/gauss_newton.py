@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
 
 FLAT = 1e-6
-"""Part of the error by which a step lowers it at least."""
+"""Part of the error by which a step lowers it at least, where nothing else is given."""
 DAMPING, LESS, MORE = 1e-3, 0.1, 10.0
 """The first, over the squares of the derivatives, and what a step that helped, or did not, makes of it."""
 TRIES = 6
@@ -25,7 +25,11 @@ TRIES = 6
 
 
 def lowest(
-    residual: Callable[[FloatArray], FloatArray], start: FloatArray, steps: int, difference: float
+    residual: Callable[[FloatArray], FloatArray],
+    start: FloatArray,
+    steps: int,
+    difference: float,
+    flat: float = FLAT,
 ) -> FloatArray:
     """Return the point of the unit cube, (k,), with the least squares that is found from ``start``.
 
@@ -34,6 +38,7 @@ def lowest(
         start: Where it begins, (k,).
         steps: At most.
         difference: Of two points for a derivative, part of the cube.
+        flat: Part of the error by which a step lowers it at least.
     """
     at, here = start, residual(start)
     error, damping = float(here @ here), DAMPING
@@ -54,7 +59,7 @@ def lowest(
                 at, here, error, damping = moved, there, lower, damping * LESS
                 break
             damping *= MORE
-        if error > (1.0 - FLAT) * before:
+        if error > (1.0 - flat) * before:
             break
     return at
 

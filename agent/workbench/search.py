@@ -39,7 +39,7 @@ STEPS = 12
 BALANCE_STEPS = 60
 """The same on a balance, whose time constants may be far from where the search begins."""
 SAME = 0.1
-"""Difference of points of a simplex, twice a logarithm of their likelihoods, below which none is better."""
+"""Difference of points, twice a logarithm of their likelihoods, below which none is better."""
 STEP = 0.05
 """First step of a simplex, part of a parameter's range."""
 
@@ -256,8 +256,10 @@ def by_slopes(objective: Objective | Pinned, start: FloatArray) -> FloatArray:
     """Return the best point that steps of Gauss and Newton find from ``start`` (k,)."""
     if not len(start):
         return start
-    steps, difference = (STEPS, COARSE) if objective.model.base.linear else (BALANCE_STEPS, SMOOTH)
-    return lowest(lambda at: objective.solved(at).residual, start, steps, difference)
+    if objective.model.base.linear:
+        return lowest(lambda at: objective.solved(at).residual, start, STEPS, COARSE)
+    flat = SAME / objective.count  # its numbers may go on for long where the record says little of them
+    return lowest(lambda at: objective.solved(at).residual, start, BALANCE_STEPS, SMOOTH, flat)
 
 
 def searched(objective: Objective | Pinned, starts: FloatArray, rounds: Sequence[Round]) -> FloatArray:

@@ -47,7 +47,7 @@ class HiddenCase:
     """Of the verdict that led to the first step; of the last verdict where there is none. ``not_testable``:
     the record could not be tested, and there are no numbers."""
     effects: str
-    """Of the last model, in the order in which they were added."""
+    """Of the last model that were confirmed, in the order in which they were added."""
     alike: str
     """Effects from which the record could not distinguish them."""
     rmse_base: float
@@ -154,7 +154,7 @@ def judge(
         share_percent=100 * max(0.0, 1 - (floor / steps[0].rmse_fit) ** 2),
         floor=floor,
         kind=first.kind if first is not None else "",
-        effects=" ".join(last.effects),
+        effects=" ".join(step.added for step in took if step.verdict and step.verdict.kind != "suggested"),
         alike=" ".join(sorted(alike)),
         rmse_base=steps[0].held_out.rmse,
         rmse_last=last.held_out.rmse,

@@ -9,6 +9,7 @@ from agent.workbench.hypotheses import CONFIRMED
 from agent.workbench.paired_blocks import lowers_error
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.step import Verdict
+from agent.workbench.verdict import verdict_of
 
 if TYPE_CHECKING:
     from agent.workbench.hypotheses import Decision
@@ -21,13 +22,37 @@ def add_all_confirmed(bench: Bench) -> None:
     """Add effects until no more is confirmed; after each, test the earlier ones again."""
     while len(bench.step.effects) < MOST_EFFECTS:
         decision = bench.candidates()
-        if decision.effect is None or decision.effect in {each.dropped for each in bench.staircase()}:
+        if decision.effect is None:
+            added = _add_beyond(bench)
+        elif decision.effect in {each.dropped for each in bench.staircase()}:
             break
-        if decision.kind in CONFIRMED:
-            bench.add(decision.effect)
-        elif not _add_both(bench, decision):
+        elif decision.kind in CONFIRMED:
+            added = bool(bench.add(decision.effect))
+        else:
+            added = _add_both(bench, decision)
+        if not added:
             break
         _drop_idle(bench)
+
+
+def _add_beyond(bench: Bench) -> bool:
+    """Add what mends a failure but lowers the error by little, if the record confirms another effect beyond.
+
+    A lag that the model lacks is most of what its innovations say, and hides what is slow: of a heater beside
+    a second one 0.4 % of the error are the lag's, and 88 % those of the other heater. Returns whether the
+    record does.
+    """
+    found = bench.tried()
+    verdict = verdict_of(bench.step, found, bench.where_it_fails(), bench.lines(), bench.record.facts)
+    if verdict.effect is None or len(bench.step.effects) > MOST_EFFECTS - 2:
+        return False
+    bench.take(found.models[verdict.effect], verdict, added=verdict.effect)
+    beyond = bench.candidates()
+    if beyond.effect is None or beyond.kind not in CONFIRMED:
+        bench.undo()
+        return False
+    bench.add(beyond.effect)
+    return True
 
 
 def _add_both(bench: Bench, decision: Decision) -> bool:

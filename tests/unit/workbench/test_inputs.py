@@ -12,7 +12,9 @@ from agent.physics.bases import Fopdt
 from agent.physics.bases.linear_process import lagged
 from agent.physics.effects import EFFECTS
 from agent.physics.loop_model import LoopModel
+from agent.report.comparison_text import step_name
 from agent.workbench.candidates import BY_COURSE
+from agent.workbench.checks.mended import LITTLE
 from agent.workbench.inputs.measured_input import MeasuredInput, measured_inputs
 from agent.workbench.session import Workbench
 
@@ -71,6 +73,45 @@ def test_an_input_of_few_moves_is_found_though_an_autoregression_follows_it(heig
     # From its first fit, behind the autoregression of that, a search predicts no worse.
     (begun,) = bench.trials.begun.of(bench.step, [bench.effect("FEED")])
     assert found.criterion > begun.first.criterion - 5
+
+
+def heated(samples=800):
+    """A slow loop in manual, with a lag of its sensor, and a second heater that moves eight times."""
+    rng, period = np.random.default_rng(6), 3.0
+    op, other = np.zeros(samples), np.zeros(samples)
+    for start in range(10, samples, 90):
+        op[start:] = rng.uniform(0, 80)
+        other[start + 37 :] = rng.uniform(0, 70)
+    own = 0.6 * lagged(lagged(op, 130 / period), 20 / period)
+    pv = 25 + own + 0.3 * lagged(lagged(other, 250 / period), 100 / period)
+    pv = np.round((pv + 0.15 * rng.standard_normal(samples)) / 0.3) * 0.3
+    return LoopWindow("heated", 0.0, period, op, pv), other
+
+
+def test_an_input_behind_a_lag_that_the_model_lacks_is_found_beyond_it():
+    window, other = heated()
+    few = [*FEW, "disturbance", "gain"]
+    few.remove("extra_lag")
+    bench = Workbench(window, without=few, inputs={"OTHER": other})
+    decision = bench.candidates()
+    assert decision.kind == "none"
+    (alone,) = [each for each in decision.candidates if each.effect == "OTHER"]
+    assert alone.odds <= 0
+    base, lag, step = bench.auto()
+    assert (lag.verdict.kind, lag.verdict.lacks) == ("suggested", (LITTLE,))
+    assert step.effects == (lag.added, "OTHER")
+    assert step.verdict.kind == "confirmed"
+    assert step.held_out.rmse < 0.6 * base.held_out.rmse
+    assert [step_name(each) for each in (lag, step)] == [f"+ {lag.added} (perhaps)", "+ OTHER"]
+
+
+def test_what_mends_a_failure_by_little_is_not_added_where_nothing_is_confirmed_beyond():
+    window, _ = heated()
+    few = [*FEW, "disturbance", "gain"]
+    few.remove("extra_lag")
+    bench = Workbench(window, without=few)
+    assert len(bench.auto()) == 1
+    assert bench.comparison().verdict.lacks[0] == LITTLE
 
 
 def test_a_load_beside_what_acts_on_op_is_no_part_of_its_law():
