@@ -38,8 +38,9 @@ if TYPE_CHECKING:
     from agent.workbench.record import Record
     from agent.workbench.search import Round
 
-TURNS = 3
-"""A few settle it: the autoregression hardly depends on the last per cent of the values."""
+TURNS, MOST_TURNS = 3, 20
+"""Of each start, and of the best of all at most: mostly a few settle it, as the autoregression hardly depends
+on the last per cent of the values; in a long bent valley each moves the other on."""
 STEP = 0.02
 """First step of the search, part of a parameter's range."""
 EVALUATIONS = 40
@@ -76,6 +77,14 @@ def predictor(
     Returns:
         None where the residual has too few samples in a row.
     """
+    found = _best_of_starts(fitted, record, nested, starts)
+    return None if found is None else _settled_wholly(*found)
+
+
+def _best_of_starts(
+    fitted: Fit, record: Record, nested: FirstFit | None, starts: FloatArray | None
+) -> tuple[Predictor, FloatArray] | None:
+    """Return what ``predictor`` does, after a few turns."""
     objective = objective_of(
         fitted.model, record, target_of(record, record.weight, linear=fitted.model.base.linear)
     )
@@ -128,7 +137,7 @@ def with_other_values(
     A valve that was found while another effect was missing may be the one that answers for both.
     """
     best = min(_from_best_of(predicts, points), key=_variance, default=(predicts, at))
-    return best if _variance(best) < (1 - CLEARLY) * predicts.variance(at) else None
+    return _settled_wholly(*best) if _variance(best) < (1 - CLEARLY) * predicts.variance(at) else None
 
 
 def _from_best_of(predicts: Predictor, points: FloatArray) -> list[tuple[Predictor, FloatArray]]:
@@ -193,6 +202,19 @@ def _settled(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray
             at = by_slopes(predicts.behind, _placed(predicts, at))
         else:
             at = lowered(predicts.behind, at, STEP, EVALUATIONS)
+    return predicts, at
+
+
+def _settled_wholly(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray]:
+    """Return where the predictions are best after as many turns as make them clearly better."""
+    for _ in range(MOST_TURNS - TURNS):
+        own = renewed(predicts, at)
+        if own is None:
+            break
+        moved = lowered(own.behind, at, STEP, EVALUATIONS)
+        if own.variance(moved) > (1 - CLEARLY) * predicts.variance(at):
+            break
+        predicts, at = own, moved
     return predicts, at
 
 

@@ -1,5 +1,7 @@
 """Where a loop answers to its load, the model that predicts best is nearer the truth than the free run's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from loops import S, slack
@@ -16,14 +18,17 @@ from agent.physics.effects.rate_limit import RateLimit
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.effects.stiction import Stiction
 from agent.physics.loop_model import LoopModel
+from agent.workbench import prediction_search
 from agent.workbench.certainty.intervals import estimated
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.first.first_fit import first_fit
 from agent.workbench.fit import fit, fit_at, nested_fit
 from agent.workbench.folds import HeldOut, folds_of, held_out
 from agent.workbench.prediction_search import predictor, with_other_values
+from agent.workbench.predictor import renewed
 from agent.workbench.projection import nuisance_part, target_of
 from agent.workbench.record import bare_record
+from agent.workbench.search import lowered
 from agent.workbench.trial import Tried, beside, predicted
 from simulators.draws.hidden_effects import hidden_effect_plant
 
@@ -177,3 +182,18 @@ def test_a_valve_that_was_found_without_a_wave_is_left_for_a_better_one():
         again = with_other_values(other, best, best[np.newaxis])
         other, best = again or (other, best)
     assert with_other_values(other, best, best[np.newaxis]) is None
+
+
+def test_turns_go_on_until_another_one_makes_the_predictions_hardly_better(monkeypatch):
+    """Values and autoregression move each other on along a bent valley, here by 5 of twice a logarithm."""
+    window = slack(noise=0.05, seed=5)
+    drift = 0.05 * np.random.default_rng(55).standard_normal(len(window.pv)).cumsum()
+    record = bare_record(replace(window, pv=window.pv + drift))
+    fitted = fit(LoopModel(Fopdt()), record, record.weight)
+    predicts, at = predictor(fitted, record)
+    monkeypatch.setattr(prediction_search, "MOST_TURNS", prediction_search.TURNS)
+    few, there = predictor(fitted, record)
+    assert few.variance(there) > 1.005 * predicts.variance(at)
+    own = renewed(predicts, at)
+    again = lowered(own.behind, at, prediction_search.STEP, prediction_search.EVALUATIONS)
+    assert own.variance(again) > (1 - prediction_search.CLEARLY) * predicts.variance(at)
