@@ -65,7 +65,7 @@ def comparison_lines(found: Comparison) -> Iterator[str]:
 def _parameters(numbers: Sequence[FittedParameter]) -> Iterator[str]:
     """Yield a line for each number; of a wave of edges, which may have twenty harmonics, the first ones."""
     for each in numbers:
-        if _harmonic(each.name) <= HARMONICS:
+        if is_printed(each.name):
             yield parameter_line(each)
     last = max((_harmonic(each.name) for each in numbers), default=1)
     if last > HARMONICS:
@@ -83,6 +83,11 @@ def parameter_line(each: FittedParameter) -> str:
 def unit_behind(each: FittedParameter) -> str:
     """Return the unit of a number, to stand behind it; empty where it has none."""
     return "" if each.unit == "1" else f" {each.unit}"
+
+
+def is_printed(name: str) -> bool:
+    """Return whether a number is printed, and not only in JSON: not of the higher harmonics of a wave."""
+    return _harmonic(name) <= HARMONICS
 
 
 def _harmonic(name: str) -> int:

@@ -51,6 +51,13 @@ def free_run_on(fitted: Fit, other: Record) -> FloatArray:
     return _run(fitted, other, values, own, other.weight > 0)
 
 
+def of_loop(fitted: Fit, record: Record) -> NDArray[np.bool_]:
+    """Return which coefficients, (c,), belong to the loop: those of the response and of measured inputs."""
+    inputs = {each.name for each in fitted.model.effects if isinstance(each, MeasuredInput)}
+    owners = fitted.model.layout(record.facts).owners(record.op, fitted.values)
+    return np.array([owner == "" or owner in inputs for owner in owners], dtype=np.bool_)
+
+
 def _started(fitted: Fit, other: Record) -> FloatArray:
     """Return the values with those of ``other`` where they belong to a record."""
     space = space_of(fitted.model, other.facts)
@@ -81,9 +88,7 @@ def _run(
 ) -> FloatArray:
     """Return the free run; drift and disturbances are fitted to the samples that count."""
     columns = fitted.model.columns(other.op, values, other.facts)
-    inputs = {each.name for each in fitted.model.effects if isinstance(each, MeasuredInput)}
-    owners = fitted.model.layout(other.facts).owners(other.op, values)
-    kept = np.array([owner == "" or owner in inputs for owner in owners])
+    kept = of_loop(fitted, other)
     ran = columns[:, kept] @ fitted.coefficients[kept]
     own = columns[:, ~kept] if drift is None else np.column_stack((columns[:, ~kept], drift))
     if not own.shape[1]:

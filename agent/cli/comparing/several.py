@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from agent.cli.comparing.outputs import report_part
-from agent.report.comparison_text import parameter_line
+from agent.report.comparison_text import is_printed, parameter_line
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray, LoopWindow
@@ -143,7 +143,8 @@ def together_lines(found: Together) -> Iterator[str]:
     for each in found.steps[-1].fitted.shared():
         yield parameter_line(each)
     for name, own in zip(found.recordings, found.steps[-1].fitted.own(), strict=True):
-        yield f"  {name:28}{', '.join(f'{key} {value:.4g}' for key, value in own.items())}"
+        printed = (f"{key} {value:.4g}" for key, value in own.items() if is_printed(key))
+        yield f"  {name:28}{', '.join(printed)}"
     if found.candidates:
         yield "what would make them likelier, twice a logarithm, and lower the held-out squared error"
     for tried in found.candidates:

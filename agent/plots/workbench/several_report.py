@@ -9,7 +9,7 @@ import numpy as np
 
 from agent.plots.workbench.overlay import overlay_figure
 from agent.plots.workbench.report import EVIDENCE, number, page, picture, table
-from agent.report.comparison_text import unit_behind
+from agent.report.comparison_text import is_printed, unit_behind
 from agent.report.headline import capital
 
 if TYPE_CHECKING:
@@ -51,11 +51,12 @@ def _parts(found: Together) -> Iterator[str]:
     yield table(("parameter", "value", "90 % interval", "unit"), shared)
     yield "<h2>What each recording has for itself</h2>"
     own = last.own()
+    printed = [name for name in own[0] if is_printed(name)]
     rows = [
-        (name, *(number(each) for each in mine.values()))
-        for name, mine in zip(found.recordings, own, strict=True)
+        (recording, *(number(mine[name]) for name in printed))
+        for recording, mine in zip(found.recordings, own, strict=True)
     ]
-    yield table(("recording", *own[0]), rows)
+    yield table(("recording", *printed), rows)
     if found.candidates:
         yield "<h2>What would make them likelier</h2>"
         head = "tried", "twice a logarithm", "held-out squared error lower by, %", EVIDENCE

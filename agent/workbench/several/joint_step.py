@@ -10,10 +10,10 @@ import numpy as np
 
 from agent.workbench.inputs.measured_input import at_home
 from agent.workbench.several.joint import JointFit, fitted_together
-from agent.workbench.validation import rmse_on
+from agent.workbench.validation import of_loop, rmse_on
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Collection
 
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.fit import Fit
@@ -64,17 +64,27 @@ def joint_step(job: JointJob) -> JointStep | None:
         rest = fitted_together([each for k, each in enumerate(models) if k != i], job.own, shared[i])
         if rest is None:
             return None
-        there = replace(_mean(rest.fits), model=at_home(predicts.objective.model))
-        held_out.append(rmse_on(there, record))
+        there = _with_mean(whole.fits[i], record, rest)
+        held_out.append(rmse_on(replace(there, model=at_home(there.model)), record))
         rmse.append(math.sqrt(whole.fits[i].error / max(float(record.weight.sum()), 1.0)))
     effects = tuple(each.name for each in whole.fits[0].model.effects)
-    validated = None if job.other is None else rmse_on(_mean(whole.fits), job.other)
+    own = _with_mean(whole.fits[0], models[0][0].objective.record, whole)
+    validated = None if job.other is None else rmse_on(own, job.other)
     return JointStep(job.added, effects, whole, tuple(rmse), tuple(held_out), validated)
 
 
-def _mean(fits: Sequence[Fit]) -> Fit:
-    """Return a model with the mean of what some recordings have for themselves."""
-    values, coefficients = (
-        np.mean([getattr(each, name) for each in fits], axis=0) for name in ("values", "coefficients")
+def _with_mean(own: Fit, record: Record, others: JointFit) -> Fit:
+    """Return the model of a recording with the mean of what belongs to the loop in others.
+
+    A wave may have more harmonics in one recording than in another: amounts of loads stay a recording's own.
+    """
+    coefficients = own.coefficients.copy()
+    coefficients[of_loop(own, record)] = np.mean(
+        [
+            each.coefficients[of_loop(each, predicts.objective.record)]
+            for predicts, each in zip(others.joint.predictors, others.fits, strict=True)
+        ],
+        axis=0,
     )
-    return replace(fits[0], values=values, coefficients=coefficients)
+    values = np.mean([each.values for each in others.fits], axis=0)
+    return replace(own, values=values, coefficients=coefficients)

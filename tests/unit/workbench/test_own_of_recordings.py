@@ -1,4 +1,4 @@
-"""Measured inputs in several recordings of one loop: their law is shared, each has its own course of them."""
+"""What each of several recordings has for itself: a measured input's course, a wave with its harmonics."""
 
 import json
 from dataclasses import replace
@@ -10,6 +10,7 @@ from loops import made
 from agent.cli.comparing.several import together, together_json, together_lines
 from agent.physics.bases.linear_process import lagged
 from agent.physics.effects import EFFECTS
+from agent.plots.workbench.several_report import together_html
 from agent.workbench.hooks import silent
 from agent.workbench.several.together import NOT_LOWER
 
@@ -67,3 +68,28 @@ def test_a_recording_in_which_an_input_stands_is_named():
     window, inputs = fed(2)
     with pytest.raises(ValueError, match=r"^b: input FEED does not move$"):
         compared({"a": fed(1), "b": (window, {**inputs, "FEED": np.zeros(500)})})
+
+
+def waving(seed, square, samples=600):
+    """A recording with a load that repeats itself: of edges, or of two harmonics."""
+    window = made(noise=0.1, seed=seed, samples=samples)
+    turns = np.arange(samples) / 61.0
+    load = np.sin(2 * np.pi * turns) + 0.4 * np.sin(4 * np.pi * turns + 1)
+    load = np.where(turns % 1 < 0.5, 1.0, -1.0) if square else load
+    return replace(window, pv=window.pv + 2 * load), {}
+
+
+def test_a_wave_has_as_many_harmonics_as_its_recording_needs():
+    recorded = {"a": waving(1, square=True), "b": waving(2, square=False)}
+    without = tuple({each.family for each in EFFECTS} - {"disturbance"})
+    found = together(
+        recorded, "fopdt", without, EFFECTS, (), map, silent, auto=True, validate=waving(3, square=False)
+    )
+    base, step = found.steps
+    assert step.effects == ("wave",)
+    assert step.rmse_validation < 0.2 * base.rmse_validation
+    edges, two = step.fitted.own()
+    assert len(edges) > len(two)
+    printed = "\n".join([*together_lines(found), together_html(found)])
+    assert "wave.amplitude_3" in printed
+    assert "wave.amplitude_4" not in printed
