@@ -206,8 +206,11 @@ def _settled(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray
 
 
 def _settled_wholly(predicts: Predictor, at: FloatArray) -> tuple[Predictor, FloatArray]:
-    """Return where the predictions are best after as many turns as make them clearly better."""
-    for _ in range(MOST_TURNS - TURNS):
+    """Return where the predictions are best after as many turns as make them clearly better.
+
+    Of what is rough: valves and events have such valleys, and a process alone is settled by the first turns.
+    """
+    for _ in range(MOST_TURNS - TURNS if predicts.objective.rough else 0):
         own = renewed(predicts, at)
         if own is None:
             break

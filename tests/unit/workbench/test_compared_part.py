@@ -57,7 +57,8 @@ def test_others_are_compared_whole():
 def test_several_recordings_state_it_each(capsys):
     windows = {"a.csv": recording(), "b.csv": recording()}
     hooks = {"run": map, "progress": lambda *_: None}
-    together(windows, "sopdt", sorted(WITHOUT), EFFECTS, (), **hooks, auto=False)
+    recorded = {name: (window, {}) for name, window in windows.items()}
+    together(recorded, "sopdt", sorted(WITHOUT), EFFECTS, (), **hooks, auto=False)
     errors = capsys.readouterr().err
     assert [f"{name}: not compared: what happened before 1600 s" in errors for name in windows] == [
         True,
