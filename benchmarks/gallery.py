@@ -19,7 +19,7 @@ from agent.runtime.loop.process_pool import process_pool
 from agent.workbench.comparison import Comparison
 from agent.workbench.session import Workbench
 from benchmarks.cases.options import Options
-from benchmarks.cases.recordings_folder import ROOT, indexed, recordings_folder
+from benchmarks.cases.recordings_folder import ROOT, base_of, indexed, recordings_folder
 from benchmarks.tables.markdown import table
 from benchmarks.tables.page import put
 from connectors.recording import read_recording
@@ -91,9 +91,7 @@ def run(_options: Options) -> None:
         print("No recordings folder (SLIPJUMP_DATA): nothing was run.\n")
         return
     index = {row["loop"]: row for row in indexed(folder)}
-    jobs = [
-        (folder / index[name]["file"], index[name]["label"], index[name]["integrating"]) for name in SHOWN
-    ]
+    jobs = [(folder / index[name]["file"], index[name]["label"], base_of(index[name])) for name in SHOWN]
     with process_pool() as pool:
         found = pool.map(shown, *zip(*jobs, strict=True))
         rows: list[tuple[object, ...]] = []
@@ -109,10 +107,10 @@ def report(rows: Sequence[Sequence[object]]) -> str:
     return table("### What was found", columns, rows)
 
 
-def shown(file: Path, label: str, integrating: str) -> Shown:
+def shown(file: Path, label: str, base: str) -> Shown:
     """Run the workbench on one recording, and draw the result."""
     window = loop_window(read_recording(file))
-    bench = Workbench(window, "integrator" if integrating == "True" else "fopdt")
+    bench = Workbench(window, base)
     steps = bench.auto()
     found = bench.comparison()
     if not steps:

@@ -19,13 +19,13 @@ from agent.analysis.record.recording import LoopWindow
 from agent.analysis.record.window_of_recording import loop_window
 from agent.runtime.loop.process_pool import process_pool
 from agent.workbench.session import Workbench
-from benchmarks.cases.hidden_case import RECORD_KINDS, drawn
+from benchmarks.cases.hidden_case import drawn
 from benchmarks.cases.options import Options
-from benchmarks.cases.recordings_folder import indexed, recordings_folder
+from benchmarks.cases.recordings_folder import base_of, indexed, recordings_folder
 from benchmarks.gallery import SHOWN
+from benchmarks.hidden_effects import Job, jobs_of
 from benchmarks.tables.markdown import table
 from connectors.recording import read_recording
-from simulators.draws.hidden_effects import TRUTHS
 
 FIRST_SEED = 91860
 LOOPS, LOOPS_FULL = 1, 4
@@ -35,8 +35,8 @@ DIGITS = 1e-9
 TIMES = 3
 """That a record is compared beside once as it is."""
 
-Record = tuple[str, int]
-"""A truth and a seed; or a real recording and -1."""
+Record = Job | str
+"""A simulated loop, or the name of a real recording."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,15 +55,14 @@ class Answer:
 def run(options: Options) -> None:
     """Print the table, and a line of each record with more than one answer."""
     count = options.loops or (LOOPS_FULL if options.full else LOOPS)
-    records: list[Record] = [(truth, FIRST_SEED + i) for i, truth in product(range(count), TRUTHS)]
-    records += [(name, -1) for name in (SHOWN if recordings_folder() else ())]
+    records: list[Record] = [*jobs_of(count, FIRST_SEED), *(SHOWN if recordings_folder() else ())]
     jobs = list(product(records, range(TIMES + 1)))
     with process_pool() as pool:
         found = list(track(pool.map(answer, jobs), "digits", len(jobs), console=Console(stderr=True)))
     groups = [[*each] for _, each in groupby(found, key=lambda each: each.record)]
     rows = []
     for title, real in (("simulated", False), ("real", True)):
-        some = [each for each in groups if (each[0].record[1] < 0) is real]
+        some = [each for each in groups if isinstance(each[0].record, str) is real]
         same = sum(len({one.effects for one in each}) == 1 for each in some)
         whole = sum(len({(one.effects, one.verdict) for one in each}) == 1 for each in some)
         apart = [max(one.rmse for one in each) / min(one.rmse for one in each) for each in some]
@@ -90,17 +89,14 @@ def answer(job: tuple[Record, int]) -> Answer:
 
 
 def window_of(record: Record) -> tuple[LoopWindow, str]:
-    """Return a simulated loop, in a record of the kind of its turn, or a real recording, and its base."""
-    name, seed = record
-    for at, truth in enumerate(TRUTHS):
-        if truth == name:
-            return drawn(truth, seed, RECORD_KINDS[(seed + at) % len(RECORD_KINDS)])[1], "fopdt"
+    """Return the record, and the base with which the workbench begins."""
+    if not isinstance(record, str):
+        return drawn(*record)[1], "fopdt"
     folder = recordings_folder()
     if folder is None:
         raise FileNotFoundError("SLIPJUMP_DATA names no folder")
-    (row,) = (row for row in indexed(folder) if row["loop"] == name)
-    base = "integrator" if row["integrating"] == "True" else "fopdt"
-    return loop_window(read_recording(folder / row["file"])), base
+    (row,) = (row for row in indexed(folder) if row["loop"] == record)
+    return loop_window(read_recording(folder / row["file"])), base_of(row)
 
 
 def _lines(groups: list[list[Answer]]) -> Iterator[str]:
@@ -108,7 +104,8 @@ def _lines(groups: list[list[Answer]]) -> Iterator[str]:
     for each in groups:
         if len({(one.effects, one.verdict) for one in each}) > 1:
             words = [f"{_named(one.effects)} ({one.verdict[0]}, {one.rmse:.4g})" for one in each]
-            yield f"{each[0].record[0]} {each[0].record[1]}: {'; '.join(words)}"
+            record = each[0].record
+            yield f"{record if isinstance(record, str) else ' '.join(map(str, record))}: {'; '.join(words)}"
 
 
 def _named(effects: tuple[str, ...]) -> str:

@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from agent.workbench.search import Round
 
 TURNS, MOST_TURNS = 3, 20
-"""Of each start, and of the best of all at most: mostly a few settle it, as the autoregression hardly depends
-on the last per cent of the values; in a long bent valley each moves the other on."""
+"""Of each start, and of a valve or an event from the best of all at most: mostly a few settle it, as the
+autoregression hardly depends on the last per cent of the values; in a long bent valley each moves both."""
 STEP = 0.02
 """First step of the search, part of a parameter's range."""
 EVALUATIONS = 40
@@ -210,7 +210,9 @@ def _settled_wholly(predicts: Predictor, at: FloatArray) -> tuple[Predictor, Flo
 
     Of what is rough: valves and events have such valleys, and a process alone is settled by the first turns.
     """
-    for _ in range(MOST_TURNS - TURNS if predicts.objective.rough else 0):
+    if not predicts.objective.rough:
+        return predicts, at
+    for _ in range(MOST_TURNS - TURNS):
         own = renewed(predicts, at)
         if own is None:
             break

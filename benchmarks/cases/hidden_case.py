@@ -12,6 +12,7 @@ import numpy as np
 
 from agent.analysis.record.recording import LoopWindow
 from agent.physics.effects import EFFECTS
+from agent.workbench.hypotheses import CONFIRMED
 from agent.workbench.nuisance import nuisance
 from agent.workbench.record import Record
 from agent.workbench.session import Workbench
@@ -154,7 +155,7 @@ def judge(
         share_percent=100 * max(0.0, 1 - (floor / steps[0].rmse_fit) ** 2),
         floor=floor,
         kind=first.kind if first is not None else "",
-        effects=" ".join(step.added for step in took if step.verdict and step.verdict.kind != "suggested"),
+        effects=" ".join(step.added for step in took if step.verdict and step.verdict.kind in CONFIRMED),
         alike=" ".join(sorted(alike)),
         rmse_base=steps[0].held_out.rmse,
         rmse_last=last.held_out.rmse,

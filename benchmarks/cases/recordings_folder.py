@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent.parent
@@ -19,3 +20,8 @@ def indexed(folder: Path) -> list[dict[str, str]]:
     """Return the rows of the folder's index."""
     with (folder / "index.csv").open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
+
+
+def base_of(row: Mapping[str, str]) -> str:
+    """Return the base with which the workbench begins a recording of the index."""
+    return "integrator" if row["integrating"] == "True" else "fopdt"

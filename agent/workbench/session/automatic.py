@@ -9,7 +9,6 @@ from agent.workbench.hypotheses import CONFIRMED
 from agent.workbench.paired_blocks import lowers_error
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.step import Verdict
-from agent.workbench.verdict import verdict_of
 
 if TYPE_CHECKING:
     from agent.workbench.hypotheses import Decision
@@ -43,7 +42,7 @@ def _add_beyond(bench: Bench) -> bool:
     record does.
     """
     found = bench.tried()
-    verdict = verdict_of(bench.step, found, bench.where_it_fails(), bench.lines(), bench.record.facts)
+    verdict = bench.verdict_on(found)
     if verdict.effect is None or len(bench.step.effects) > MOST_EFFECTS - 2:
         return False
     bench.take(found.models[verdict.effect], verdict, added=verdict.effect)

@@ -185,6 +185,10 @@ class Bench:
             found = self.trials.all_on(self.step, self.library)
         return found
 
+    def verdict_on(self, found: AllTried) -> Verdict:
+        """Return what the newest model lacks by what was tried on it."""
+        return verdict_of(self.step, found, self.where_it_fails(), self.lines(), self.record.facts)
+
     def effect(self, name: str) -> Effect:
         """Return the effect of that name, in the library or not.
 
@@ -214,7 +218,7 @@ class Bench:
             found = self.trials.judged_on(self.step, tried, self.library)
         if name in self.trials.left_out:
             raise ValueError(self.trials.left_out[name])
-        verdict = verdict_of(self.step, found, self.where_it_fails(), self.lines(), self.record.facts)
+        verdict = self.verdict_on(found)
         larger = self.trials.refined(found.models[name])
         if self.trials.is_worse(self.step.fit, larger.fit):  # the verdict is on the model that was tried
             larger = found.models[name]
