@@ -124,6 +124,11 @@ def left_out(name: str, taken: str, found: TagRole) -> str:
     return f"{name}: was left out, {taken} was taken for {role} of {found.loop}; --mapping takes another"
 
 
+def taken_for_output(loop: str, name: str) -> str:
+    """Return a line for the column or tag of MV of a loop without OP."""
+    return f"{loop}: {name} was taken for the controller's output"
+
+
 def usable_roles(roles: Mapping[str, Placed]) -> dict[str, Placed]:
     """Return the roles of a loop; where there is no OP, MV is the controller's output (Yokogawa)."""
     found = dict(roles)

@@ -13,7 +13,13 @@ from connectors.exports.cells.number_style import NumberStyle, UnclearNumberErro
 from connectors.exports.cells.quality_words import usable
 from connectors.exports.cells.times import Times, times_of
 from connectors.exports.fault import RecordingError, shown
-from connectors.exports.layout import ColumnLayout, Placed, short_names, usable_roles
+from connectors.exports.layout import (
+    ColumnLayout,
+    Placed,
+    short_names,
+    taken_for_output,
+    usable_roles,
+)
 from connectors.exports.merged import merged
 from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
 from connectors.exports.series import Series, rising, words_as_numbers
@@ -52,7 +58,7 @@ def loops_of_columns(sheet: Sheet, layout: ColumnLayout, options: ReadOptions) -
             problems.append(f"{names[loop]}: has no {' and no '.join(lacking)}, it was left out")
             continue
         if "op" not in roles:
-            problems.append(f"{names[loop]}: MV was taken for the controller's output")
+            problems.append(taken_for_output(names[loop], sheet.columns[roles["mv"].values].name))
         for placed in found.values():
             if placed.time not in times:
                 times[placed.time] = _times(sheet, placed.time, layout, options, style)

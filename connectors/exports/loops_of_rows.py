@@ -10,9 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from connectors.exports.cells.quality_words import usable
+from connectors.exports.cells.tagging import suited
 from connectors.exports.cells.times import times_of
 from connectors.exports.fault import RecordingError, shown
-from connectors.exports.layout import ColumnLayout, Placed, left_out, short_names, usable_roles
+from connectors.exports.layout import (
+    ColumnLayout,
+    Placed,
+    left_out,
+    short_names,
+    taken_for_output,
+    usable_roles,
+)
 from connectors.exports.loops_of_columns import MOST_WRONG, no_loops, number_style
 from connectors.exports.merged import merged
 from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
@@ -44,7 +52,7 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
     else:
         allowed = np.ones(len(numbers), np.bool_)
     rows = _rows_of_tags(sheet.text(sheet.columns[layout.tag]))
-    tags, problems = _tags(rows, tagger)
+    tags, problems = _tags(rows, suited(tagger, rows))
     problems += times.notes
     names = short_names(list(tags))
     loops = StoredLoops[RecordedLoop]()
@@ -55,6 +63,8 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
         if lacking:
             problems.append(f"{names[loop]}: has no {' and no '.join(lacking)}, it was left out")
             continue
+        if "op" not in roles:
+            problems.append(taken_for_output(names[loop], roles["mv"]))
         renamed = (
             {"op": roles["mv"], **{r: t for r, t in roles.items() if r != "mv"}}
             if "op" not in roles

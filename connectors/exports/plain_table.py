@@ -66,9 +66,12 @@ def _is_plain(there: dict[str, int]) -> bool:
 
 def _holds_tags(sheet: Sheet, options: ReadOptions) -> bool:
     """Whether the names or the rows of a table are tags of loops."""
-    from connectors.exports.cells.tagging import tagger_of  # noqa: PLC0415 - only where the table is not plain
+    from connectors.exports.cells.tagging import (  # noqa: PLC0415 - only where the table is not plain
+        suited,
+        tagger_of,
+    )
 
-    tagger: Tagger = tagger_of(sheet.path, options)
+    tagger: Tagger = suited(tagger_of(sheet.path, options), (column.name for column in sheet.columns))
     names = [plain(column.name) for column in sheet.columns]
     is_long = any(name in TAG_WORDS for name in names) and any(name in VALUE_WORDS for name in names)
     tags = [found for column in sheet.columns if (found := tagger(column.name)) is not None and found.loop]

@@ -6,7 +6,7 @@ import io
 from contextlib import ExitStack
 from typing import IO, TYPE_CHECKING
 
-from connectors.exports.cells.tagging import tagger_of
+from connectors.exports.cells.tagging import suited, tagger_of
 from connectors.exports.fault import RecordingError
 from connectors.exports.layout import long_layout, short_names, time_columns, wide_layout
 from connectors.exports.loops_of_columns import loops_of_columns
@@ -102,6 +102,7 @@ def _of_sheet(sheet: Sheet, options: ReadOptions) -> Export:
     long = long_layout(sheet, times)
     if long is not None:
         return loops_of_rows(sheet, long, options, tagger)
+    tagger = suited(tagger, (column.name for column in sheet.columns))
     return loops_of_columns(sheet, wide_layout(sheet, times, tagger), options)
 
 

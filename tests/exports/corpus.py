@@ -21,6 +21,8 @@ from tests.exports.layouts import (
     header_repeated,
     interleaved,
     iso,
+    letters_of_instruments,
+    letters_of_instruments_by_row,
     long,
     newest_first,
     num,
@@ -45,6 +47,7 @@ from tests.exports.unclear import UNCLEAR
 
 ONE, ALL = LOOPS[:1], LOOPS
 HYPHENS = tuple(replace(each, name=f"20-{each.name}") for each in LOOPS)
+LETTERS = (replace(LOOPS[0], name="F-211"), replace(LOOPS[1], name="11-PD-107A"))
 ISO = stamps(iso)
 
 
@@ -195,6 +198,8 @@ CASES = (
         ONE,
         single=True,
     ),
+    Case("letters_of_instruments.csv", letters_of_instruments(), LETTERS),
+    Case("letters_of_instruments_long.csv", letters_of_instruments_by_row(ISO), LETTERS),
     Case("words_behind_tags.csv", words_behind_tags(ISO), ONE),
     Case("hyphens_in_tags.csv", wide(ISO, form="20-{loop} {role}", loops=LOOPS), HYPHENS),
     Case("signs_and_status_names.csv", signs_and_status_names(ISO), ONE, gaps=True),

@@ -262,6 +262,28 @@ def wincc():
     return ("\r\n".join(rows) + "\r\n").encode()
 
 
+INSTRUMENTS = (
+    ("FT_211", LOOPS[0].pv),
+    ("FV_211", LOOPS[0].op),
+    ("11-PDIT-107A [bar]", LOOPS[1].pv),
+    ("11-PDCV-107A", LOOPS[1].op),
+    ("TI_9", LOOPS[2].pv),
+)
+
+
+def letters_of_instruments():
+    """A transmitter and a valve a loop, number, date and time before them, newest first."""
+    number = [str(1606681 + k) for k in range(N)]
+    columns = [number, stamps(strf("%Y-%m-%d")), stamps(strf("%H:%M:%S"))]
+    columns += [num(values) for _, values in INSTRUMENTS]
+    return newest_first(table(("id", "date", "time", *(name for name, _ in INSTRUMENTS)), columns))
+
+
+def letters_of_instruments_by_row(time):
+    rows = [(name, time[k], f"{values[k]:.2f}") for name, values in INSTRUMENTS for k in range(N)]
+    return table(("tag", "time", "value"), list(zip(*rows, strict=True)))
+
+
 def words_behind_tags(time):
     loop = LOOPS[0]
     names = ("Timestamp", "FIC101 Process Value", "FIC101 Controller Output")
