@@ -10,14 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from connectors.exports.cells.calendar_times import moment_of
-from connectors.exports.cells.tag_roles import (
-    ROLE,
-    TAG_WORDS,
-    VALUE_WORDS,
-    TagRole,
-    is_time,
-    plain,
-)
+from connectors.exports.cells.tag_roles import ROLE, TagRole, is_time, plain
 
 if TYPE_CHECKING:
     from connectors.exports.cells.tagging import Tagger
@@ -45,8 +38,8 @@ class ColumnLayout:
     format: Format
     loops: Mapping[str, Mapping[str, Placed]] = field(default_factory=dict)
     """Loop -> role -> columns; for a long table empty, for its loops are in its rows."""
-    tag: int | None = None
-    """Column of tags of a long table."""
+    tag: tuple[int, ...] = ()
+    """Column of tags of a long table, or the columns of loop and role that make one."""
     value: int | None = None
     quality: int | None = None
     time: int | None = None
@@ -70,17 +63,6 @@ def _holds_times(column: Column) -> bool:
         return False
     cells = [cell for cell in column.cells[:LOOKED_AT] if cell]
     return bool(cells) and all(moment_of(cell) is not None and not cell.isdigit() for cell in cells)
-
-
-def long_layout(sheet: Sheet, times: Sequence[int]) -> ColumnLayout | None:
-    """Return the layout of a table with a row a value, or None where it is none."""
-    names = [plain(column.name) for column in sheet.columns]
-    tag = next((k for k, name in enumerate(names) if name in TAG_WORDS), None)
-    value = next((k for k, name in enumerate(names) if name in VALUE_WORDS), None)
-    if tag is None or value is None or not times:
-        return None
-    quality = next((k for k, name in enumerate(names) if ROLE.get(name) == "quality"), None)
-    return ColumnLayout("long", tag=tag, value=value, quality=quality, time=times[0])
 
 
 def wide_layout(sheet: Sheet, times: Sequence[int], tagger: Tagger) -> ColumnLayout:

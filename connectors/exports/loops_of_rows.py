@@ -21,8 +21,10 @@ from connectors.exports.layout import (
     taken_for_output,
     usable_roles,
 )
+from connectors.exports.long_table import tags_of
 from connectors.exports.loops_of_columns import MOST_WRONG, no_loops, number_style
 from connectors.exports.merged import merged
+from connectors.exports.plain_table import loop_name
 from connectors.exports.recorded import Export, ReadOptions, RecordedLoop
 from connectors.exports.series import Series, rising, words_as_numbers
 from connectors.exports.span import stated
@@ -40,7 +42,7 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
     Raises:
         RecordingError: No loop has both PV and OP, times or numbers cannot be read.
     """
-    if layout.tag is None or layout.value is None or layout.time is None:
+    if not layout.tag or layout.value is None or layout.time is None:
         raise ValueError("a long table has columns of tags, times and values")
     style = number_style(sheet, layout, options)
     times = times_of(sheet, sheet.columns[layout.time], options.times, style)
@@ -51,8 +53,8 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
         numbers[~allowed] = np.nan
     else:
         allowed = np.ones(len(numbers), np.bool_)
-    rows = _rows_of_tags(sheet.text(sheet.columns[layout.tag]))
-    tags, problems = _tags(rows, suited(tagger, rows))
+    rows = _rows_of_tags(tags_of(sheet, layout.tag))
+    tags, problems = _tags(rows, suited(tagger, rows), loop_name(sheet.path))
     problems += times.notes
     names = short_names(list(tags))
     loops = StoredLoops[RecordedLoop]()
@@ -125,18 +127,22 @@ def _rows_of_tags(cells: Sequence[str]) -> dict[str, NDArray[np.intp]]:
     return {tag: part for tag, part in zip(places, parts, strict=True) if tag}
 
 
-def _tags(rows: dict[str, NDArray[np.intp]], tagger: Tagger) -> tuple[dict[str, dict[str, str]], list[str]]:
-    """Return loop -> role -> tag, and a line for the tags that are of no loop."""
+def _tags(
+    rows: dict[str, NDArray[np.intp]], tagger: Tagger, unnamed: str
+) -> tuple[dict[str, dict[str, str]], list[str]]:
+    """Return loop -> role -> tag, and a line for tags of no loop; a role alone is of the loop ``unnamed``."""
     tags: dict[str, dict[str, str]] = defaultdict(dict)
     others: list[str] = []
     unused: list[str] = []
     for tag in rows:
         found = tagger(tag)
-        if found is None or not found.loop or found.of_quality:
+        if found is None or found.of_quality:
             others.append(tag)
-        elif found.role in tags[found.loop]:
-            unused.append(left_out(tag, tags[found.loop][found.role], found))
+            continue
+        own = tags[found.loop or unnamed]
+        if found.role in own:
+            unused.append(left_out(tag, own[found.role], found))
         else:
-            tags[found.loop][found.role] = tag
+            own[found.role] = tag
     problems = [f"tags of no loop were left out: {', '.join(others[:10])}"] if others else []
     return dict(tags), problems + unused

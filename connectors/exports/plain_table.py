@@ -6,13 +6,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from connectors.exports.cells.tag_roles import TAG_WORDS, VALUE_WORDS, plain, tag_role
+from connectors.exports.cells.tag_roles import plain, tag_role
 from connectors.exports.fault import RecordingError
 from connectors.exports.layout import ColumnLayout, Placed, usable_roles
 from connectors.exports.recorded import STANDARD, ReadOptions
 
 if TYPE_CHECKING:
-    from connectors.exports.cells.tagging import Tagger
     from connectors.exports.tables.sheet import Sheet
 
 ROLES = ("op", "pv", "sp", "mv", "mode")
@@ -30,7 +29,7 @@ def plain_layout(sheet: Sheet, times: Sequence[int], options: ReadOptions) -> Co
     named = any(given[role] != standard[role] for role in REQUIRED)
     found = {role: _place(sheet, given[role], role, by_word=given[role] == standard[role]) for role in ROLES}
     there = {role: place for role, place in found.items() if place is not None}
-    if options.loops or (not named and not _is_plain(there) and _holds_tags(sheet, options)):
+    if options.loops or (not named and not _is_plain(there) and _holds_tags(sheet, times, options)):
         return None
     placed = (
         usable_roles({role: Placed(place, None) for role, place in there.items()})
@@ -64,18 +63,16 @@ def _is_plain(there: dict[str, int]) -> bool:
     return "pv" in there and ("op" in there or "mv" in there)
 
 
-def _holds_tags(sheet: Sheet, options: ReadOptions) -> bool:
+def _holds_tags(sheet: Sheet, times: Sequence[int], options: ReadOptions) -> bool:
     """Whether the names or the rows of a table are tags of loops."""
-    from connectors.exports.cells.tagging import (  # noqa: PLC0415 - only where the table is not plain
-        suited,
-        tagger_of,
-    )
+    # Only where the table is not plain.
+    from connectors.exports.cells.tagging import suited, tagger_of  # noqa: PLC0415
+    from connectors.exports.long_table import long_layout  # noqa: PLC0415
 
-    tagger: Tagger = suited(tagger_of(sheet.path, options), (column.name for column in sheet.columns))
-    names = [plain(column.name) for column in sheet.columns]
-    is_long = any(name in TAG_WORDS for name in names) and any(name in VALUE_WORDS for name in names)
-    tags = [found for column in sheet.columns if (found := tagger(column.name)) is not None and found.loop]
-    return is_long or any(found.role in {"pv", "op"} for found in tags)
+    given = tagger_of(sheet.path, options)
+    names = [column.name for column in sheet.columns]
+    tags = [found for found in map(suited(given, names), names) if found is not None and found.loop]
+    return any(found.role in {"pv", "op"} for found in tags) or long_layout(sheet, times, given) is not None
 
 
 def _place(sheet: Sheet, name: str, role: str, *, by_word: bool) -> int | None:

@@ -8,7 +8,8 @@ from typing import IO, TYPE_CHECKING
 
 from connectors.exports.cells.tagging import suited, tagger_of
 from connectors.exports.fault import RecordingError
-from connectors.exports.layout import long_layout, short_names, time_columns, wide_layout
+from connectors.exports.layout import short_names, time_columns, wide_layout
+from connectors.exports.long_table import long_layout
 from connectors.exports.loops_of_columns import loops_of_columns
 from connectors.exports.loops_of_rows import loops_of_rows
 from connectors.exports.plain_table import plain_layout
@@ -99,7 +100,7 @@ def _of_sheet(sheet: Sheet, options: ReadOptions) -> Export:
     if plain is not None:
         return loops_of_columns(sheet, plain, options)
     tagger = tagger_of(path, options)
-    long = long_layout(sheet, times)
+    long = long_layout(sheet, times, tagger)
     if long is not None:
         return loops_of_rows(sheet, long, options, tagger)
     tagger = suited(tagger, (column.name for column in sheet.columns))

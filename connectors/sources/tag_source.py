@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from math import isfinite
 from pathlib import Path
 
-from connectors.exports.cells.tagging import tagger_of
+from connectors.exports.cells.tagging import suited, tagger_of
 from connectors.exports.fault import RecordingError
 from connectors.exports.layout import Placed, short_names, usable_roles
 from connectors.exports.merged import merged
@@ -82,11 +82,12 @@ class TagSource(Closing, ABC):
         return f"{self.start} {self.end}"
 
     def _found(self) -> Held:
-        tagger = tagger_of(Path(self.name), self.options)
         given = [tag for roles in self.options.loops.values() for tag in roles.values()]
+        tags = given or list(self.tags())
+        tagger = suited(tagger_of(Path(self.name), self.options), tags)
         loops: dict[str, dict[str, str]] = defaultdict(dict)
         others: list[str] = []
-        for tag in given or self.tags():
+        for tag in tags:
             found = tagger(tag)
             if found is None or not found.loop or found.of_quality:
                 others.append(tag)

@@ -83,6 +83,9 @@ TAG_WORDS = frozenset(
         "browsepath",
         "tagpath",
         "varname",
+        "metric",
+        "series",
+        "topic",
     ]
 )
 VALUE_WORDS = frozenset(

@@ -58,15 +58,15 @@ def suited(tagger: Tagger, names: Iterable[str]) -> Tagger:
     Names with words for roles are surer: ``FT-211`` beside ``FIC211.PV`` and ``FIC211.OP`` is no second loop.
     """
     known = list(names)
-    by_letters = tagger is tag_role and not _has_loop(tag_role, known) and _has_loop(instrument_role, known)
-    return instrument_role if by_letters else tagger
+    by_words = tagger is not tag_role or complete_loops(tag_role, known)
+    return tagger if by_words or not complete_loops(instrument_role, known) else instrument_role
 
 
-def _has_loop(tagger: Tagger, names: Iterable[str]) -> bool:
-    """Whether names make a loop with PV and an output."""
+def complete_loops(tagger: Tagger, names: Iterable[str]) -> int:
+    """Return how many loops names make that have PV and an output."""
     roles = defaultdict[str, set[str]](set)
     for name in names:
         found = tagger(name)
         if found is not None and found.loop and not found.of_quality:
             roles[found.loop].add(found.role)
-    return any("pv" in each and each & {"op", "mv"} for each in roles.values())
+    return sum("pv" in each and bool(each & {"op", "mv"}) for each in roles.values())
