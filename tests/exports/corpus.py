@@ -10,6 +10,12 @@ from datetime import timedelta
 
 import numpy as np
 
+from tests.exports.elsewhere import (
+    influx,
+    letters_of_instruments,
+    letters_of_instruments_by_row,
+    roles_by_row,
+)
 from tests.exports.layouts import (
     BERLIN,
     MONATE,
@@ -19,18 +25,14 @@ from tests.exports.layouts import (
     experion,
     fixed_width,
     header_repeated,
-    influx,
     interleaved,
     iso,
-    letters_of_instruments,
-    letters_of_instruments_by_row,
     long,
     newest_first,
     num,
     one_bad_row,
     parquet,
     plain,
-    roles_by_row,
     signs_and_status_names,
     stamps,
     status_columns,
