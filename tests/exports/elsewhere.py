@@ -25,7 +25,7 @@ def letters_of_instruments_by_row(time):
     return table(("tag", "time", "value"), list(zip(*rows, strict=True)))
 
 
-def influx(names, cells, blocks=True):
+def influx(names, cells, *, blocks=True):
     """Annotated CSV of InfluxDB: ``names`` are its columns of tags, ``cells`` their content."""
     head = [
         "#group,false,false,true,true,false,false" + ",true" * len(names),
