@@ -10,6 +10,7 @@ from connectors.exports.cells.tag_roles import plain, tag_role
 from connectors.exports.fault import RecordingError
 from connectors.exports.layout import ColumnLayout, Placed, usable_roles
 from connectors.exports.recorded import STANDARD, ReadOptions
+from connectors.exports.tables.header import NO_HEADER
 
 if TYPE_CHECKING:
     from connectors.exports.tables.sheet import Sheet
@@ -123,6 +124,11 @@ def _qualities(sheet: Sheet, placed: dict[str, Placed]) -> dict[str, int]:
 
 
 def _missing(sheet: Sheet, name: str, option: str) -> RecordingError:
+    if sheet.header == NO_HEADER:
+        return RecordingError(
+            f"{sheet.path}: has no line of column names, its columns are 1 to {len(sheet.columns)}: name "
+            "them, such as --op 1 --pv 2, and a time column by --time or the sampling time by --ts"
+        )
     there = ", ".join(ascii(column.name)[1:-1] for column in sheet.columns if column.name)
     return RecordingError(
         f"{sheet.path}, {sheet.place} {sheet.header}: expected a column {name!r} (or name it by {option}), "

@@ -18,6 +18,7 @@ from connectors.exports.tables.decoded import decoded
 from connectors.exports.tables.delimited import rows_of
 from connectors.exports.tables.header import sheet_of
 from connectors.exports.tables.joined_times import with_joined_times
+from connectors.exports.tables.matlab import is_matlab, sheets_of_matlab
 from connectors.exports.tables.parquet import is_parquet, sheet_of_parquet
 from connectors.exports.tables.unpacked import GZIP, ZIP, is_workbook, unpacked
 from connectors.exports.tables.workbook import rows_of_workbook
@@ -56,8 +57,9 @@ def names_of_loops(path: Path, options: ReadOptions = STANDARD_OPTIONS) -> tuple
     tables = () if head is not None else unpacked(path)
     if len(tables) > 1:
         return _export(path, tables, options).loops.names
-    sheet = with_joined_times(head or _sheet(*tables[0]))
-    plain = plain_layout(sheet, time_columns(sheet), options)
+    sheets = (head,) if head is not None else _sheets(*tables[0])
+    sheet = with_joined_times(sheets[0])
+    plain = plain_layout(sheet, time_columns(sheet), options) if len(sheets) == 1 else None
     if plain is None:
         return read_export(path, options).loops.names
     return tuple(short_names(list(plain.loops)).values())
@@ -79,15 +81,21 @@ def _head(path: Path) -> Sheet | None:
 
 
 def _export(path: Path, tables: Sequence[tuple[Path, IO[bytes]]], options: ReadOptions) -> Export:
-    if len(tables) == 1:
-        return _of_sheet(_sheet(*tables[0]), options)
     exports: list[Export] = []
     faults: list[str] = []
     for place, file in tables:
         try:
-            exports.append(_of_sheet(_sheet(place, file), options))
+            sheets = _sheets(place, file)
         except RecordingError as error:
             faults += error.faults
+            continue
+        if len(tables) == len(sheets) == 1:
+            return _of_sheet(sheets[0], options)
+        for sheet in sheets:
+            try:
+                exports.append(_of_sheet(sheet, options))
+            except RecordingError as error:
+                faults += error.faults
     if not exports:
         raise RecordingError(faults[0])
     return together(path, exports, faults)
@@ -109,10 +117,11 @@ def _of_sheet(sheet: Sheet, options: ReadOptions) -> Export:
 
 def sheets_of_file(path: Path) -> tuple[Sheet, ...]:
     """Return the tables of a file of any kind: one, or those of an archive; raises RecordingError."""
-    return tuple(_sheet(place, file) for place, file in unpacked(path))
+    return tuple(sheet for place, file in unpacked(path) for sheet in _sheets(place, file))
 
 
-def _sheet(path: Path, file: IO[bytes]) -> Sheet:
+def _sheets(path: Path, file: IO[bytes]) -> tuple[Sheet, ...]:
+    """Return the table of a file, or the tables of its structures."""
     with ExitStack() as open_files:
         open_files.enter_context(file)
         head = file.read(4)
@@ -120,7 +129,9 @@ def _sheet(path: Path, file: IO[bytes]) -> Sheet:
         if is_parquet(path, head):
             sheet = sheet_of_parquet(path, file)
             open_files.pop_all()  # its columns read from it
-            return sheet
+            return (sheet,)
+        if is_matlab(head):
+            return sheets_of_matlab(path, file)
         if is_workbook(path, file):
-            return sheet_of(path, rows_of_workbook(path, file), "row", "xlsx")
-        return sheet_of(path, rows_of(path, decoded(path, file)), "line", "csv")
+            return (sheet_of(path, rows_of_workbook(path, file), "row", "xlsx"),)
+        return (sheet_of(path, rows_of(path, decoded(path, file)), "line", "csv"),)

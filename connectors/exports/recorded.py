@@ -89,7 +89,7 @@ class Export:
     format: str
     """plain, wide, interleaved or long."""
     kind: str
-    """csv, xlsx or parquet."""
+    """csv, xlsx, parquet or matlab."""
     zone: str
     """Of the times in the file; empty for a count from an unknown start."""
     time_form: str

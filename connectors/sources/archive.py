@@ -11,7 +11,7 @@ from pathlib import Path
 from connectors.exports.fault import RecordingError
 from connectors.sources.kinds import scheme_of
 
-SUFFIXES = {".csv", ".parquet", ".pq", ".xlsx", ".gz", ".zip"}
+SUFFIXES = {".csv", ".mat", ".parquet", ".pq", ".xlsx", ".gz", ".zip"}
 """Of the files in a folder that are recordings; other files are read where they are named."""
 
 

@@ -10,6 +10,7 @@ from datetime import timedelta
 
 import numpy as np
 
+from tests.exports import matfiles
 from tests.exports.elsewhere import (
     influx,
     letters_of_instruments,
@@ -275,6 +276,9 @@ CASES = (
     ),
     Case("workbook.xlsx", xlsx(dates=True), ONE),
     Case("workbook_text.xlsx", xlsx(dates=False), ONE),
+    Case("vectors.mat", matfiles.vectors(), ONE, time=TS * np.arange(N), single=True),
+    Case("vectors_with_times.mat", matfiles.with_times(), ONE, gaps=True, single=True),
+    Case("structures.mat", matfiles.structures(), ALL, time=TS * np.arange(N), sp=True),
     Case("zone.parquet", parquet("zone"), ONE),
     Case("milliseconds.parquet", parquet("ms"), ONE),
     Case("naive.parquet", parquet("naive"), ONE),

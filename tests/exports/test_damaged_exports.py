@@ -8,7 +8,7 @@ from connectors.exports.reading import read_export
 from tests.exports.corpus import CASES
 from tests.exports.truth import TIME
 
-PACKED = (".gz", ".zip", ".xlsx", ".parquet")
+PACKED = (".gz", ".zip", ".xlsx", ".parquet", ".mat")
 TEXTS = [
     case
     for case in CASES

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 PANEL = "Columns of the recordings"
 
-SUFFIXES = {".csv", ".parquet", ".pq", ".tsv", ".xlsx", ".xls", ".xlsm", ".ods", ".gz", ".zip"}
+SUFFIXES = {".csv", ".mat", ".parquet", ".pq", ".tsv", ".xlsx", ".xls", ".xlsm", ".ods", ".gz", ".zip"}
 """Of the files of a folder that are recordings."""
 MAYBE = {".txt", ".dat", ".asc", ".prn"}
 """Of files that may be recordings or notes: they are named, and read where they are given by name."""

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 Row = tuple[int, list[str]]
 
 COMMENTS = ("#", "//", "%%", ";;")
+NO_HEADER = 0
+"""Line of the header of a table without names: its columns are called 1, 2 and so on."""
 LOOKED_AT = 200
 """Rows in which the header is looked for."""
 WIDTH_FROM = 20
@@ -98,7 +100,7 @@ def sheet_of(path: Path, rows: Iterator[Row], place: str, kind: str) -> Sheet:
         kind: Format of the file.
 
     Raises:
-        RecordingError: There is no header, no sample, or most rows have another number of cells.
+        RecordingError: There is no sample, or most rows have another number of cells.
     """
     bare = (_without_comment(row) for row in rows)
     head = list(islice(bare, LOOKED_AT + WIDTH_FROM))
@@ -106,13 +108,11 @@ def sheet_of(path: Path, rows: Iterator[Row], place: str, kind: str) -> Sheet:
         raise RecordingError(f"{path}: is empty, expected a line of column names and one line a sample")
     first = _first_sample(head)
     above = [row for row in head[:first] if row[1]]
-    if not above:
-        raise RecordingError(
-            f"{path}, {place} {head[0][0]}: expected a line of column names as time,OP,PV, found a sample"
-        )
-    header, names, units = _names(
-        above, width=max((len(cells) for _, cells in head[first : first + WIDTH_FROM]), default=0)
-    )
+    width = max((len(cells) for _, cells in head[first : first + WIDTH_FROM]), default=0)
+    if width and not any(_known(cells) or len(cells) >= width for _, cells in above):
+        header, names, units = NO_HEADER, [str(k + 1) for k in range(width)], list[str]()
+    else:
+        header, names, units = _names(above, width)
     while names and not names[-1]:
         names.pop()
     samples = chain(head[first:], bare) if first < len(head) else iter(())

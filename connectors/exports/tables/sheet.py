@@ -51,7 +51,7 @@ class Sheet:
     header: int
     """Line that holds the names of the columns."""
     kind: str
-    """``csv``, ``xlsx`` or ``parquet``."""
+    """``csv``, ``xlsx``, ``parquet`` or ``matlab``."""
     bad_lines: tuple[int, ...] = ()
     """Lines that are no rows of this table; each is a gap."""
 
