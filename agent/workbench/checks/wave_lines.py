@@ -3,7 +3,8 @@
 Of many frequencies one goes along with slow noise over a whole record, held-out blocks as well: what a search
 found is a wave only where the spectrum has a line that noise does not explain, or the innovations show it as
 ``line_of`` says. An autoregression predicts a slow wave, so that they may hardly fall with it: where there is
-a line they say nothing against it.
+a line they say nothing against it. Nor do they prove a slow one: thirty lags do not distinguish a cycle of
+some hundred samples from other slow noise.
 """
 
 from __future__ import annotations
@@ -79,10 +80,9 @@ def line_of(
 ) -> WaveLine | None:
     """Return which line the residual without a wave has there; None: not known.
 
-    One of the harmonics of a wave is enough. The innovations may show a wave as well. They need no line where
-    it is not slow, for between two lines of the spectrum a wave is lower than on one; nor where it has
-    harmonics, which slow noise has not. A slow line that they show is certain: beside a wrong process it is
-    low.
+    One of the harmonics of a wave is enough. The innovations may show a wave as well, where it is not slow, for
+    between two lines of the spectrum a wave is lower than on one, or where it has harmonics, which slow noise
+    has not.
 
     Args:
         smaller: Predictions of the model without the wave, and where they are best; None: not known.
@@ -92,9 +92,9 @@ def line_of(
     if smaller is None or not is_wave(larger):
         return None
     predicts, best = smaller
-    record, harmonics, shown = predicts.objective.record, _has_harmonics(larger), by_chance < LEVEL
+    record, harmonics = predicts.objective.record, _has_harmonics(larger)
     frequency, duration = float(larger.values[-1]), record.facts.duration
-    if shown and (harmonics or frequency * duration >= CERTAIN_CYCLES):
+    if by_chance < LEVEL and (harmonics or frequency * duration >= CERTAIN_CYCLES):
         return "certain"
     found = line_spectrum(predicts.left(best), record.op, record.facts.ts)
     if found is None:
@@ -102,9 +102,7 @@ def line_of(
     multiples = range(1, 1 + (MULTIPLES if harmonics else 1))
     if any(near(found.certain, multiple * frequency, duration) for multiple in multiples):
         return "certain"
-    if near(found.lines, frequency, duration):
-        return "certain" if shown else "slow"
-    return "none"
+    return "slow" if near(found.lines, frequency, duration) else "none"
 
 
 def _has_harmonics(larger: Fit) -> bool:
