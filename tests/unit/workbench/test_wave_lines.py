@@ -37,6 +37,6 @@ def test_a_wave_with_harmonics_that_gain_nothing_is_a_sinusoid():
 
 
 def test_a_slow_wave_that_only_the_innovations_show_is_slow_noise():
-    """Five cycles in a record that hides nothing; p = 3e-5, for thirty lags know nothing of so slow a cycle."""
+    """Five cycles in a record that hides nothing, p = 3e-5: thirty lags know nothing of so slow a cycle."""
     decision = decision_on(91888, "none", "prbs")
     assert (decision.kind, decision.effect, decision.lacks) == ("suggested", "sinusoid", (SLOW_LINE,))
