@@ -80,9 +80,8 @@ def line_of(
 ) -> WaveLine | None:
     """Return which line the residual without a wave has there; None: not known.
 
-    One of the harmonics of a wave is enough. The innovations may show a wave as well, where it is not slow, or
-    where it has harmonics, which slow noise has not: between two lines of the spectrum a wave is lower than on
-    one.
+    One of the harmonics of a wave is enough. The innovations may show a wave as well: one that is not slow, as
+    between two lines of the spectrum it is lower than on one, or one with harmonics, which slow noise has not.
 
     Args:
         smaller: Predictions of the model without the wave, and where they are best; None: not known.
