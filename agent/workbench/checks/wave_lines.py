@@ -80,8 +80,9 @@ def line_of(
 ) -> WaveLine | None:
     """Return which line the residual without a wave has there; None: not known.
 
-    One of the harmonics of a wave is enough. The innovations may show a wave as well: one that is not slow, as
-    between two lines of the spectrum it is lower than on one, or one with harmonics, which slow noise has not.
+    One of the harmonics of a wave is enough. The innovations may show a wave as well: one that is not slow,
+    for between two lines of the spectrum it is lower than on one, or one with harmonics, which slow noise has
+    not.
 
     Args:
         smaller: Predictions of the model without the wave, and where they are best; None: not known.
