@@ -41,7 +41,8 @@ def compare(
     recordings: Annotated[
         list[Path],
         typer.Argument(
-            metavar="RECORDING...", help="CSV or Parquet file; several of one loop: one model over all."
+            metavar="RECORDING...",
+            help="CSV, Parquet, Excel or MAT-file; several of one loop: one model over all.",
         ),
     ],
     *,

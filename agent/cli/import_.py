@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 def import_(
     file: Annotated[
         Path,
-        typer.Argument(metavar="FILE", help="CSV, text, gz, zip, Excel or Parquet: one loop or many."),
+        typer.Argument(
+            metavar="FILE", help="CSV, text, gz, zip, Excel, Parquet or MAT-file: one loop or many."
+        ),
     ],
     *,
     preview: Annotated[

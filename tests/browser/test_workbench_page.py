@@ -127,6 +127,26 @@ def test_a_bad_file_gets_a_clear_line_and_the_next_one_is_taken(workbench, recor
     assert serious(page) == []
 
 
+def test_a_file_without_names_and_times_is_read_by_numbers_and_a_sampling_time(
+    workbench, recording, open_page, tmp_path
+):
+    page = open_page(390, 844, "light", errors_expected=True)
+    bare = tmp_path / "dryer.dat"
+    names, *rows = recording.read_text(encoding="utf-8").splitlines()
+    places = [names.split(",").index(each) for each in ("OP", "PV")]
+    bare.write_text("\n".join(" ".join(row.split(",")[k] for k in places) for row in rows), encoding="utf-8")
+    page.goto(workbench)
+    page.set_input_files("[data-testid=upload]", str(bare))
+    page.wait_for_selector("[data-testid=fault]:has-text('no line of column names')")
+    page.select_option("[data-testid=roles] [data-role=op]", "1")
+    page.select_option("[data-testid=roles] [data-role=pv]", "2")
+    page.fill("[data-testid=roles] [data-role=ts]", "0.5")
+    assert serious(page) == []
+    page.click("text=Read it by these columns")
+    page.wait_for_selector("[data-testid=staircase] [data-step='0']")
+    assert "--op 1 --pv 2 --ts 0.5" in page.content()
+
+
 MOVES = 40
 PAINTED = """
 async (moves) => {

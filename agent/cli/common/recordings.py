@@ -30,7 +30,8 @@ class Bus(StrEnum):
 
 
 Recordings = Annotated[
-    list[Path], typer.Argument(metavar="RECORDING...", help="CSV or Parquet files, or folders of them.")
+    list[Path],
+    typer.Argument(metavar="RECORDING...", help="CSV, Parquet, Excel or MAT-files, or folders of them."),
 ]
 Time = Annotated[str, typer.Option("--time", metavar="NAME", help="Time column.", rich_help_panel=PANEL)]
 Op = Annotated[str, typer.Option("--op", metavar="NAME", help="Controller output.", rich_help_panel=PANEL)]
@@ -68,7 +69,9 @@ def in_folders(paths: Iterable[Path]) -> list[Path]:
             if others:
                 complain(f"{path}: not read unless you name them: {', '.join(others)}")
         if not found:
-            raise typer.BadParameter(f"{path}: a folder without CSV or Parquet files", param_hint="RECORDING")
+            raise typer.BadParameter(
+                f"{path}: a folder without recordings (CSV, Parquet, Excel, MAT)", param_hint="RECORDING"
+            )
         files += found
     return files
 

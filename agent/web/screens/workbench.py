@@ -28,6 +28,8 @@ MOST_PAGES = 16
 SAFE_NAME = 120
 """Characters of a file's name that are kept."""
 Name = Annotated[str, Query(min_length=1, max_length=300)]
+LONGEST_TS = 1e7
+"""s, of an upload: a third of a year."""
 ColumnName = Annotated[str | None, Query(max_length=200)]
 Live = Callable[[str], bytes | None]
 """Returns the held window of a loop as CSV; None where there is no such loop."""
@@ -70,7 +72,7 @@ class OwnValues(BaseModel):
 
 
 class OwnColumns(BaseModel):
-    """Columns of the recording by role: time, OP, PV, SP; what is empty is recognised."""
+    """Columns of the recording by role: time, OP, PV, SP, and ts in s; what is empty is recognised."""
 
     columns: dict[str, Annotated[str, Field(max_length=200)]]
 
@@ -83,11 +85,14 @@ class ColumnRoles:
     op: ColumnName = None
     pv: ColumnName = None
     sp: ColumnName = None
+    ts: Annotated[float | None, Query(gt=0, le=LONGEST_TS)] = None
+    """Sampling time, s, of a file without a time column."""
 
     def by_role(self) -> dict[str, str]:
         """Return what was named."""
         named = {"time": self.time, "OP": self.op, "PV": self.pv, "SP": self.sp}
-        return {role: column for role, column in named.items() if column}
+        known = {role: column for role, column in named.items() if column}
+        return known if self.ts is None else {**known, "ts": repr(self.ts)}
 
 
 def screen(sessions: Sessions, live: Live | None = None, path: str = "/workbench") -> PageScreen:
@@ -145,8 +150,8 @@ def screen(sessions: Sessions, live: Live | None = None, path: str = "/workbench
     ) -> Response:
         """Begin a session with a recording: the body is the file, `name` its name.
 
-        Columns that are not recognised are named by `time`, `op`, `pv` and `sp`; the answer 422 has the
-        columns of the file.
+        Columns that are not recognised are named by `time`, `op`, `pv` and `sp`, without a time column the
+        sampling time by `ts`, in s; the answer 422 has the columns of the file.
         """
         return await begun(await request.body(), name, base, own.by_role())
 

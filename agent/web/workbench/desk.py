@@ -147,7 +147,8 @@ def _read(opening: Opening) -> tuple[Any, dict[str, str]]:
     own = {role.lower(): name for role, name in (opening.columns or {}).items() if name}
     names = {each: own.get(each, getattr(STANDARD, each)) for each in ("time", "op", "pv", "sp")}
     try:
-        recording = replace(read_recording(opening.file, Columns(**names), None, opening.loop), mode=None)
+        columns = Columns(**names, ts=float(own["ts"]) if "ts" in own else None)
+        recording = replace(read_recording(opening.file, columns, None, opening.loop), mode=None)
         return loop_window(recording), dict(recording.tags)
     except RecordingError as error:
         raise RecordingError(

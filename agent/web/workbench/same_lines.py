@@ -21,7 +21,7 @@ class ReadSource:
     recording: str
     """Name of the file, as its user knows it."""
     columns: Mapping[str, str] = field(default_factory=dict)
-    """Role (OP, PV, SP, time) -> column, where the user named it; the others are recognised."""
+    """Role (OP, PV, SP, time) -> column, where the user named it; the others are recognised. ``ts`` -> s."""
     loop: str | None = None
     """Which loop of a file with several."""
 
@@ -46,7 +46,10 @@ def python_of(source: ReadSource, node: TreeNode) -> str:
     names = {role.lower(): column for role, column in source.columns.items()}
     given = [f"Path({source.recording!r})"]
     if names:
-        given.append(f"Columns({', '.join(f'{role}={column!r}' for role, column in sorted(names.items()))})")
+        words = (
+            f"{role}={column if role == 'ts' else repr(column)}" for role, column in sorted(names.items())
+        )
+        given.append(f"Columns({', '.join(words)})")
     if source.loop is not None:
         given.append(f"loop={source.loop!r}")
     cut = [

@@ -16,5 +16,5 @@ def test_a_folder_stands_for_its_recordings_by_name(tmp_path, capsys):
 
 
 def test_a_folder_without_recordings_is_reported(tmp_path):
-    with pytest.raises(typer.BadParameter, match="a folder without CSV or Parquet files"):
+    with pytest.raises(typer.BadParameter, match="a folder without recordings"):
         in_folders([tmp_path])

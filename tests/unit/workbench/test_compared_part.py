@@ -46,6 +46,8 @@ def test_the_page_has_it_too_also_where_a_stretch_is_left_out():
     tree.leave_out((100.0, 140.0))
     line = "window = part_of(window, slice(800, 1200))"
     assert all(line in python_of(ReadSource("x.csv"), each) for each in tree.nodes)
+    by_number = ReadSource("x.dat", {"op": "1", "pv": "2", "ts": "0.5"})
+    assert "Columns(op='1', pv='2', ts=0.5)" in python_of(by_number, tree.nodes[0])
 
 
 def test_others_are_compared_whole():

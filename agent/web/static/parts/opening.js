@@ -63,8 +63,8 @@ export function Opening({ open, loop }) {
       <label class=${`drop ${over ? "over" : ""}`} onDragOver=${(event) => (event.preventDefault(), setOver(true))} onDragLeave=${() => setOver(false)} onDrop=${dropped}>
         <svg viewBox="0 0 48 32" width="72" height="48" aria-hidden="true"><path d="M2 26h10l3-18h10l3 18h10l3-18h5" class="drop-line" /></svg>
         <strong>${busy ? `Opening ${busy}` : "Open a recording"}</strong>
-        <span class=${busy ? "quiet working" : "quiet"} role="status">${busy ? "Reading it and fitting the first model" : "Drop a file here, or choose one: CSV, Excel or Parquet with time, OP and PV"}</span>
-        <input type="file" data-testid="upload" aria-label="Recording: CSV, Excel or Parquet with time, OP and PV" disabled=${Boolean(busy)} onChange=${(event) => event.target.files[0] && read(event.target.files[0])} />
+        <span class=${busy ? "quiet working" : "quiet"} role="status">${busy ? "Reading it and fitting the first model" : "Drop a file here, or choose one: CSV, Excel, Parquet or MAT-file with time, OP and PV"}</span>
+        <input type="file" data-testid="upload" aria-label="Recording: CSV, Excel, Parquet or MAT-file with time, OP and PV" disabled=${Boolean(busy)} onChange=${(event) => event.target.files[0] && read(event.target.files[0])} />
       </label>
       <div class="stack">
         ${known?.sessions.length > 0 && html`<section class="card"><h2>Go on with a session</h2>
@@ -87,5 +87,6 @@ function Roles({ file, columns, read }) {
     <p class="quiet">${file.name} has ${columns.length} columns.</p><div class="form-row">
       ${ROLES.map((role) => html`<label class="field">${role === "time" ? "Time" : role.toUpperCase()}${NEEDED.includes(role) ? " *" : ""}<select data-role=${role} onChange=${(event) => setOwn({ ...own, [role]: event.target.value })}>
         <option value="">recognise it</option>${columns.map((each) => html`<option value=${each}>${each}</option>`)}</select></label>`)}
+      <label class="field">Sampling time, s<input type="number" min="0" step="any" inputmode="decimal" placeholder="by the time column" data-role="ts" onInput=${(event) => setOwn({ ...own, ts: event.target.value })} /></label>
     </div><p class="buttons"><button type="button" class="primary" disabled=${!NEEDED.every((role) => chosen[role])} onClick=${() => read(chosen)}>Read it by these columns</button></p></section>`;
 }
