@@ -17,6 +17,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from agent.workbench.inputs.measured_input import FAMILY as MEASURED
 from agent.workbench.paired_blocks import LEAST_PERCENT
 from agent.workbench.residual.holm import LEVEL
 from agent.workbench.residual.very_strong import STRONG, VERY_STRONG
@@ -84,7 +85,8 @@ class Decision:
     likelier than an effect of another family."""
     effect: str | None
     """Of those that cannot be distinguished the simplest of the likeliest one's family, one with which the
-    record is far less likely, or with a parameter at a bound, last; None where there is none."""
+    record is far less likely, or with a parameter at a bound, last; of measured inputs the likeliest. None
+    where there is none."""
     family: str | None
     indistinguishable: tuple[str, ...]
     """The others that cannot be distinguished from the likeliest."""
@@ -163,7 +165,10 @@ def _of_set(alike: Sequence[Candidate], ranked: tuple[Candidate, ...]) -> Decisi
     inside = [each for each in alike if not each.at_bound]
     best = max(inside or alike, key=lambda each: (each.criterion, each.error_reduction_percent))
     ordered = [*inside, *(each for each in alike if each.at_bound)]
-    family = [each.effect for each in ordered if each.family == best.family]
+    own = [each for each in ordered if each.family == best.family]
+    if best.family == MEASURED:  # none of them is simpler, or contains another
+        own.sort(key=lambda each: -each.criterion)
+    family = [each.effect for each in own]
     rivals = tuple(each.effect for each in ordered if each.family != best.family)
     kind: DecisionKind = "family" if len(family) > 1 else "confirmed"
     if rivals or not inside or best.odds <= VERY_STRONG:

@@ -14,6 +14,8 @@ FAMILIES = {
     "wave": "disturbance",
     "load_step": "disturbance",
     "decoy": "decoy",
+    "FEED": "measured_input",
+    "TEMP": "measured_input",
 }
 PRICE = 6.0
 """Of being one of several."""
@@ -131,6 +133,11 @@ def test_a_wave_that_slow_noise_may_have_made_is_suggested_where_nothing_else_is
     slow = wave("sinusoid", 40.0, odds=0.0)
     assert decided(slow) == ("suggested", "sinusoid", ())
     assert decided(slow, tried("stiction", PRICE + 1)) == ("suggested", "stiction", ())
+
+
+def test_of_measured_inputs_the_likeliest_is_named_in_whatever_order_they_were_given():
+    feed, temp = tried("FEED", 88.0), tried("TEMP", 90.0)
+    assert decided(feed, temp) == decided(temp, feed) == ("family", "TEMP", ("FEED",))
 
 
 def test_no_candidates_is_none():
