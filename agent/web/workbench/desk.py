@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import signal
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -147,7 +148,7 @@ def _read(opening: Opening) -> tuple[Any, dict[str, str]]:
     own = {role.lower(): name for role, name in (opening.columns or {}).items() if name}
     names = {each: own.get(each, getattr(STANDARD, each)) for each in ("time", "op", "pv", "sp")}
     try:
-        columns = Columns(**names, ts=float(own["ts"]) if "ts" in own else None)
+        columns = Columns(**names, ts=_sampling_time(own.get("ts")))
         recording = replace(read_recording(opening.file, columns, None, opening.loop), mode=None)
         return loop_window(recording), dict(recording.tags)
     except RecordingError as error:
@@ -156,6 +157,16 @@ def _read(opening: Opening) -> tuple[Any, dict[str, str]]:
         ) from error
     except (TypeError, ValueError) as error:
         raise ValueError(f"{opening.name}: {error}") from error
+
+
+def _sampling_time(given: str | None) -> float | None:
+    """Return the sampling time that was given, s; raises ValueError where it is none."""
+    if given is None:
+        return None
+    ts = float(given)
+    if not 0 < ts < math.inf:
+        raise ValueError(f"the sampling time is {given}, expected seconds above 0")
+    return ts
 
 
 def _names(opening: Opening) -> list[str]:

@@ -88,6 +88,7 @@ async def test_a_session_from_the_upload_to_its_end(served):
         ("go", {"number": 7}, "no step 7"),
         ("leave-out", {"start": 0.0, "end": 1e9}, "not testable"),
         ("columns", {"columns": {"PV": "flow"}}, "flow"),
+        ("columns", {"columns": {"ts": "nan"}}, "the sampling time is nan, expected seconds above 0"),
     ):
         refused = await web.post(f"{base}/{path}", json=body)
         assert (refused.status_code, words in refused.json()["detail"]) == (422, True), refused.text
