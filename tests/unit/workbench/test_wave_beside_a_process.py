@@ -47,7 +47,7 @@ def test_a_larger_model_predicts_no_worse_than_its_first_fit_though_its_free_run
     assert found[0].variance(found[1]) < 1.01 * predicts.variance(best)
 
 
-def test_a_slow_line_that_the_innovations_show_as_well_is_certain():
-    """Five cycles in a bump test, 98 % of the held-out error; the line is low beside a wrong process."""
+def test_a_slow_line_with_most_of_what_is_slow_is_certain_though_it_is_low_beside_a_wrong_process():
+    """Five cycles in a bump test, 98 % of the held-out error, 0.79 of what is slow."""
     decision = Workbench(window_of(91355), without=OTHERS).candidates()
     assert (decision.kind, decision.effect) == ("confirmed", "sinusoid")
