@@ -34,7 +34,7 @@ CERTAIN_CYCLES = 12
 SLOW_CYCLES = 24
 """In the record, up to which a residual counts as slow."""
 CERTAIN_PART = 0.78
-"""Part of the slow residual that one wave explains, from which on slow noise is excluded. In 578 records that
+"""Part of the slow residual that one wave explains, from which on slow noise is excluded. In 594 records that
 hide no wave (``simulators.draws``, seeds 91270 to 91289 and 91861 to 91924) noise makes 50 slow lines, which
 explain 0.15 to 0.76 of it; true waves that show such a line explain 0.76 to 0.96, most of them over 0.8."""
 STEPS = 29
