@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from connectors.exports.cells.calendar_times import moment_of
-from connectors.exports.cells.tag_roles import ROLE, TAG_WORDS, VALUE_WORDS, plain
+from connectors.exports.cells.tag_roles import ROLE, TAG_WORDS, VALUE_WORDS, plain, tag_role
 from connectors.exports.cells.tagging import complete_loops, suited
 from connectors.exports.layout import ColumnLayout
 
@@ -66,7 +66,7 @@ def _texts(sheet: Sheet, others: set[int | None]) -> dict[int, list[str]]:
 def _by_cells(cells: dict[int, list[str]], names: Sequence[str], tagger: Tagger) -> tuple[int, ...] | None:
     """Return the column, else the two, that make most loops; else that of the roles of one loop, or ()."""
     alone: list[tuple[int, ...]] = [(k,) for k in cells]
-    roles = [k for k in cells if _are_roles(cells[k], tagger)]
+    roles = [k for k in cells if _are_roles(cells[k])]
     pairs = [(loop, role) for role in roles for loop in cells if loop != role]
     for tried in (alone, pairs):
         best = max(tried, key=lambda each: (_loops(cells, each, tagger), -_rank(names[each[0]])), default=())
@@ -81,9 +81,9 @@ def _loops(cells: dict[int, list[str]], tag: Sequence[int], tagger: Tagger) -> i
     return complete_loops(suited(tagger, tags), tags)
 
 
-def _are_roles(cells: Sequence[str], tagger: Tagger) -> bool:
+def _are_roles(cells: Sequence[str]) -> bool:
     """Whether cells are words for roles alone, PV among them."""
-    found = [tagger(cell) for cell in set(cells) if cell]
+    found = [tag_role(cell) for cell in set(cells) if cell]
     return any(each is not None and not each.loop and each.role == "pv" for each in found)
 
 

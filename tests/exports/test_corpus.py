@@ -5,6 +5,7 @@ import pytest
 
 from connectors.exports.cells.times import TimeOptions
 from connectors.exports.fault import RecordingError
+from connectors.exports.mapping import mapping_text, with_mapping
 from connectors.exports.reading import read_export
 from connectors.exports.recorded import Columns, ReadOptions
 from tests.exports.corpus import CASES, HELD
@@ -37,6 +38,17 @@ def test_the_corpus_is_large_enough_and_few_files_need_an_option():
 @pytest.mark.parametrize("case", READ, ids=lambda case: case.name)
 def test_read_without_an_option(case, write):
     check(case, read_export(write(case), options(case.options)))
+
+
+@pytest.mark.parametrize("case", READ, ids=lambda case: case.name)
+def test_the_mapping_that_import_writes_reads_the_same(case, write, tmp_path):
+    path, given, mapping = write(case), options(case.options), tmp_path / "mapping.yaml"
+    first = read_export(path, given)
+    mapping.write_text(mapping_text(first, given), encoding="utf-8")
+    again = read_export(path, with_mapping(given, mapping))
+    assert again.loops.names == first.loops.names
+    for one, other in zip(again.loops, first.loops, strict=True):
+        np.testing.assert_allclose([one.pv, one.op], [other.pv, other.op])
 
 
 @pytest.mark.parametrize("case", REFUSED, ids=lambda case: case.name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from connectors.exports.cells.instrument_tags import instrument_role
@@ -12,7 +13,7 @@ from connectors.exports.cells.tag_roles import ROLE, TagRole, plain, tag_role
 from connectors.exports.fault import RecordingError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from connectors.exports.recorded import ReadOptions
@@ -27,12 +28,7 @@ def tagger_of(path: Path, options: ReadOptions) -> Tagger:
         RecordingError: The pattern lacks ``{loop}`` or ``{role}``.
     """
     if options.loops:
-        known = {
-            tag: TagRole(loop, role.lower())
-            for loop, roles in options.loops.items()
-            for role, tag in roles.items()
-        }
-        return known.get
+        return _by_list(options.loops)
     if options.pattern is None:
         return tag_role
     if "{loop}" not in options.pattern or "{role}" not in options.pattern:
@@ -50,6 +46,21 @@ def tagger_of(path: Path, options: ReadOptions) -> Tagger:
         return None if found is None or role in {None, "quality"} else TagRole(found["loop"], str(role))
 
     return by_pattern
+
+
+def _by_list(loops: Mapping[str, Mapping[str, str]]) -> Tagger:
+    """Return what knows the tags of a list, loop -> role -> tag, and the qualities of these tags."""
+    known = {tag: TagRole(loop, role.lower()) for loop, roles in loops.items() for role, tag in roles.items()}
+    named = {(found.loop, found.role): tag for tag in known if (found := tag_role(tag)) is not None}
+
+    def by_list(tag: str) -> TagRole | None:
+        found = None if tag in known else tag_role(tag)
+        if found is None or not found.of_quality:
+            return known.get(tag)
+        own = named.get((found.loop, found.role))
+        return None if own is None else replace(known[own], of_quality=True)
+
+    return by_list
 
 
 def suited(tagger: Tagger, names: Iterable[str]) -> Tagger:
