@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from connectors.exports.tables.sheet import FloatArray
 
 MAGIC = b"MATL"
-MOST_UNPACKED = 1 << 29
-"""Bytes of a file, unpacked, all held in memory."""
+MOST_UNPACKED = 1 << 27
+"""Bytes of a file, unpacked: all is held in memory, where a number of one byte takes eight."""
 SAMPLING = frozenset({"ts", "dt", "sampletime", "samplingtime", "samplinginterval", "sampleperiod"})
 """Names of a number that is the sampling time, s; that of ISDB is ``Ts``."""
 
