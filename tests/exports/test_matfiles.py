@@ -62,6 +62,18 @@ def test_another_format_within_is_named(tmp_path):
     assert "version 7.3: save it with -v7" in refusal(tmp_path / "a.mat", bytes(content))
 
 
+def test_vectors_of_a_loop_are_as_long_as_each_other_and_other_loops_are_read(tmp_path):
+    whole = {"OP": LOOPS[0].op, "SP": LOOPS[0].sp, "PV": LOOPS[0].pv, "Ts": 5.0}
+    cut = whole | {"PV": whole["PV"][1:]}
+    words = "PV has 239 values, expected 240 as in the others"
+    assert words in refusal(tmp_path / "a.mat", saved(cut))
+    path = tmp_path / "b.mat"
+    path.write_bytes(saved({"one": whole, "two": cut}))
+    export = read_export(path)
+    assert export.loops.names == ("one",)
+    assert any(words in each for each in export.problems)
+
+
 @pytest.mark.parametrize("held", [{"note": "text"}, {"x": 1.0}])
 def test_no_vector_no_loop(tmp_path, held):
     assert "holds no vectors of numbers" in refusal(tmp_path / "a.mat", saved(held))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import IO, TYPE_CHECKING
 
 import numpy as np
 
-from connectors.exports.cells.tag_roles import is_time, plain
+from connectors.exports.cells.tag_roles import ROLE, is_time, plain
 from connectors.exports.fault import MOST_COLUMNS, RecordingError
 from connectors.exports.tables.mat5 import MatFileError, Value, variables
 from connectors.exports.tables.sheet import Column, Sheet
@@ -90,7 +90,22 @@ def _columns(name: str, values: FloatArray) -> Vectors:
 def _sheet(path: Path, place: tuple[str, ...], vectors: Vectors, ts: float | None) -> Sheet:
     lengths = Counter(len(each) for each in vectors.values())
     length = max(lengths, key=lambda each: (lengths[each], each))
-    columns = [Column(name, each) for name, each in vectors.items() if len(each) == length]
+    columns = [
+        Column(
+            name, each if len(each) == length else _refused(path.joinpath(*place), name, len(each), length)
+        )
+        for name, each in vectors.items()
+        if len(each) == length or plain(name) in ROLE
+    ]
     if ts is not None and not any(is_time(each.name) for each in columns):
         columns.insert(0, Column("time [s]", ts * np.arange(length, dtype=np.float64)))
-    return Sheet(path.joinpath(*place), tuple(columns), range(1, length + 1), "row", 1, "matlab")
+    return Sheet(own, tuple(columns), range(1, length + 1), "row", 1, "matlab")
+
+
+def _refused(path: Path, name: str, found: int, expected: int) -> Callable[[], FloatArray]:
+    """Return what raises when the vector of a role is read that is not as long as the others of its loop."""
+
+    def read() -> FloatArray:
+        raise RecordingError(f"{path}: {name} has {found} values, expected {expected} as in the others")
+
+    return read
