@@ -90,10 +90,9 @@ def _columns(name: str, values: FloatArray) -> Vectors:
 def _sheet(path: Path, place: tuple[str, ...], vectors: Vectors, ts: float | None) -> Sheet:
     lengths = Counter(len(each) for each in vectors.values())
     length = max(lengths, key=lambda each: (lengths[each], each))
+    own = path.joinpath(*place)
     columns = [
-        Column(
-            name, each if len(each) == length else _refused(path.joinpath(*place), name, len(each), length)
-        )
+        Column(name, each if len(each) == length else _refused(own, name, len(each), length))
         for name, each in vectors.items()
         if len(each) == length or plain(name) in ROLE
     ]
