@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 import numpy as np
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from connectors.exports.tables.sheet import Column, Sheet
 
 Format = Literal["plain", "wide", "interleaved", "long"]
+Of = TypeVar("Of")
+"""What a role has: columns, or a tag."""
 LOOKED_AT = 50
 """Cells from which a column of times is known without its name."""
 
@@ -111,7 +113,7 @@ def taken_for_output(loop: str, name: str) -> str:
     return f"{loop}: {name} was taken for the controller's output"
 
 
-def usable_roles(roles: Mapping[str, Placed]) -> dict[str, Placed]:
+def usable_roles(roles: Mapping[str, Of]) -> dict[str, Of]:
     """Return the roles of a loop; where there is no OP, MV is the controller's output (Yokogawa)."""
     found = dict(roles)
     if "op" not in found and "mv" in found:

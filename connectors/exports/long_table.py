@@ -69,8 +69,9 @@ def _by_cells(cells: dict[int, list[str]], names: Sequence[str], tagger: Tagger)
     roles = [k for k in cells if _are_roles(cells[k])]
     pairs = [(loop, role) for role in roles for loop in cells if loop != role]
     for tried in (alone, pairs):
-        best = max(tried, key=lambda each: (_loops(cells, each, tagger), -_rank(names[each[0]])), default=())
-        if best and _loops(cells, best, tagger):
+        loops = {each: _loops(cells, each, tagger) for each in tried}
+        best = max(tried, key=lambda each: (loops[each], -_rank(names[each[0]])), default=())
+        if best and loops[best]:
             return best
     return tuple(roles[:1])
 

@@ -15,7 +15,6 @@ from connectors.exports.cells.times import times_of
 from connectors.exports.fault import RecordingError, shown
 from connectors.exports.layout import (
     ColumnLayout,
-    Placed,
     left_out,
     short_names,
     taken_for_output,
@@ -60,21 +59,16 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
     loops = StoredLoops[RecordedLoop]()
     value = sheet.columns[layout.value]
     for loop, roles in tags.items():
-        found = usable_roles({role: Placed(0, None) for role in roles})
+        found = usable_roles(roles)
         lacking = [role.upper() for role in ("pv", "op") if role not in found]
         if lacking:
             problems.append(f"{names[loop]}: has no {' and no '.join(lacking)}, it was left out")
             continue
         if "op" not in roles:
             problems.append(taken_for_output(names[loop], roles["mv"]))
-        renamed = (
-            {"op": roles["mv"], **{r: t for r, t in roles.items() if r != "mv"}}
-            if "op" not in roles
-            else roles
-        )
         series: dict[str, Series] = {}
         bad = 0
-        for role, tag in renamed.items():
+        for role, tag in found.items():
             mine = rows[tag][good[rows[tag]]]
             time, mine = rising(times.utc(mine), mine)
             if role == "mode":
@@ -85,7 +79,7 @@ def loops_of_rows(sheet: Sheet, layout: ColumnLayout, options: ReadOptions, tagg
             if lost.size:
                 problems.append(_no_number(sheet, tag, value, lost, len(mine)))
             bad += len(lost) + int(np.count_nonzero(~allowed[mine]))
-        labels = {role if role == "mode" else role.upper(): tag for role, tag in renamed.items()}
+        labels = {role if role == "mode" else role.upper(): tag for role, tag in found.items()}
         loops.append(stated(merged(sheet, names[loop], series, labels, bad, times), options))
     if not loops:
         raise no_loops(sheet, problems)

@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from connectors.exports.cells.tag_roles import plain, tag_role
+from connectors.exports.cells.tagging import suited, tagger_of
 from connectors.exports.fault import RecordingError
 from connectors.exports.layout import ColumnLayout, Placed, usable_roles
+from connectors.exports.long_table import long_layout
 from connectors.exports.recorded import STANDARD, ReadOptions
 from connectors.exports.tables.header import NO_HEADER
 
@@ -66,10 +68,6 @@ def _is_plain(there: dict[str, int]) -> bool:
 
 def _holds_tags(sheet: Sheet, times: Sequence[int], options: ReadOptions) -> bool:
     """Whether the names or the rows of a table are tags of loops."""
-    # Only where the table is not plain.
-    from connectors.exports.cells.tagging import suited, tagger_of  # noqa: PLC0415
-    from connectors.exports.long_table import long_layout  # noqa: PLC0415
-
     given = tagger_of(sheet.path, options)
     names = [column.name for column in sheet.columns]
     tags = [found for found in map(suited(given, names), names) if found is not None and found.loop]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from connectors.exports.cells.tagging import suited, tagger_of
 from connectors.exports.fault import RecordingError
-from connectors.exports.layout import Placed, short_names, usable_roles
+from connectors.exports.layout import short_names, usable_roles
 from connectors.exports.merged import merged
 from connectors.exports.recorded import ReadOptions, RecordedLoop
 from connectors.exports.tables.sheet import Sheet
@@ -99,14 +99,13 @@ class TagSource(Closing, ABC):
             problems.append(f"{self.name}: {len(others)} tags of no loop were left out: {shown}")
         names = short_names(list(loops))
         for loop, own in loops.items():
-            usable = usable_roles({role: Placed(0, None) for role in own})
+            usable = usable_roles(own)
             lacking = [role.upper() for role in ("pv", "op") if role not in usable]
             if lacking:
                 without = " and no ".join(lacking)
                 problems.append(f"{self.name}: {names[loop]}: has no {without}, it was left out")
             else:
-                moved = {"mv": "op"} if "op" not in own else {}
-                self._roles[names[loop]] = {moved.get(role, role): tag for role, tag in own.items()}
+                self._roles[names[loop]] = usable
         if not self._roles:
             seen = f" ({problems[0]})" if problems else " (no tag was found)"
             expected = "expected tags of a loop, such as FIC101.PV and FIC101.OP"
