@@ -50,18 +50,24 @@ class Sample:
     code: int = 0
     """The bus's own status code (OPC UA status, Modbus exception), 0 where it has none."""
     why: str = ""
-    """Why there is no value, in words for people; empty where there is one."""
+    """Why there is no value, or why its quality is not good, in words for people; empty where nobody says."""
 
     @classmethod
     def measured(
-        cls, tag: LoopRole, time: float, value: float | str, quality: Quality = Quality.GOOD, code: int = 0
+        cls,
+        tag: LoopRole,
+        time: float,
+        value: float | str,
+        quality: Quality = Quality.GOOD,
+        code: int = 0,
+        why: str = "",
     ) -> Sample:
         """Make a sample of what a source sent; text (but for modes), NaN and infinity count as missing."""
         if isinstance(value, str) and tag.role != "mode":
             return cls.missing(tag, time, code, f"the text {value[:40]!r} where a number belongs")
         if isinstance(value, float | int) and not math.isfinite(value):
             return cls.missing(tag, time, code, f"{value} where a number belongs")
-        return cls(tag, time, value, quality, code)
+        return cls(tag, time, value, quality, code, why)
 
     @classmethod
     def missing(cls, tag: LoopRole, time: float, code: int = 0, why: str = "") -> Sample:

@@ -9,7 +9,9 @@ if TYPE_CHECKING:
 
     from agent.settings.models import LoopSettings, Settings
 
-ENCODING = {"type", "order", "scale", "offset", "time_field", "size"}
+ENCODING = {
+    "type", "order", "scale", "offset", "time_field", "size", "quality_field", "good", "absent",
+}  # fmt: skip
 """Keys of a tag that say how a value is read, not where."""
 
 
@@ -52,7 +54,6 @@ def _overlap(first: Mapping[str, Any], second: Mapping[str, Any]) -> bool:
 
 
 def _words(tag: Mapping[str, Any]) -> str:
-    shown = {
-        key: tag[key] for key in ("table", "address", "node", "topic", "field") if tag.get(key) is not None
-    }
+    keys = ("table", "address", "node", "topic", "entry", "field")
+    shown = {key: tag[key] for key in keys if tag.get(key) is not None} | (tag.get("where") or {})
     return " ".join(str(value) for value in (shown or place_of(tag)).values())

@@ -85,19 +85,41 @@ class MqttOptions(Broker):
 
 
 class MqttTag(Options):
-    """Where a value is found: the whole payload of a topic, or a field of its JSON object."""
+    """Where a value is found: the whole payload of a topic, a field of its JSON object, or of its entries."""
 
     topic: Topic
     field: Path | None = None
-    """Where the value is in a JSON payload. None: the payload is the value."""
+    """Where the value is in a JSON payload, or in an entry. None: the payload is the value."""
     time_field: Path | None = None
-    """Where the source time is, in s since 1970 or ISO 8601 (without zone: UTC). None: time of arrival."""
+    """Where the source time is, beside the value or in the message: s, ms, us or ns since 1970, or ISO 8601
+    (without zone: UTC). None: time of arrival."""
+    quality_field: Path | None = None
+    """Where the quality is, beside the value: a word, true or false, a code of OPC. A value whose quality is
+    bad is a gap; one without a quality is good. None: all are good."""
+    good: tuple[str | int | float, ...] = ()
+    """Qualities that are good, and no others: `[0]` where 0 means good. Empty: recognised."""
+    entry: Path | None = None
+    """Where the tag's entry, or the list of entries, is in the message; `.`: the message is the list. A
+    message without the entry says nothing of the tag."""
+    where: Mapping[Path, str | int | float | bool] = {}
+    """Path in an entry -> what stands there in those of this tag, as `{id: Plant.FIC101.PV}`."""
+    absent: Literal["gap", "unchanged"] = "gap"
+    """What a message without `field` means: a missing value, or none new, where only changes are sent."""
 
     @model_validator(mode="after")
-    def _time_needs_json(self) -> MqttTag:
-        if self.time_field is not None and self.field is None:
-            raise ValueError("time_field needs field: only a JSON payload carries both")
+    def _needs_json(self) -> MqttTag:
+        if self.field is None:
+            for name in ("time_field", "quality_field", "entry", "where"):
+                if getattr(self, name):
+                    raise ValueError(f"{name} needs field: only a JSON payload carries both")
+        if self.good and self.quality_field is None:
+            raise ValueError("good needs quality_field, where the quality is")
         return self
+
+    @property
+    def in_entries(self) -> bool:
+        """Whether the value is in an entry, not in the message as a whole."""
+        return self.entry is not None or bool(self.where)
 
 
 def short_tag(text: str) -> dict[str, str]:

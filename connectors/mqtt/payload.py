@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from datetime import UTC, datetime
 
 JsonTree = dict[str, "JsonTree"] | list["JsonTree"] | str | int | float | bool | None
@@ -11,10 +12,20 @@ JsonTree = dict[str, "JsonTree"] | list["JsonTree"] | str | int | float | bool |
 
 LARGEST = 1_000_000
 """Bytes; no message with the values of some loops is larger, and reading one would hold up all the others."""
+UNITS = (1.0, 1e-3, 1e-6, 1e-9)
+"""Units in which gateways count the time since 1970, s."""
+LAST_TIME = 1e11
+"""s since 1970. A number beyond it counts a smaller unit: as ms it is a time after 1973."""
+_EPOCH = re.compile(r"\d{9,19}(\.\d+)?")
+"""A time since 1970 as text; with eight digits it may be a date."""
 
 
 class MalformedPayloadError(ValueError):
     """The payload is not what the configuration says."""
+
+
+class MissingFieldError(MalformedPayloadError):
+    """The payload has nothing at a path."""
 
 
 def parse(payload: bytes) -> JsonTree:
@@ -38,16 +49,23 @@ def bare(payload: bytes) -> float | str:
 
 
 def field(tree: JsonTree, path: str) -> JsonTree:
-    """Return what stands at a dotted path, e.g. ``loop.pv`` or ``values.0``; raises MalformedError."""
-    if isinstance(tree, dict) and path in tree and "." not in path:
+    """Return what stands at a dotted path, e.g. ``loop.pv`` or ``values.0``; raises MalformedError.
+
+    A key may have dots itself: ``FIC101.PV.Value`` finds ``{"FIC101.PV": {"Value": 4.2}}``.
+    """
+    if isinstance(tree, dict) and path in tree:
         return tree[path]
-    for key in path.split("."):
-        if isinstance(tree, dict) and key in tree:
-            tree = tree[key]
-        elif isinstance(tree, list) and key.isdecimal() and int(key) < len(tree):
-            tree = tree[int(key)]
+    keys = path.split(".")
+    while keys:
+        if isinstance(tree, dict):
+            taken = next((n for n in range(1, 1 + len(keys)) if ".".join(keys[:n]) in tree), None)
+            if taken is None:
+                raise MissingFieldError(f"no field {path}")
+            tree, keys = tree[".".join(keys[:taken])], keys[taken:]
+        elif isinstance(tree, list) and keys[0].isdecimal() and int(keys[0]) < len(tree):
+            tree, keys = tree[int(keys[0])], keys[1:]
         else:
-            raise MalformedPayloadError(f"no field {path}")
+            raise MissingFieldError(f"no field {path}")
     return tree
 
 
@@ -69,9 +87,22 @@ def number(tree: JsonTree) -> float:
     return _float(tree)
 
 
+def text_of(tree: JsonTree) -> str | None:
+    """Return a scalar as JSON writes it, text without its quotes; None for all else."""
+    if isinstance(tree, bool):
+        return str(tree).lower()
+    return str(tree) if isinstance(tree, str | int | float) else None
+
+
 def seconds(tree: JsonTree) -> float:
-    """Return s since 1970 from a time given so or as ISO 8601, UTC without a zone; raises MalformedError."""
+    """Return s since 1970; raises MalformedError.
+
+    From a number of s, ms, us or ns since 1970, whichever gives a time that can be, or from ISO 8601, UTC
+    without a zone.
+    """
     if isinstance(tree, str):
+        if _EPOCH.fullmatch(tree):
+            return seconds(float(tree))
         try:
             stamp = datetime.fromisoformat(tree)
             return stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp()
@@ -79,7 +110,11 @@ def seconds(tree: JsonTree) -> float:
             raise MalformedPayloadError("no ISO 8601 time") from error
     if isinstance(tree, bool) or not isinstance(tree, int | float):
         raise MalformedPayloadError("no time")
-    return _float(tree)
+    counted = _float(tree)
+    for unit in UNITS:
+        if abs(counted * unit) < LAST_TIME:
+            return counted * unit
+    raise MalformedPayloadError("no time: too large")
 
 
 def _not_too_large(payload: bytes) -> None:

@@ -5,25 +5,34 @@ A message that has all of its loops, with one time, becomes readings: one piece 
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from connectors.base import LoopRole, Quality, Sample
+from connectors.mqtt.entries import Entries, group_of
 from connectors.mqtt.options import MqttTag
 from connectors.mqtt.payload import (
     JsonTree,
     MalformedPayloadError,
+    MissingFieldError,
     bare,
     field,
     number,
     parse,
     seconds,
+    text_of,
     value,
 )
+from connectors.mqtt.quality import quality
 from connectors.mqtt.topics import MqttLoops
 from connectors.readings import Readings
+
+MOST_SAID = 40
+"""Characters of what a message says that are shown to people."""
 
 
 def readers_of(loops: MqttLoops) -> dict[str, TopicReader]:
@@ -41,6 +50,30 @@ def _whole(tags: Mapping[LoopRole, MqttTag], loops: MqttLoops) -> bool:
     return sum(len(loops[loop].tags) for loop in named) == len(tags)
 
 
+@dataclass(frozen=True, slots=True)
+class EntrySaid:
+    """Where a message says something of a tag."""
+
+    entry: JsonTree
+    tree: JsonTree
+    """The whole message."""
+    payload: bytes
+
+    def time(self, path: str) -> float:
+        """Return the source time, s UTC, of the entry, else of the message; raises MalformedError."""
+        try:
+            return seconds(field(self.entry, path))
+        except MissingFieldError:
+            return seconds(field(self.tree, path))
+
+    def value(self, name: LoopRole, tag: MqttTag) -> float | str:
+        """Return the value, text for modes alone; raises MalformedError."""
+        said = bare(self.payload) if tag.field is None else value(field(self.entry, tag.field))
+        if isinstance(said, str) and name.role != "mode":
+            raise MalformedPayloadError(f"the text {said[:MOST_SAID]!r} where a number belongs")
+        return said
+
+
 class TopicReader:
     """All tags that one topic carries."""
 
@@ -50,8 +83,15 @@ class TopicReader:
         self._names = tuple(tags)
         self._fields = tuple(tag.field for tag in tags.values())
         self._time_field = next((tag.time_field for tag in tags.values()), None)
-        self._is_one_row = whole and all(
-            tag.field is not None and tag.time_field == self._time_field for tag in tags.values()
+        self._groups = {group_of(tag) for tag in tags.values() if tag.in_entries}
+        self._good = {name: frozenset(map(str, map(text_of, tag.good))) for name, tag in tags.items()}
+        self._is_one_row = (
+            whole
+            and not self._groups
+            and all(
+                tag.field is not None and tag.quality_field is None and tag.time_field == self._time_field
+                for tag in tags.values()
+            )
         )
         """Whether a message can be one piece."""
         self._newest = math.nan
@@ -78,7 +118,7 @@ class TopicReader:
         return Readings(self._names, at, np.array(values))
 
     def samples(self, payload: bytes, arrival: float, *, retained: bool) -> Sequence[Sample]:
-        """Return one sample for each tag.
+        """Return one sample for each tag, or one for each of its entries.
 
         A tag without a source time gets ``arrival`` (s UTC); if the broker had kept the message, nobody knows
         how old it is, and its quality is uncertain. Where the source time cannot be read, the newest is
@@ -91,28 +131,34 @@ class TopicReader:
         except MalformedPayloadError as error:
             self.malformed += 1
             return [self._unreadable(name, tag, arrival, error) for name, tag in self._tags.items()]
+        entries = Entries(tree, self._groups)
         samples = []
         intact = True
         for name, tag in self._tags.items():
-            try:
-                samples.append(self._sample(name, tag, tree, payload, arrival, retained=retained))
-            except MalformedPayloadError as error:
-                samples.append(self._unreadable(name, tag, arrival, error))
-                intact = False
+            for entry in entries.of(tag):
+                try:
+                    samples.append(
+                        self._sample(name, tag, EntrySaid(entry, tree, payload), arrival, retained=retained)
+                    )
+                except MalformedPayloadError as error:
+                    if isinstance(error, MissingFieldError) and tag.absent == "unchanged":
+                        continue
+                    samples.append(self._unreadable(name, tag, arrival, error))
+                    intact = False
         self.malformed += not intact
         return samples
 
     def _sample(
-        self, name: LoopRole, tag: MqttTag, tree: JsonTree, payload: bytes, arrival: float, *, retained: bool
+        self, name: LoopRole, tag: MqttTag, found: EntrySaid, arrival: float, *, retained: bool
     ) -> Sample:
-        at, quality = arrival, Quality.UNCERTAIN if retained else Quality.GOOD
-        if tag.time_field is not None:
-            at, quality = seconds(field(tree, tag.time_field)), Quality.GOOD
-            self._newest = at
-        found = bare(payload) if tag.field is None else value(field(tree, tag.field))
-        if isinstance(found, str) and name.role != "mode":
-            raise MalformedPayloadError(f"the text {found[:40]!r} where a number belongs")
-        return Sample.measured(name, at, found, quality)
+        said = None if tag.quality_field is None else _if_there(found.entry, tag.quality_field)
+        worth = quality(said, self._good[name])
+        why = "" if worth is Quality.GOOD else f"its quality is {json.dumps(said)[:MOST_SAID]}"
+        if tag.time_field is None:
+            at, worth = arrival, max(worth, Quality.UNCERTAIN if retained else Quality.GOOD)
+        else:
+            at = self._newest = found.time(tag.time_field)
+        return Sample.measured(name, at, found.value(name, tag), worth, why=why)
 
     def _unreadable(
         self, name: LoopRole, tag: MqttTag, arrival: float, error: MalformedPayloadError
@@ -121,3 +167,10 @@ class TopicReader:
 
     def _fallback(self, tag: MqttTag, arrival: float) -> float:
         return arrival if tag.time_field is None or math.isnan(self._newest) else self._newest
+
+
+def _if_there(tree: JsonTree, path: str) -> JsonTree:
+    try:
+        return field(tree, path)
+    except MissingFieldError:
+        return None

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from connectors.base import Quality
+
 GOOD_WORDS = frozenset(
     {
         "good",
@@ -44,7 +46,7 @@ def usable(qualities: Sequence[str]) -> NDArray[np.bool_]:
     found = (places.setdefault(each, len(places)) for each in qualities)
     kinds = np.fromiter(found, np.int32, len(qualities))
     words = [each.strip().casefold() for each in places]
-    numbers = [_code(word) for word in words]
+    numbers = [code_of(word) for word in words]
     counts = np.bincount(kinds, minlength=len(words)).tolist()
     codes = {k: number for k, number in enumerate(numbers) if number is not None}
     threshold, zero_good = _reading_of(
@@ -79,13 +81,21 @@ def _reading_of(codes: Sequence[float], *, ones: bool) -> tuple[float, bool]:
 def _good(word: str, number: float | None, threshold: float, *, zero_good: bool) -> bool:
     if number is not None:
         return number >= threshold or (zero_good and number == 0)
-    if not word:
-        return True  # no quality was written
-    plain = word.replace(" ", "").replace("_", "").split(",")[0].split("(")[0]
-    return plain in GOOD_WORDS or plain.startswith(("good", *UNCERTAIN_AS_GOOD))
+    return quality_of_word(word) is not Quality.BAD
 
 
-def _code(word: str) -> float | None:
+def quality_of_word(word: str) -> Quality:
+    """Return what a word says of its value, in any case; good where no quality was written."""
+    if not word.strip():
+        return Quality.GOOD
+    plain = word.casefold().replace(" ", "").replace("_", "").split(",")[0].split("(")[0]
+    if plain in GOOD_WORDS or plain.startswith("good"):
+        return Quality.GOOD
+    return Quality.UNCERTAIN if plain.startswith(UNCERTAIN_AS_GOOD) else Quality.BAD
+
+
+def code_of(word: str) -> float | None:
+    """Return the number that a quality is, as ``192`` or ``0x80000000``; None where it is a word."""
     try:
         return float(int(word, 16)) if word.startswith("0x") else float(word)
     except ValueError:
