@@ -78,10 +78,8 @@ def remarks(reading: Reading, role: str, loop: LoopSettings, watched: float) -> 
         return ()
     found = []
     if sample.quality is Quality.UNCERTAIN:
-        kept = (
-            f"uncertain quality, code {sample.code:#x}" if sample.code else "uncertain quality: a kept value"
-        )
-        found.append(sample.why or kept)
+        code = f"code {sample.code:#x}" if sample.code else "a kept value"
+        found.append(sample.why or f"uncertain quality: {code}")
     if reading.age > max(OLD, 10 * loop.ts):
         why = (
             "its clock is behind, or it comes late"
