@@ -9,7 +9,7 @@ import yaml
 from asyncua import Client, Server, ua
 
 from agent.cli import main
-from agent.cli.browse import _write
+from agent.cli.browsing.shown import write
 from agent.runtime.commission.loop_search import FoundLoop, LoopSearch
 from agent.runtime.commission.probe import probe
 from agent.settings import load_settings
@@ -165,7 +165,7 @@ async def test_a_server_of_small_answers_is_requested_in_small_pieces(monkeypatc
 
 
 def test_what_is_written_is_yaml_that_a_person_reads(tmp_path):
-    loop = FoundLoop("F1", "x", {"pv": "i=1", "op": "i=2"}, {}, {"op": (0.0, 100.0)})
+    loop = FoundLoop("F1", "x", {"pv": {"node": "i=1"}, "op": {"node": "i=2"}}, {}, {"op": (0.0, 100.0)})
     path = tmp_path / "plant.yaml"
     entry = {
         "kind": "opcua",
@@ -173,6 +173,6 @@ def test_what_is_written_is_yaml_that_a_person_reads(tmp_path):
         "security": {"certificate": "c", "key": "k", "ca": "a"},
         "login": {"user": "me", "password": {"env": "PASSWORD"}},
     }
-    _write(path, "opc.tcp://h:1", entry, LoopSearch((loop,), 2, 2, None), 5.0)
+    write(path, "opc.tcp://h:1", entry, LoopSearch((loop,), 2, 2, None), 5.0)
     assert yaml.safe_load(path.read_text())["connections"] == {"dcs": entry}
     assert load_settings(path).loops[0].op_range == (0.0, 100.0)

@@ -34,7 +34,10 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
         "slipjump serve fic101_stick_slip --bus mqtt --config plant.yaml  (then: slipjump run plant.yaml)",
     ),
     "run": ("slipjump run plant.yaml --log-format json  (until SIGTERM or Ctrl-C)",),
-    "browse": ("slipjump browse opc.tcp://dcs:4840 -o plant.yaml  (find the loops, write a configuration)",),
+    "browse": (
+        "slipjump browse opc.tcp://dcs:4840 -o plant.yaml  (find the loops, write a configuration)",
+        "slipjump browse mqtt://broker:1883 -o plant.yaml  (the same of what is published there)",
+    ),
     "check": (
         "slipjump check plant.yaml  (what run would do, or every fault with its line)",
         "slipjump check plant.yaml --connect  (open each connection, read each tag)",

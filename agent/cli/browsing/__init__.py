@@ -1,0 +1,1 @@
+"""What ``slipjump browse`` looks at, and what it shows and writes."""
