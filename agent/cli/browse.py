@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from agent.cli.browsing.peers import ADDRESSES, Wanted, given, peer_of
+from agent.cli.browsing.peers import ADDRESSES, BrowseRequest, given, peer_of
 from agent.cli.browsing.shown import ended, json_lines, table, write
 from connectors.base import ConfigError, ConnectionLostError
 
 if TYPE_CHECKING:
-    from agent.cli.browsing.peers import Peer
+    from agent.cli.browsing.peers import Browsed
     from agent.runtime.commission.loop_search import LoopSearch
 
 NAMES = "Names"
@@ -107,7 +107,7 @@ def browse(
         "policy": policy,
     }
     login = given({"user": user, "password": given({"env": password_env, "file": password_file})})
-    peer = peer_of(Wanted(url, root, depth, nodes, within, given(security), login))
+    peer = peer_of(BrowseRequest(url, root, depth, nodes, within, given(security), login))
     found = _searched(peer, patterns)
     for line in json_lines(found) if as_json else table(found):
         typer.echo(line)
@@ -123,7 +123,7 @@ def browse(
         typer.echo(f"{out}: {len(found.loops)} loops. Next: slipjump check {out} --connect", err=as_json)
 
 
-def _searched(peer: Peer, patterns: Mapping[str, str]) -> LoopSearch:
+def _searched(peer: Browsed, patterns: Mapping[str, str]) -> LoopSearch:
     from agent.runtime.capabilities import run_event_loop
 
     try:

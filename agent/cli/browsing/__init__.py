@@ -1,1 +1,1 @@
-"""What ``slipjump browse`` looks at, and what it shows and writes."""
+"""BROWSE: what the command looks at, and what it shows and writes."""

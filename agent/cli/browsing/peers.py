@@ -25,7 +25,7 @@ OptionsT = TypeVar("OptionsT", bound=Options)
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class BrowseRequest:
     """What the user gave."""
 
     url: str
@@ -42,7 +42,7 @@ class Wanted:
 
 
 @dataclass(frozen=True, slots=True)
-class Peer:
+class Browsed:
     """Something that can be browsed."""
 
     entry: Mapping[str, object]
@@ -52,7 +52,7 @@ class Peer:
     """What its progress counts."""
 
 
-def peer_of(wanted: Wanted) -> Peer:
+def peer_of(wanted: BrowseRequest) -> Browsed:
     """Return what an address means; raises ConfigError with all that is wrong."""
     scheme = wanted.url.partition("://")[0]
     if scheme in {"mqtt", "mqtts"}:
@@ -62,7 +62,7 @@ def peer_of(wanted: Wanted) -> Peer:
     raise ConfigError([f"{wanted.url}: expected {', '.join(ADDRESSES[:-1])} or {ADDRESSES[-1]}"])
 
 
-def _server(wanted: Wanted) -> Peer:
+def _server(wanted: BrowseRequest) -> Browsed:
     from agent.runtime.commission.loop_search import find_loops
     from connectors.opcua.browse import OBJECTS, Bounds
     from connectors.opcua.options import OpcUaOptions
@@ -70,14 +70,14 @@ def _server(wanted: Wanted) -> Peer:
     entry = {"url": wanted.url} | given({"security": wanted.security, "login": wanted.login})
     options = _checked(OpcUaOptions, entry)
     bounds = Bounds(wanted.depth, wanted.nodes, wanted.within or SECONDS_OF_SERVER)
-    return Peer(
+    return Browsed(
         {"kind": "opcua", **entry},
         lambda patterns, progress: find_loops(options, bounds, wanted.root or OBJECTS, patterns, progress),
         "nodes known so far",
     )
 
 
-def _broker(wanted: Wanted, *, encrypted: bool) -> Peer:
+def _broker(wanted: BrowseRequest, *, encrypted: bool) -> Browsed:
     from agent.runtime.commission.loop_search import find_published_loops
     from connectors.mqtt.heard import EVERY_TOPIC
     from connectors.mqtt.options import MqttOptions
@@ -102,7 +102,7 @@ def _broker(wanted: Wanted, *, encrypted: bool) -> Peer:
         entry["tls"] = tls
     options = _checked(MqttOptions, entry).as_guest()
     bounds = Bounds(wanted.depth, wanted.nodes, wanted.within or SECONDS_OF_BROKER)
-    return Peer(
+    return Browsed(
         {"kind": "mqtt", **entry},
         lambda patterns, progress: find_published_loops(
             options, wanted.root or EVERY_TOPIC, bounds, patterns, progress
