@@ -9,11 +9,12 @@ import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
 from connectors.base import LoopRole, Quality, Sample
-from connectors.mqtt.entries import Entries, group_of
+from connectors.mqtt.entries import EntryIndex
 from connectors.mqtt.options import MqttTag
 from connectors.mqtt.payload import (
     JsonTree,
@@ -83,11 +84,13 @@ class TopicReader:
         self._names = tuple(tags)
         self._fields = tuple(tag.field for tag in tags.values())
         self._time_field = next((tag.time_field for tag in tags.values()), None)
-        self._groups = {group_of(tag) for tag in tags.values() if tag.in_entries}
+        self._entries = EntryIndex(tags)
+        self._whole = tuple(name for name, tag in tags.items() if not tag.in_entries)
+        """Those whose value is in the message as a whole."""
         self._good = {name: frozenset(map(str, map(text_of, tag.good))) for name, tag in tags.items()}
         self._is_one_row = (
             whole
-            and not self._groups
+            and not self._entries
             and all(
                 tag.field is not None and tag.quality_field is None and tag.time_field == self._time_field
                 for tag in tags.values()
@@ -131,20 +134,18 @@ class TopicReader:
         except MalformedPayloadError as error:
             self.malformed += 1
             return [self._unreadable(name, tag, arrival, error) for name, tag in self._tags.items()]
-        entries = Entries(tree, self._groups)
         samples = []
         intact = True
-        for name, tag in self._tags.items():
-            for entry in entries.of(tag):
-                try:
-                    samples.append(
-                        self._sample(name, tag, EntrySaid(entry, tree, payload), arrival, retained=retained)
-                    )
-                except MalformedPayloadError as error:
-                    if isinstance(error, MissingFieldError) and tag.absent == "unchanged":
-                        continue
-                    samples.append(self._unreadable(name, tag, arrival, error))
-                    intact = False
+        for name, entry in chain(((name, tree) for name in self._whole), self._entries.of(tree)):
+            tag = self._tags[name]
+            try:
+                said = EntrySaid(entry, tree, payload)
+                samples.append(self._sample(name, tag, said, arrival, retained=retained))
+            except MalformedPayloadError as error:
+                if isinstance(error, MissingFieldError) and tag.absent == "unchanged":
+                    continue
+                samples.append(self._unreadable(name, tag, arrival, error))
+                intact = False
         self.malformed += not intact
         return samples
 

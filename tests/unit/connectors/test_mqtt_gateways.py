@@ -70,9 +70,17 @@ def test_a_tag_may_come_twice_in_one_message():
     found = read(kepware(), {"values": [entry("PV", 4.2, 5.0), entry("OP", 9, 5.5), entry("PV", 4.3, 6.0)]})
     assert found == [
         ("pv", 4.2, 5.0, Quality.GOOD),
-        ("pv", 4.3, 6.0, Quality.GOOD),
         ("op", 9.0, 5.5, Quality.GOOD),
+        ("pv", 4.3, 6.0, Quality.GOOD),
     ]
+
+
+def test_two_loops_may_read_one_entry():
+    tag = MqttTag(**KEPWARE, where={"id": "Plant.FIC101.PV"})
+    source = TopicReader({LoopRole("FIC101", "pv"): tag, LoopRole("FIC102", "sp"): tag})
+    payload = json.dumps({"values": [entry("PV", 4.2, 5.0)]}).encode()
+    found = [(s.tag, s.value) for s in source.samples(payload, ARRIVAL, retained=False)]
+    assert found == [(("FIC101", "pv"), 4.2), (("FIC102", "sp"), 4.2)]
 
 
 def test_a_bad_value_of_a_gateway_is_bad():
