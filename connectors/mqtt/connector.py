@@ -25,9 +25,9 @@ from connectors.base import (
 )
 from connectors.mqtt.client import Outgoing, StrictClient, as_connection_lost, connected, subscribe
 from connectors.mqtt.inbox import Losses
+from connectors.mqtt.messages.reader import TopicReader, readers_of
 from connectors.mqtt.options import MqttOptions
 from connectors.mqtt.orders import OrderReader
-from connectors.mqtt.reader import TopicReader, readers_of
 from connectors.mqtt.status import status
 from connectors.mqtt.topics import MqttLoops, Topics, topics_of
 from connectors.readings import Readings, one_by_one

@@ -10,7 +10,7 @@ from typing import Annotated, Self
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from connectors.base import Action, Order
-from connectors.mqtt.payload import seconds
+from connectors.mqtt.messages.payload import seconds
 from connectors.options import Options
 
 _LOG = logging.getLogger(__name__)

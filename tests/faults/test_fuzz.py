@@ -20,9 +20,9 @@ from connectors.base import ConfigError, LoopRole, Quality
 from connectors.modbus.codec import decode, register_count
 from connectors.modbus.options import ModbusTag
 from connectors.mqtt.connector import MqttSession
+from connectors.mqtt.messages.reader import TopicReader, readers_of
 from connectors.mqtt.options import MqttTag
 from connectors.mqtt.orders import OrderReader
-from connectors.mqtt.reader import TopicReader, readers_of
 from connectors.mqtt.topics import Topics
 from connectors.opcua.values import change_of, is_waiting, sample
 from connectors.options import LoopTags

@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from connectors.mqtt.entries import ITSELF
-from connectors.mqtt.payload import JsonTree, MalformedPayloadError, bare, parse
+from connectors.mqtt.messages.entries import ITSELF
+from connectors.mqtt.messages.malformed import JsonTree, MalformedPayloadError
+from connectors.mqtt.messages.payload import bare, parse
 
 TIMES = frozenset(
     {

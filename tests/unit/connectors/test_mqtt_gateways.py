@@ -12,13 +12,14 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from connectors.base import LoopRole, Quality
+from connectors.mqtt.messages.malformed import MalformedPayloadError
+from connectors.mqtt.messages.payload import field, seconds
+from connectors.mqtt.messages.quality import quality
+from connectors.mqtt.messages.reader import TopicReader
 from connectors.mqtt.options import MqttTag
-from connectors.mqtt.payload import MalformedPayloadError, field, seconds
-from connectors.mqtt.quality import quality
-from connectors.mqtt.reader import TopicReader
 
 PAGE = (Path(__file__).parents[3] / "docs" / "howto" / "mqtt_gateways.md").read_text()
-EXAMPLES = re.findall(r"## ([^\n]+)\n.*?```json\n(.*?)```\n\n```yaml\n(.*?)```", PAGE, re.DOTALL)
+EXAMPLES = re.findall(r"## ([^\n]+)\n[^#]*?```(?:json|text)\n(.*?)```\n\n```yaml\n(.*?)```", PAGE, re.DOTALL)
 NEW_YEAR = 1767225600.0
 """2026-01-01, UTC."""
 ARRIVAL = NEW_YEAR + 1000.0
@@ -36,7 +37,8 @@ def kepware():
 
 
 def read(source, message):
-    samples = source.readings(json.dumps(message).encode(), ARRIVAL, retained=False)
+    payload = message if isinstance(message, bytes) else json.dumps(message).encode()
+    samples = source.readings(payload, ARRIVAL, retained=False)
     return [(s.tag.role, s.value, s.time, s.quality) for s in samples]
 
 
@@ -45,13 +47,13 @@ def entry(role, value, at, *, good=True):
 
 
 def test_the_page_shows_all_its_forms():
-    assert len(EXAMPLES) == PAGE.count("```json") == 9
+    assert len(EXAMPLES) == PAGE.count("```yaml") == 10
 
 
 @pytest.mark.parametrize(("name", "message", "tags"), EXAMPLES, ids=[name for name, *_ in EXAMPLES])
 def test_each_form_of_the_page_is_read(name, message, tags):
     source = reader(**yaml.safe_load(tags))
-    found = read(source, json.loads(message))
+    found = read(source, message.encode())
     assert ("pv", 4.2, NEW_YEAR, Quality.GOOD) in found
     assert ("op", 51.0, NEW_YEAR, Quality.GOOD) in found
     assert len(found) == (4 if "rows" in name else 2)

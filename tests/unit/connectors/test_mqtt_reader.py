@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from connectors.base import LoopRole, Quality
+from connectors.mqtt.messages.malformed import MalformedPayloadError
+from connectors.mqtt.messages.payload import seconds
+from connectors.mqtt.messages.reader import TopicReader
 from connectors.mqtt.options import MqttTag
-from connectors.mqtt.payload import MalformedPayloadError, seconds
-from connectors.mqtt.reader import TopicReader
 
 ARRIVAL = 1000.0
 

@@ -16,9 +16,9 @@ from paho.mqtt.properties import Properties
 from benchmarks.plant.broker import packet
 from connectors.base import LoopRole
 from connectors.mqtt import paho_private
+from connectors.mqtt.messages.reader import TopicReader, readers_of
 from connectors.mqtt.options import MqttTag
 from connectors.mqtt.paho_private import AT_ONCE, IN_A_TURN, BufferedSocket, FastReading
-from connectors.mqtt.reader import TopicReader, readers_of
 from connectors.options import LoopTags
 from connectors.readings import Readings
 

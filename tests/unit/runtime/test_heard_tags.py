@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from agent.runtime.commission.heard_tags import heard_tags, name_in_id
 from agent.settings.tag_names import NamedTag, groups_by_convention
 from connectors.base import LoopRole, Quality
+from connectors.mqtt.messages.reader import TopicReader
 from connectors.mqtt.options import MqttTag
-from connectors.mqtt.reader import TopicReader
 from tests.unit.connectors.test_mqtt_gateways import EXAMPLES, NEW_YEAR
 
 

@@ -7,8 +7,8 @@ import math
 import re
 from datetime import UTC, datetime
 
-JsonTree = dict[str, "JsonTree"] | list["JsonTree"] | str | int | float | bool | None
-
+from connectors.mqtt.messages.line_protocol import objects_of_lines
+from connectors.mqtt.messages.malformed import JsonTree, MalformedPayloadError, MissingFieldError
 
 LARGEST = 1_000_000
 """Bytes; no message with the values of some loops is larger, and reading one would hold up all the others."""
@@ -20,22 +20,21 @@ _EPOCH = re.compile(r"\d{9,19}(\.\d+)?")
 """A time since 1970 as text; with eight digits it may be a date."""
 
 
-class MalformedPayloadError(ValueError):
-    """The payload is not what the configuration says."""
-
-
-class MissingFieldError(MalformedPayloadError):
-    """The payload has nothing at a path."""
-
-
 def parse(payload: bytes) -> JsonTree:
-    """Return the JSON value in a payload; raises MalformedError."""
+    """Return the JSON value in a payload, or the objects of its line protocol; raises MalformedError."""
     _not_too_large(payload)
     try:
         tree: JsonTree = json.loads(payload)
-    except (ValueError, RecursionError) as error:
-        raise MalformedPayloadError("no JSON") from error
+    except (ValueError, RecursionError):
+        return _of_lines(payload)
     return tree
+
+
+def _of_lines(payload: bytes) -> JsonTree:
+    try:
+        return objects_of_lines(payload.decode())
+    except (UnicodeDecodeError, MalformedPayloadError) as error:
+        raise MalformedPayloadError("neither JSON nor line protocol") from error
 
 
 def bare(payload: bytes) -> float | str:

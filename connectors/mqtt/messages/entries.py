@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from connectors.base import LoopRole
+from connectors.mqtt.messages.malformed import JsonTree, MissingFieldError
+from connectors.mqtt.messages.payload import field, text_of
 from connectors.mqtt.options import MqttTag
-from connectors.mqtt.payload import JsonTree, MissingFieldError, field, text_of
 
 Group = tuple[str | None, tuple[str, ...]]
 """Path of the entries, and of what says whose an entry is."""

@@ -14,21 +14,11 @@ from itertools import chain
 import numpy as np
 
 from connectors.base import LoopRole, Quality, Sample
-from connectors.mqtt.entries import EntryIndex
+from connectors.mqtt.messages.entries import EntryIndex
+from connectors.mqtt.messages.malformed import JsonTree, MalformedPayloadError, MissingFieldError
+from connectors.mqtt.messages.payload import bare, field, number, parse, seconds, text_of, value
+from connectors.mqtt.messages.quality import quality
 from connectors.mqtt.options import MqttTag
-from connectors.mqtt.payload import (
-    JsonTree,
-    MalformedPayloadError,
-    MissingFieldError,
-    bare,
-    field,
-    number,
-    parse,
-    seconds,
-    text_of,
-    value,
-)
-from connectors.mqtt.quality import quality
 from connectors.mqtt.topics import MqttLoops
 from connectors.readings import Readings
 

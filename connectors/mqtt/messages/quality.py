@@ -6,7 +6,8 @@ from collections.abc import Collection
 
 from connectors.base import Quality
 from connectors.exports.cells.quality_words import OPC_GOOD, OPC_UNCERTAIN, code_of, quality_of_word
-from connectors.mqtt.payload import JsonTree, text_of
+from connectors.mqtt.messages.malformed import JsonTree
+from connectors.mqtt.messages.payload import text_of
 
 UA_FROM = 1024
 """OPC Classic has codes below 256 and Ignition below this; from here they are status codes of OPC UA."""

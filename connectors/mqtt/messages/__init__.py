@@ -1,0 +1,1 @@
+"""What MQTT messages say: values of tags with their times and qualities, in the forms of gateways."""
