@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 CHANCE = 0.2
 """p from which a reduction may be chance, whatever its interval."""
+NOT_CONFIRMED = "not confirmed"
+"""Of a candidate that a check lowers: it may still be the one that the verdict suggests."""
 TRIED = "what would lower the held-out squared error, with 90 % interval and odds"
 HARMONICS = 3
 """Of a wave that are shown."""
@@ -110,7 +112,7 @@ def evidence_words(tried: Candidate) -> str:
     Its odds, or of a wave the p of its held-out blocks: what an autoregression predicts has no odds.
     """
     if tried.surprises:
-        return f"rejected: {tried.objection}"
+        return f"{NOT_CONFIRMED}: {tried.objection}"
     if tried.log10_odds is not None:
         return odds_words(tried.log10_odds)
     return "may be chance" if tried.low > 0 and tried.p >= CHANCE else p_words(tried.p)

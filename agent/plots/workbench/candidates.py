@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from agent.plots.axes import MEASURED, MODEL, SET_POINT, tidy
-from agent.report.comparison_text import evidence_words
+from agent.report.comparison_text import NOT_CONFIRMED, evidence_words
 from agent.workbench.paired_blocks import LEAST_PERCENT
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ SHOWN = -20.0
 
 
 def candidates_figure(loop: str, tried: Sequence[Candidate]) -> Figure:
-    """Draw the reductions with their intervals; red where likely, large enough and not rejected.
+    """Draw the reductions with their intervals; red where likely, large enough and not lowered by a check.
 
     Args:
         loop: Name for the title.
@@ -48,4 +48,4 @@ def candidates_figure(loop: str, tried: Sequence[Candidate]) -> Figure:
 
 
 def _beside(each: Candidate) -> str:
-    return "rejected" if each.surprises else evidence_words(each)
+    return NOT_CONFIRMED if each.surprises else evidence_words(each)

@@ -24,7 +24,7 @@ WAVE = replace(STEP, effect="sinusoid", p=0.003, odds=math.inf, by_blocks=True)
         (replace(STEP, odds=2 * math.log(40.0)), "odds 40 to 1"),
         (replace(STEP, odds=1e4), "odds above 1e99 to 1"),
         (replace(STEP, odds=-1.0), "no likelier with it"),
-        (replace(STEP, objection="it stands for another"), "rejected: it stands for another"),
+        (replace(STEP, objection="it stands for another"), "not confirmed: it stands for another"),
         (replace(STEP, low=-3.0, objection="small anyway"), "odds 1e4 to 1"),
         (WAVE, "p = 0.003"),
         (replace(WAVE, p=1.0), "may be chance"),

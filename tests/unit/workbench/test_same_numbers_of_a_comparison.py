@@ -85,9 +85,15 @@ def test_candidates_and_where_it_fails(printed):
         assert said[0] == said[1]
         exponent = each["log10_odds"]
         odds = None if exponent is None else odds_words(exponent)
-        rejected = f"rejected: {each['objection']}"
-        assert said[0] in (odds, f"p = {each['p']:.2g}", "may be chance", "no likelier with it", rejected)
-        beside = "rejected" if said[0].startswith("rejected") else said[0]
+        not_confirmed = f"not confirmed: {each['objection']}"
+        assert said[0] in (
+            odds,
+            f"p = {each['p']:.2g}",
+            "may be chance",
+            "no likelier with it",
+            not_confirmed,
+        )
+        beside = "not confirmed" if said[0].startswith("not confirmed") else said[0]
         assert f"{each['effect'].replace('_', ' ')}  ({beside})" in drawn["candidates"]
     for each in own["where_it_fails"]:
         axis = re.search(rf"{each['axis']}\s+([\d.]+) %  p = (\S+)", words["text"])
