@@ -214,6 +214,13 @@ CASES = (
         ALL,
     ),
     Case("grafana_rows.csv", long(ISO, header=("Metric", "Time", "Value")), ALL, gaps=True),
+    Case("grafana_labels.csv", wide(ISO, form="{role} {{loop: {loop}}}"), ALL),
+    Case(
+        "prometheus_labels.csv",
+        long(ISO, form='process_{role}{{loop="{loop}"}}', header=("Metric", "Time", "Value")),
+        ALL,
+        gaps=True,
+    ),
     Case("roles_by_row.csv", roles_by_row(ISO), ONE, single=True),
     Case("letters_of_instruments.csv", letters_of_instruments(), LETTERS),
     Case("letters_of_instruments_long.csv", letters_of_instruments_by_row(ISO), LETTERS),

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 ROLES = {
@@ -27,6 +27,11 @@ BLOCK = re.compile(r"(?:PIDA?|DACA|DATAACQA?|AI|AO|FB|BLK|CTRL|LOOP|CTL)_?\d*", 
 """Function blocks between tag and role; Experion has PV in DACA and OP in PIDA."""
 SERVER = re.compile(r"^(?:\\\\[^\\]+\\|\[[^\]]*\]|[A-Za-z]\w*://[^/]+/)")
 """``\\\\PISRV\\``, ``[default]`` before a tag."""
+SERIES = re.compile(r"(?P<name>[^{}]*)\{(?P<labels>[^{}]*)\}")
+"""A series with its labels, as Prometheus and Grafana write it: ``PV {loop="FIC101", host="a"}``."""
+LABEL = re.compile(r'\s*([\w.]+)\s*[=:]\s*(?:"([^"]*)"|([^,"]*))')
+LOOP_LABELS = ("loop", "controller", "tag", "device", "asset", "equipment", "name")
+"""Labels whose value is a loop's name rather than that of others, such as a host, the surest first."""
 LONGEST_ROLE = 2
 """Words of a role: Controller Output."""
 UNIT = re.compile(r"\s*[\[(]([^\])]*)[\])]\s*$")
@@ -141,6 +146,9 @@ def unit_of(name: str) -> str:
 @lru_cache(maxsize=100_000)
 def tag_role(name: str) -> TagRole | None:
     """Return loop and role of a tag, or None where it has no word for a role."""
+    series = SERIES.fullmatch(name.strip())
+    if series is not None:
+        return _of_series(series["name"].strip(), _labels(series["labels"]))
     bare = SERVER.sub("", UNIT.sub("", name)).strip()
     parts = [part for part in re.split(r"[./\\:|#]+", bare) if part]
     quality = False
@@ -162,6 +170,22 @@ def tag_role(name: str) -> TagRole | None:
     while len(parts) > 1 and BLOCK.fullmatch(parts[-1]):
         parts.pop()
     return TagRole("/".join(part.strip() for part in parts), ROLE[word], quality, word)
+
+
+def _labels(text: str) -> dict[str, str]:
+    return {key.casefold(): (quoted or plain_).strip() for key, quoted, plain_ in LABEL.findall(text)}
+
+
+def _of_series(name: str, labels: Mapping[str, str]) -> TagRole | None:
+    """Return loop and role of a series: of a label that is a whole tag, else of its name and its labels."""
+    found = {text: role for text in (*labels.values(), name) if (role := tag_role(text)) is not None}
+    whole = next((found[text] for text in labels.values() if text in found and found[text].loop), None)
+    if whole is not None or not found:
+        return whole
+    role = next(iter(found.values()))
+    others = {key: text for key, text in labels.items() if text not in found}
+    named = [others[key] for key in LOOP_LABELS if key in others]
+    return replace(role, loop=named[0] if named else "/".join(others.values()) or role.loop)
 
 
 def _within(part: str) -> tuple[str, str, bool] | None:
