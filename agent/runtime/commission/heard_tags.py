@@ -39,6 +39,8 @@ DEEPEST, MOST_LEAVES = 8, 50_000
 
 Leaves = Mapping[str, str | int | float | bool | None]
 """Path -> scalar of one object."""
+Stamps = dict[str, dict[str, str]]
+"""Path of an object -> key of a configuration -> path of its time, of its quality."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,9 +70,11 @@ def heard_tags(
     if trees and not isinstance(trees[-1], dict | list):
         found.append(HeardTag(topic, {"topic": topic}, trees[-1]))
     objects = _objects(trees)
+    of_message = _stamps(objects.get(None, [{}])[-1]).get("", {})
+    time = {key: path for key, path in of_message.items() if key == "time_field"}
     for path, own in objects.items():
         place = {} if path is None else {"entry": path}
-        found += _tags_of({"topic": topic, **place}, own, objects.get(None, [{}])[-1], loops_of)
+        found += _tags_of({"topic": topic, **place}, own, time, loops_of)
     return found
 
 
@@ -118,10 +122,10 @@ def _lists(tree: JsonTree, path: str = "", depth: int = 0) -> Iterator[tuple[str
 def _tags_of(
     place: Mapping[str, object],
     objects: Sequence[Leaves],
-    message: Leaves,
+    time: Mapping[str, str],
     loops_of: Callable[[Iterable[str]], int],
 ) -> list[HeardTag]:
-    """Return the tags of objects at one place; ``message`` are the newest one's own leaves."""
+    """Return the tags of objects at one place; ``time`` is that of the message, where it has one."""
     longest = max((len(each) for each in objects), default=0)
     objects = objects[-max(1, MOST_LEAVES // max(1, longest)) :]
     texts: dict[str, list[str]] = {}
@@ -132,27 +136,31 @@ def _tags_of(
     naming = {path: loops_of(map(name_in_id, dict.fromkeys(own))) for path, own in texts.items()}
     best = max(naming, key=lambda path: naming[path], default=None)
     if best is None or not naming[best]:
-        return _of_rows(place, objects, message)
+        return _of_rows(place, objects, time)
     newest = {str(each[best]): each for each in objects if isinstance(each.get(best), str)}
     found = []
     for name, each in newest.items():
         where = _value_in(each)
         if where is not None:
-            tag = {**place, "where": {best: name}, "field": where, **_beside(where, each, message)}
+            beside = _beside(where, _stamps(each))
+            tag = {**place, "where": {best: name}, "field": where, **time, **beside}
             found.append(HeardTag(name_in_id(name), tag, each[where]))
     return found
 
 
-def _of_rows(place: Mapping[str, object], objects: Sequence[Leaves], message: Leaves) -> list[HeardTag]:
+def _of_rows(
+    place: Mapping[str, object], objects: Sequence[Leaves], time: Mapping[str, str]
+) -> list[HeardTag]:
     """Return a tag for each value of objects that hold values of several tags, or of one without a name."""
     newest: dict[str, Leaves] = {path: each for each in objects for path in each}
     seldom = {path for path in newest if any(path not in each for each in objects)}
+    stamps = {key: _stamps(each) for key, each in {id(each): each for each in newest.values()}.items()}
     found = []
     for path, each in newest.items():
         if _last(path) in TIMES | QUALITIES or "statuscode" in path.casefold().replace("_", ""):
             continue
         name = path.rpartition(".")[0] if _last(path) in VALUES else path
-        tag = {**place, "field": path, **_beside(path, each, message)}
+        tag = {**place, "field": path, **time, **_beside(path, stamps[id(each)])}
         tag |= {"absent": "unchanged"} if path in seldom else {}
         found.append(HeardTag(f"{place['topic']}/{name}".strip("/"), tag, each[path]))
     return found
@@ -172,21 +180,26 @@ def _value_in(leaves: Leaves) -> str | None:
     return numbers[0] if len(numbers) == 1 else None
 
 
-def _beside(path: str, leaves: Leaves, message: Leaves) -> dict[str, str]:
-    """Return where time and quality of a value are: beside it, nearer to the root, or in the message."""
+def _stamps(leaves: Leaves) -> Stamps:
+    """Return path of an object -> its own times and qualities, the first of each."""
+    found: Stamps = {}
+    for path in leaves:
+        for key, words in (("time_field", TIMES), ("quality_field", QUALITIES)):
+            if _last(path) in words:
+                found.setdefault(path.rpartition(".")[0], {}).setdefault(key, path)
+    return found
+
+
+def _beside(path: str, stamps: Stamps) -> dict[str, str]:
+    """Return where time and quality of a value are: beside it, or nearer to the root."""
     found: dict[str, str] = {}
     above = path
     while above:
         above = above.rpartition(".")[0]
-        near = [each for each in leaves if each.rpartition(".")[0] == above and each != path]
-        for key, words in (("time_field", TIMES), ("quality_field", QUALITIES)):
-            named = [each for each in near if _last(each) in words]
-            if named:
-                found.setdefault(key, named[0])
+        found = stamps.get(above, {}) | found
         if _last(found.get("time_field", "")) == SOURCE_TIME:
             found.setdefault("quality_field", f"{above}.StatusCode".lstrip("."))
-    times = [each for each in message if _last(each) in TIMES and "." not in each]
-    return {"time_field": times[0], **found} if times else found
+    return found
 
 
 def name_in_id(text: str) -> str:

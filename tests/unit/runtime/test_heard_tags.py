@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agent.runtime.commission.heard_tags import heard_tags, name_in_id
+from agent.runtime.commission.heard_tags import _of_rows, heard_tags, name_in_id
 from agent.settings.tag_names import NamedTag, groups_by_convention
 from connectors.base import LoopRole, Quality
 from connectors.mqtt.messages.reader import TopicReader
@@ -75,6 +75,24 @@ def test_only_changes_are_seen_as_such():
     assert found["x/FIC1.OP"].tag["absent"] == "unchanged"
     assert "absent" not in found["x/FIC1.PV"].tag
     assert found["x/FIC1.PV"].value == 1.5
+
+
+def test_a_large_gateway_is_looked_at_in_proportion():
+    """Each value is looked at some times, not once for each of the others."""
+    looks = 0
+
+    class Counted(str):
+        __slots__ = ()
+
+        def rpartition(self, mark):
+            nonlocal looks
+            looks += 1
+            return tuple(map(Counted, str.rpartition(self, mark)))
+
+    leaves = {Counted(f"F{k}.PV.{end}"): 1.0 for k in range(300) for end in ("Value", "SourceTimestamp")}
+    found = _of_rows({"topic": "x"}, [leaves] * 3, {})
+    assert len(found) == 300
+    assert looks < 20 * len(leaves)
 
 
 def test_the_name_in_a_node_id():
