@@ -17,6 +17,8 @@ OLD = 60.0
 """s; older values are reported, and so are values older than ten samples."""
 STILL = 3
 """Samples without a change after which PV, which carries noise, is reported as constant."""
+SEVERAL, SLOWER = 2, 1.5
+"""Distances between values that say how often PV comes, and how many ``ts`` are more than one."""
 _RANGES = {"pv": "pv_range", "sp": "pv_range", "op": "op_range"}
 
 
@@ -31,6 +33,15 @@ class Reading:
     first: Sample
     changed: bool = False
     """Whether any was of another value than the first."""
+    later: int = 0
+    """How many came whose source time was later than that of the one before."""
+    begun: float = math.nan
+    """When the first arrived, s UTC, where more have come."""
+
+    @property
+    def interval(self) -> float:
+        """Mean distance of arrivals, s; NaN where too few say. The first may be kept, and old by its time."""
+        return (self.heard - self.begun) / self.later if self.later >= SEVERAL else math.nan
 
     @property
     def age(self) -> float:
@@ -40,7 +51,8 @@ class Reading:
     def followed_by(self, sample: Sample, heard: float) -> Reading:
         """Return the reading after one more sample."""
         changed = self.changed or not _same(sample.value, self.first.value)
-        return Reading(sample, heard, self.first, changed)
+        later = self.later + (sample.time > self.sample.time)
+        return Reading(sample, heard, self.first, changed, later, self.begun if self.later else self.heard)
 
 
 def problems(reading: Reading, role: str, loop: LoopSettings, *, any_clock: bool = False) -> tuple[str, ...]:
@@ -89,6 +101,9 @@ def remarks(reading: Reading, role: str, loop: LoopSettings, watched: float) -> 
         found.append(f"its source time is {duration_words(reading.age)} old: {why}")
     if role == "mode" and not loop.is_automatic(sample.value):
         found.append(_not_automatic(sample.value, loop))
+    if role == "pv" and reading.interval > SLOWER * loop.ts:
+        often = duration_words(reading.interval)
+        found.append(f"a value comes every {often}, but ts is {duration_words(loop.ts)}: set ts to that")
     if role == "pv" and not reading.changed and watched >= STILL * loop.ts:
         found.append(f"constant: did not change in {duration_words(watched)}")
     return tuple(found)

@@ -80,6 +80,18 @@ def test_what_should_be_known(role, sample, watched, told):
     assert found == () if told is None else found[0].startswith(told), found
 
 
+@pytest.mark.parametrize(("step", "count", "told"), [(1.0, 5, False), (5.0, 3, True), (5.0, 2, False)])
+def test_pv_that_comes_more_seldom_than_ts_says_is_reported(step, count, told):
+    (loop,) = settings().loops
+    samples = [now("pv", float(k)) for k in range(count)]
+    samples = [replace(each, time=NOW + step * k) for k, each in enumerate(samples)]
+    seen = Reading(samples[0], NOW, samples[0])
+    for each in samples[1:]:
+        seen = seen.followed_by(each, each.time)
+    found = remarks(seen, "pv", loop, step * count)
+    assert found == (("a value comes every 5 s, but ts is 1 s: set ts to that",) if told else ())
+
+
 class CheckedBus(FakeBus):
     async def check_targets(self):
         return [TargetReport("F1", "coil 5", "it has no such address"), TargetReport("F1", "coil 6")]
