@@ -87,9 +87,11 @@ def number(tree: JsonTree) -> float:
 
 
 def text_of(tree: JsonTree) -> str | None:
-    """Return a scalar as JSON writes it, text without its quotes; None for all else."""
+    """Return a scalar as JSON writes it, text without its quotes, 3.0 as 3; None for all else."""
     if isinstance(tree, bool):
         return str(tree).lower()
+    if isinstance(tree, float) and tree.is_integer():
+        return str(int(tree))
     return str(tree) if isinstance(tree, str | int | float) else None
 
 

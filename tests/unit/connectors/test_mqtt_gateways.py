@@ -162,6 +162,7 @@ def test_qualities_of_gateways(said, expected):
 def test_the_good_ones_may_be_named():
     tag = {"topic": "x", "field": "v", "quality_field": "q", "good": [0]}
     assert read(reader(pv=tag), {"v": 1, "q": 0})[0][3] is Quality.GOOD
+    assert read(reader(pv=tag), {"v": 1, "q": 0.0})[0][3] is Quality.GOOD
     assert read(reader(pv=tag), {"v": 1, "q": 192})[0][3] is Quality.BAD
     assert read(reader(pv=tag), {"v": 1})[0][3] is Quality.GOOD
 
