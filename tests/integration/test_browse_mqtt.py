@@ -17,6 +17,7 @@ from connectors.mqtt.options import MqttOptions
 from connectors.opcua.browse import Bounds
 from tests.integration.buses import mosquitto_broker
 from tests.integration.command import slipjump
+from tests.integration.secure_peers import PASSWORD, make_keys, secure_broker
 
 
 def row(name, value):
@@ -57,6 +58,34 @@ async def test_the_loops_of_a_broker_are_written_to_a_configuration_that_works(m
         code, checked, _ = await slipjump("check", str(out), "--connect")
     assert code == 0
     assert "0 with a problem" in checked
+
+
+async def test_an_encrypted_broker_is_heard_and_its_configuration_holds_no_secret(mosquitto, tmp_path):
+    (tmp_path / "keys").mkdir()
+    keys = make_keys(tmp_path / "keys")
+    (tmp_path / "password").write_text(PASSWORD)
+    login = {"user": "agent", "password": {"file": str(tmp_path / "password")}}
+    tls = {
+        "ca": str(keys / "ca.pem"),
+        "certificate": str(keys / "client.pem"),
+        "key": str(keys / "client-key.pem"),
+    }
+    out = tmp_path / "plant.yaml"
+    async with secure_broker(mosquitto, tmp_path, keys, ask=True) as port:
+        options = MqttOptions.model_validate({"port": port, "tls": tls, **login})
+        async with connected(options) as client:
+            for role, value in (("PV", b"1.5"), ("OP", b"50")):
+                await client.send(Outgoing(f"plant/FIC1/{role}", value, retain=True))
+        files = [word for key, path in tls.items() for word in (f"--{key}", path)]
+        known = ["--user", "agent", "--password-file", tmp_path / "password"]
+        browse = ["browse", f"mqtts://127.0.0.1:{port}", "--within", "1", "-o", out]
+        code, shown, faults = await slipjump(*browse, *files, *known)
+        assert (code, faults) == (0, "")
+        code, _, _ = await slipjump(*browse[:-1], tmp_path / "other.yaml", *files)
+        assert code == 2
+    assert "FIC1" in shown
+    assert PASSWORD not in out.read_text() + shown
+    assert load_settings(out).connections["dcs"].options == options
 
 
 async def test_hearing_ends_at_each_of_its_bounds(mosquitto, tmp_path):
