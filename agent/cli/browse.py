@@ -16,7 +16,7 @@ from connectors.base import ConfigError, ConnectionLostError
 
 if TYPE_CHECKING:
     from agent.cli.browsing.peers import Browsed
-    from agent.runtime.commission.loop_search import LoopSearch
+    from agent.runtime.commission.found_loops import LoopSearch
 
 NAMES = "Names"
 SECURITY = "Security, as in the configuration's connections"

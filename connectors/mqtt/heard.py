@@ -13,7 +13,6 @@ from connectors.base import ConnectionLostError
 from connectors.mqtt.client import as_connection_lost, connected, subscribe
 from connectors.mqtt.options import Broker
 
-EVERY_TOPIC = "#"
 KEPT = 50
 """Newest messages of a topic that are kept: a gateway that publishes changes has its tags in many."""
 MOST_BYTES = 100_000_000
@@ -28,17 +27,15 @@ class Heard:
 
     messages: Mapping[str, tuple[bytes, ...]]
     """Topic -> its newest payloads, the oldest first."""
-    count: int
-    """Messages that came."""
     stopped: str | None
     """The bound that ended it, but for time; None where none did."""
 
 
 async def hear(
     options: Broker,
-    topics: str = EVERY_TOPIC,
-    seconds: float = 30.0,
-    most_topics: int = 100_000,
+    topics: str,
+    seconds: float,
+    most_topics: int,
     progress: Callable[[float], None] = lambda _seconds: None,
 ) -> Heard:
     """Return what is published; raises ConnectionLostError, also where the broker refuses the topics.
@@ -64,7 +61,7 @@ async def hear(
                     if time.monotonic() - shown > STEP:
                         shown = time.monotonic()
                         progress(shown - begin)
-    return Heard({topic: tuple(own) for topic, own in ears.kept.items()}, ears.count, ears.stopped)
+    return Heard({topic: tuple(own) for topic, own in ears.kept.items()}, ears.stopped)
 
 
 class _Ears:
@@ -74,13 +71,11 @@ class _Ears:
         self._most_topics = most_topics
         self._size = 0
         self.kept: dict[str, deque[bytes]] = {}
-        self.count = 0
         self.stopped: str | None = None
 
     def take(self, topic: str, payload: bytes) -> None:
         own = self.kept.setdefault(topic, deque())
         own.append(payload)
-        self.count += 1
         self._size += len(payload) - (len(own.popleft()) if len(own) > KEPT else 0)
         if len(self.kept) > self._most_topics:
             self.stopped = f"{self._most_topics} topics"

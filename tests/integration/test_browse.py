@@ -10,7 +10,7 @@ from asyncua import Client, Server, ua
 
 from agent.cli import main
 from agent.cli.browsing.shown import write
-from agent.runtime.commission.loop_search import FoundLoop, LoopSearch
+from agent.runtime.commission.found_loops import FoundLoop, LoopSearch
 from agent.runtime.commission.probe import probe
 from agent.settings import load_settings
 from connectors.base import ConnectionLostError

@@ -8,16 +8,18 @@ from contextlib import asynccontextmanager
 import pytest
 
 from agent.cli import main
-from agent.runtime.commission.loop_search import find_published_loops
+from agent.runtime.commission.published_loops import find_published_loops
 from agent.settings import load_settings
 from connectors.base import ConnectionLostError
 from connectors.mqtt.client import Outgoing, connected
 from connectors.mqtt.heard import hear
 from connectors.mqtt.options import MqttOptions
-from connectors.opcua.browse import Bounds
 from tests.integration.buses import mosquitto_broker
 from tests.integration.command import slipjump
 from tests.integration.secure_peers import PASSWORD, make_keys, secure_broker
+
+MANY = 1000
+"""Topics, more than there are."""
 
 
 def row(name, value):
@@ -43,6 +45,7 @@ async def publishing(port):
         yield
     finally:
         task.cancel()
+        await asyncio.wait([task])
 
 
 async def test_the_loops_of_a_broker_are_written_to_a_configuration_that_works(mosquitto, tmp_path):
@@ -91,18 +94,18 @@ async def test_an_encrypted_broker_is_heard_and_its_configuration_holds_no_secre
 async def test_hearing_ends_at_each_of_its_bounds(mosquitto, tmp_path):
     async with mosquitto_broker(mosquitto, tmp_path) as (port, _), publishing(port):
         options = MqttOptions(port=port)
-        assert (await hear(options, seconds=30.0, most_topics=1)).stopped == "1 topics"
-        only = await find_published_loops(options, "plant/#", Bounds(seconds=1.0))
+        assert (await hear(options, "#", 30.0, most_topics=1)).stopped == "1 topics"
+        only = await find_published_loops(options, "plant/#", 1.0, MANY)
         assert [each.name for each in only.loops] == ["LIC3"]
         assert (only.nodes, only.variables, only.stopped) == (2, 2, None)
         by_pattern = {"pv": "Plant.*.PV", "op": "Plant.*.OP"}
-        named = await find_published_loops(options, "#", Bounds(seconds=1.0), by_pattern)
+        named = await find_published_loops(options, "#", 1.0, MANY, by_pattern)
         assert [each.name for each in named.loops] == ["FIC1"]
 
 
 async def test_a_broker_that_is_gone_is_reported():
     with pytest.raises(ConnectionLostError, match="MQTT broker at"):
-        await hear(MqttOptions(port=9), seconds=1.0)
+        await hear(MqttOptions(port=9), "#", 1.0, MANY)
 
 
 @pytest.mark.parametrize(

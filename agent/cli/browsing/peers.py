@@ -11,7 +11,7 @@ from connectors.base import ConfigError
 from connectors.options import Options
 
 if TYPE_CHECKING:
-    from agent.runtime.commission.loop_search import LoopSearch
+    from agent.runtime.commission.found_loops import LoopSearch
 
     Progress = Callable[[int, int], None]
     Search = Callable[[Mapping[str, str], Progress], Coroutine[Any, Any, LoopSearch]]
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 ADDRESSES = ("opc.tcp://HOST:PORT", "mqtt://HOST:PORT", "mqtts://HOST:PORT")
 SECONDS_OF_SERVER, SECONDS_OF_BROKER = 120.0, 30.0
 """How long is looked unless the user says: a server is walked, a broker heard while its clients publish."""
+EVERY_TOPIC = "#"
 MQTT_PORT, MQTTS_PORT = 1883, 8883
 """Registered for them (IANA)."""
 OptionsT = TypeVar("OptionsT", bound=Options)
@@ -78,10 +79,8 @@ def _server(wanted: BrowseRequest) -> Browsed:
 
 
 def _broker(wanted: BrowseRequest, *, encrypted: bool) -> Browsed:
-    from agent.runtime.commission.loop_search import find_published_loops
-    from connectors.mqtt.heard import EVERY_TOPIC
+    from agent.runtime.commission.published_loops import find_published_loops
     from connectors.mqtt.options import MqttOptions
-    from connectors.opcua.browse import Bounds
 
     tls = {key: wanted.security[key] for key in ("ca", "certificate", "key") if key in wanted.security}
     faults = [f"--{key.replace('_', '-')}: only of OPC UA" for key in wanted.security if key not in tls]
@@ -101,11 +100,11 @@ def _broker(wanted: BrowseRequest, *, encrypted: bool) -> Browsed:
     if encrypted:
         entry["tls"] = tls
     options = _checked(MqttOptions, entry).as_guest()
-    bounds = Bounds(wanted.depth, wanted.nodes, wanted.within or SECONDS_OF_BROKER)
+    topics, seconds = wanted.root or EVERY_TOPIC, wanted.within or SECONDS_OF_BROKER
     return Browsed(
         {"kind": "mqtt", **entry},
         lambda patterns, progress: find_published_loops(
-            options, wanted.root or EVERY_TOPIC, bounds, patterns, progress
+            options, topics, seconds, wanted.nodes, patterns, progress
         ),
         "s",
     )

@@ -13,7 +13,7 @@ from connectors.base import ConfigError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from agent.runtime.commission.loop_search import FoundLoop, LoopSearch
+    from agent.runtime.commission.found_loops import FoundLoop, LoopSearch
 
 CONNECTION = "dcs"
 """Its name in a configuration that is written."""

@@ -8,28 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
+from connectors.exports.cells.tag_roles import ROLE, is_time, plain
 from connectors.mqtt.messages.entries import ITSELF
 from connectors.mqtt.messages.malformed import JsonTree, MalformedPayloadError
 from connectors.mqtt.messages.payload import bare, parse
 
-TIMES = frozenset(
-    {
-        "t",
-        "ts",
-        "time",
-        "timestamp",
-        "timestampms",
-        "timems",
-        "sourcetimestamp",
-        "sourcetime",
-        "datetime",
-        "utc",
-        "date",
-    }
-)
-"""Last words of the path of a time, without ``_`` and capitals."""
-QUALITIES = frozenset(["q", "qc", "quality", "status", "statuscode", "opcquality", "isgood"])
+TIMES = frozenset({"sourcetimestamp", "sourcetime", "utc"})
+"""Last words of the path of a time, beside those of exports."""
+QUALITIES = frozenset({"qc", "isgood"})
+"""Of a quality, likewise."""
 VALUES = ("v", "value", "val", "d")
 """Last words of the path of a value that is called by what is before it, the surest first."""
 SOURCE_TIME = "sourcetimestamp"
@@ -131,7 +120,7 @@ def _tags_of(
     texts: dict[str, list[str]] = {}
     for each in objects:
         for path, value in each.items():
-            if isinstance(value, str) and _last(path) not in TIMES | QUALITIES:
+            if isinstance(value, str) and _stamp(path) is None:
                 texts.setdefault(path, []).append(value)
     naming = {path: loops_of(map(name_in_id, dict.fromkeys(own))) for path, own in texts.items()}
     best = max(naming, key=lambda path: naming[path], default=None)
@@ -157,7 +146,7 @@ def _of_rows(
     stamps = {key: _stamps(each) for key, each in {id(each): each for each in newest.values()}.items()}
     found = []
     for path, each in newest.items():
-        if _last(path) in TIMES | QUALITIES or "statuscode" in path.casefold().replace("_", ""):
+        if _stamp(path) is not None or "statuscode" in path.casefold().replace("_", ""):
             continue
         name = path.rpartition(".")[0] if _last(path) in VALUES else path
         tag = {**place, "field": path, **time, **_beside(path, stamps[id(each)])}
@@ -169,9 +158,7 @@ def _of_rows(
 def _value_in(leaves: Leaves) -> str | None:
     """Return the path of the value in an object that is of one tag; None where that is not clear."""
     numbers = [
-        path
-        for path, value in leaves.items()
-        if isinstance(value, int | float) and _last(path) not in TIMES | QUALITIES
+        path for path, value in leaves.items() if isinstance(value, int | float) and _stamp(path) is None
     ]
     for word in VALUES:
         named = [path for path in leaves if _last(path) == word]
@@ -184,9 +171,9 @@ def _stamps(leaves: Leaves) -> Stamps:
     """Return path of an object -> its own times and qualities, the first of each."""
     found: Stamps = {}
     for path in leaves:
-        for key, words in (("time_field", TIMES), ("quality_field", QUALITIES)):
-            if _last(path) in words:
-                found.setdefault(path.rpartition(".")[0], {}).setdefault(key, path)
+        key = _stamp(path)
+        if key is not None:
+            found.setdefault(path.rpartition(".")[0], {}).setdefault(key, path)
     return found
 
 
@@ -208,4 +195,13 @@ def name_in_id(text: str) -> str:
 
 
 def _last(path: str) -> str:
-    return path.rpartition(".")[2].casefold().replace("_", "").replace("-", "")
+    return plain(path.rpartition(".")[2])
+
+
+@lru_cache(maxsize=100_000)
+def _stamp(path: str) -> str | None:
+    """Return the key of a configuration under which a path belongs that is of a time or of a quality."""
+    word = _last(path)
+    if word in TIMES or is_time(word):
+        return "time_field"
+    return "quality_field" if word in QUALITIES or ROLE.get(word) == "quality" else None
