@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from connectors.base import ConnectionLostError
+from connectors.cancellation import obey_cancellation
 from connectors.mqtt.client import as_connection_lost, connected, subscribe
 from connectors.mqtt.options import Broker
 
@@ -55,6 +56,7 @@ async def hear(
         with as_connection_lost(), contextlib.suppress(TimeoutError):
             async with asyncio.timeout(seconds):
                 async for message in client.received():
+                    obey_cancellation()
                     ears.take(message.topic.value, bytes(message.payload))
                     if ears.stopped is not None:
                         break

@@ -11,6 +11,7 @@ from agent.cli import main
 from agent.runtime.commission.published_loops import find_published_loops
 from agent.settings import load_settings
 from connectors.base import ConnectionLostError
+from connectors.cancellation import obey_cancellation
 from connectors.mqtt.client import Outgoing, connected
 from connectors.mqtt.heard import hear
 from connectors.mqtt.options import MqttOptions
@@ -33,6 +34,7 @@ async def publishing(port):
     async def publish():
         async with connected(MqttOptions(port=port)) as client:
             while True:
+                obey_cancellation()
                 for name, value in (("FIC1.PV", 4.2), ("FIC1.OP", 51.0), ("TIC2.PV", 7.0)):
                     payload = json.dumps({"timestamp": 1, "values": [row(name, value)]}).encode()
                     await client.send(Outgoing("kepware", payload))
