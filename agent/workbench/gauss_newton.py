@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.workbench.normal_equations import coefficients_and_lowered
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -20,6 +22,8 @@ FLAT = 1e-6
 """Part of the error by which a step lowers it at least, where nothing else is given."""
 DAMPING, LESS, MORE = 1e-3, 0.1, 10.0
 """The first, over the squares of the derivatives, and what a step that helped, or did not, makes of it."""
+LEAST_DAMPING = 1e-9
+"""Below which it does not fall: where two coordinates do the same, something must share between them."""
 TRIES = 6
 """Dampings of one step."""
 
@@ -53,7 +57,8 @@ def lowest(
         for _ in range(TRIES):
             damped = squares[np.ix_(free, free)] + damping * np.diag(np.diag(squares)[free])
             moved = at.copy()
-            moved[free] = np.clip(at[free] - np.linalg.lstsq(damped, along[free], rcond=None)[0], 0.0, 1.0)
+            step, _ = coefficients_and_lowered(damped, damped, along[free], 0, LEAST_DAMPING)
+            moved[free] = np.clip(at[free] - step, 0.0, 1.0)
             there = residual(moved)
             if (lower := float(there @ there)) < error:
                 at, here, error, damping = moved, there, lower, damping * LESS

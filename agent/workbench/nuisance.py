@@ -6,6 +6,7 @@ an offset absorbed half of an asymmetric friction.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,8 +30,9 @@ def nuisance_of(record: Record) -> FloatArray:
     return columns if record.start is None else np.column_stack((columns, record.start))
 
 
+@lru_cache(maxsize=16)
 def nuisance(samples: int, period: float) -> FloatArray:
-    """Return level, slope, a decay of one period and slow cosines as columns, (samples, k).
+    """Return level, slope, a decay of one period and slow cosines as columns, (samples, k), not to be written.
 
     Args:
         samples: Of the record.
@@ -39,4 +41,6 @@ def nuisance(samples: int, period: float) -> FloatArray:
     at = np.arange(samples) + 0.5
     waves = np.arange(1, 1 + min(MOST_WAVES, int(2 * samples / (SLOWEST * period))))
     cosines = np.cos(np.pi * np.outer(at / samples, waves))
-    return np.column_stack((np.ones(samples), at / samples - 0.5, np.exp(-at / period), cosines))
+    columns = np.column_stack((np.ones(samples), at / samples - 0.5, np.exp(-at / period), cosines))
+    columns.flags.writeable = False
+    return columns

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.normal_equations import coefficients_and_lowered
+from agent.workbench.normal_equations import left_of, lowered_by
 from agent.workbench.nuisance import nuisance_of
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class ProjectedPv:
     pv: FloatArray
     """Zero where the weight is, PV units, (n,)."""
     basis: FloatArray
-    """Orthonormal columns of the nuisance on the samples that count, (n, q)."""
+    """Orthonormal columns of the nuisance on the samples that count, (n, q), one behind the other in memory."""
     gain_sign: int
     """+1 or -1; 0 where both are possible."""
     fixed_gain: bool
@@ -63,7 +63,7 @@ def target_of(record: Record, weight: FloatArray, *, linear: bool) -> ProjectedP
 
 def target_itself(pv: FloatArray, weight: FloatArray, gain_sign: int) -> ProjectedPv:
     """Return PV (n,) of the samples that count, for a response that is PV itself, level and all."""
-    return ProjectedPv(weight, pv * weight, np.empty((len(pv), 0)), gain_sign, fixed_gain=True)
+    return ProjectedPv(weight, pv * weight, np.empty((0, len(pv))).T, gain_sign, fixed_gain=True)
 
 
 def target_behind(pv: FloatArray, drift: FloatArray, weight: FloatArray, gain_sign: int) -> ProjectedPv:
@@ -71,16 +71,16 @@ def target_behind(pv: FloatArray, drift: FloatArray, weight: FloatArray, gain_si
     pv, columns = pv * weight, drift * weight[:, None]
     scale, rotation = np.linalg.eigh(columns.T @ columns)
     there = scale > VANISHES * scale[-1]
-    basis = columns @ (rotation[:, there] / np.sqrt(scale[there]))
+    basis = np.asfortranarray(columns @ (rotation[:, there] / np.sqrt(scale[there])))
     return ProjectedPv(weight, pv - basis @ (basis.T @ pv), basis, gain_sign, fixed_gain=False)
 
 
 def solve(columns: FloatArray, target: ProjectedPv) -> Solved:
     """Return the coefficients of ``columns`` (n, 1 + k), the response first, that leave the least squares."""
-    if not np.isfinite(columns).all():
-        return Solved(np.inf, np.zeros(columns.shape[1]), target.pv)
     if not target.fixed_gain:
         return _with_gain(columns, target)
+    if not np.isfinite(columns).all():
+        return Solved(np.inf, np.zeros(columns.shape[1]), target.pv)
     if columns.shape[1] == 1 and not target.basis.size:  # nothing to solve for, as in most calls
         residual = target.pv - columns[:, 0] * target.weight
         return Solved(float(residual @ residual), np.ones(1), residual)
@@ -95,10 +95,10 @@ def solve(columns: FloatArray, target: ProjectedPv) -> Solved:
 
 def _with_gain(columns: FloatArray, target: ProjectedPv) -> Solved:
     """Return ``solve`` of a response that has a gain, by sums of products."""
-    free = columns * target.weight[:, None]
-    outside = target.basis.T @ free
-    coefficients, _ = _by_sums(free, outside, target)
-    residual = target.pv - free @ coefficients + target.basis @ (outside @ coefficients)
+    free, outside, coefficients, lowered = _lowered(columns, target)
+    if lowered == -np.inf:
+        return Solved(np.inf, coefficients, target.pv)
+    residual = left_of(target.pv, free, coefficients, target.basis.T, outside)
     return Solved(float(residual @ residual), coefficients, residual)
 
 
@@ -107,29 +107,13 @@ def least_error(columns: FloatArray, target: ProjectedPv) -> float:
 
     Right to about 1e-12 of the squares of PV. Only for a response that has a gain.
     """
-    free = columns * target.weight[:, None]
-    lowered = _by_sums(free, target.basis.T @ free, target)[1]
-    return max(float(target.pv @ target.pv) - lowered, 0.0)
+    return max(float(target.pv @ target.pv) - _lowered(columns, target)[3], 0.0)
 
 
-def _by_sums(free: FloatArray, outside: FloatArray, target: ProjectedPv) -> tuple[FloatArray, float]:
-    """Return the best coefficients, (1 + k,), and by how much they lower the squares of PV.
-
-    Right to about 1e-12 of the latter; minus infinity where a column is not finite.
-
-    Args:
-        free: The columns where PV counts, (n, 1 + k), the response first.
-        outside: Their products with the nuisance, (q, 1 + k).
-        target: With a gain of its sign.
-    """
-    products, along = free.T @ free, free.T @ target.pv
-    gram = products - outside.T @ outside
-    if not np.isfinite(gram).all():
-        return np.zeros(len(gram)), -np.inf
-    found = coefficients_and_lowered(products, gram, along, 0, VANISHES)
-    if target.gain_sign and found[0][0] * target.gain_sign < 0:
-        found = coefficients_and_lowered(products, gram, along, 1, VANISHES)
-    return found
+def _lowered(columns: FloatArray, target: ProjectedPv) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """Return ``lowered_by`` of columns (n, 1 + k)."""
+    rows = np.ascontiguousarray(columns.T)
+    return lowered_by(rows, target.weight, target.basis.T, target.pv, target.gain_sign, VANISHES)
 
 
 def _least_squares(columns: FloatArray, values: FloatArray, squares: FloatArray) -> FloatArray:

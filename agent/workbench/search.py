@@ -97,9 +97,7 @@ class Whitened(Objective):
 
     def columns(self, at: FloatArray) -> FloatArray:
         """Return the whitened columns at a point of the unit cube, (k,); zero before the first prediction."""
-        out = self.noise.filtered(Objective.columns(self, at))
-        out[: len(self.noise.coefficients)] = 0.0
-        return out
+        return self.noise.filtered(Objective.columns(self, at), before=0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ as the autoregression has enough lags.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -38,14 +39,14 @@ class Innovations:
     variance: float
     """Of e, square of the residual's unit, with the degrees of freedom that the fit took."""
 
-    def filtered(self, other: FloatArray) -> FloatArray:
+    def filtered(self, other: FloatArray, before: float = math.nan) -> FloatArray:
         """Return another series (n,), or several (n, k), less the same sum over its own past.
 
-        The first p samples are NaN.
+        The first p samples are ``before``.
         """
         series = np.ascontiguousarray(other.T, dtype=np.float64)
         left = unpredicted(series.reshape(-1, len(other)), self.coefficients)
-        left[:, : len(self.coefficients)] = np.nan
+        left[:, : len(self.coefficients)] = before
         return left.reshape(series.shape).T
 
 
