@@ -128,6 +128,18 @@ class ValveEffect(Effect, Protocol):
         ...
 
 
+@runtime_checkable
+class ManyValves(ValveEffect, Protocol):
+    """A valve effect that moves many valves at once, which takes less time than one after the other."""
+
+    def apply_all(self, positions: FloatArray, values: FloatArray, ts: float) -> FloatArray:
+        """Return what ``apply`` does of each valve, (m, n), of values (m, k).
+
+        ``positions`` are those that are commanded, (m, n), or one row for all, (1, n).
+        """
+        ...
+
+
 class SensorEffect(Effect, Protocol):
     """Changes the measured PV, as a transmitter does. It sees the response for gain one, before its level."""
 

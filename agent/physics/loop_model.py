@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
 import numpy as np
 
-from agent.physics.bases.linear_process import LinearProcess
+from agent.physics.bases.linear_process import LinearProcess, responses
+from agent.physics.effect import ManyValves
 from agent.physics.foreign import array_of, is_built_in, result_of
 
 if TYPE_CHECKING:
@@ -68,7 +69,12 @@ class LoopModel:
         for effect in self.effects:
             own = slice(at, at + len(effect.parameters(facts)))
             placed[effect.stage].append(
-                PlacedEffect(effect, own, not (self.unguarded or is_built_in(effect)))
+                PlacedEffect(
+                    effect,
+                    own,
+                    not (self.unguarded or is_built_in(effect)),
+                    is_built_in(effect) and isinstance(effect, ManyValves),
+                )
             )
             at = own.stop
         placed["valve"].sort(key=lambda each: _place(each.effect))
@@ -91,6 +97,8 @@ class PlacedEffect(NamedTuple, Generic[AnyEffect]):
     """Its values."""
     guarded: bool
     """Whether what it returns is checked: somebody else wrote it."""
+    many: bool
+    """Whether it moves many valves at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,13 +121,19 @@ class Layout:
 
     def position(self, op: FloatArray, values: FloatArray) -> FloatArray:
         """Return the valve position, OP units, (n,), from OP without gaps, (n,)."""
-        position = op
-        for effect, own, guarded in self.valve:
-            if guarded:
-                position = array_of(effect, len(op), partial(effect.apply, position, values[own], self.ts))
-            else:
-                position = effect.apply(position, values[own], self.ts)
-        return position
+        return np.asarray(self._positions(op, values[np.newaxis])[0])
+
+    def _positions(self, op: FloatArray, values: FloatArray) -> FloatArray:
+        """Return the positions of many valves, (m, n), of values (m, k); one row where all are OP, (1, n)."""
+        positions = op[np.newaxis]
+        for effect, own, guarded, many in self.valve:
+            if many:
+                positions = cast("ManyValves", effect).apply_all(positions, values[:, own], self.ts)
+                continue
+            pairs = zip(_each(positions, len(values)), values[:, own], strict=True)
+            moves = (partial(effect.apply, *pair, self.ts) for pair in pairs)
+            positions = np.array([array_of(effect, len(op), move) if guarded else move() for move in moves])
+        return positions
 
     def response(self, position: FloatArray, values: FloatArray) -> FloatArray:
         """Return the measured response to a valve position, OP units, for gain one, (n,)."""
@@ -130,7 +144,7 @@ class Layout:
         # A curve over PV lies at levels of OP, wherever the response is counted from.
         level = process.counted_from(position) if isinstance(process, LinearProcess) else 0.0
         response = response + level
-        for effect, own, guarded in self.sensor:
+        for effect, own, guarded, _ in self.sensor:
             if guarded:
                 measure = partial(effect.apply, response, values[own], self.ts)
                 response = array_of(effect, len(position), measure)
@@ -141,7 +155,7 @@ class Layout:
     def process_of(self, values: FloatArray) -> RespondingProcess:
         """Return the process of the base as the effects have changed it."""
         process = self.base.process(values[self.own])
-        for altering, own, guarded in self.process:
+        for altering, own, guarded, _ in self.process:
             alter = partial(altering.change, process, values[own])
             process = cast("RespondingProcess", result_of(altering, alter) if guarded else alter())
         return process
@@ -164,15 +178,30 @@ class Layout:
         return found
 
     def columns(self, op: FloatArray, values: FloatArray) -> FloatArray:
-        """Return the response of gain one, then the columns of the disturbances, (n, 1 + k).
+        """Return the response of gain one, then the columns of the disturbances, (n, 1 + k)."""
+        return np.asarray(self.rows(op, values[np.newaxis])[0].T)
 
-        One column behind the other in memory: sums over samples are many, and run along it.
+    def rows(self, op: FloatArray, values: FloatArray) -> FloatArray:
+        """Return the same of many values, (m, k), each column a row, (m, 1 + k, n).
+
+        A search needs most of its points several at a time, and around one numpy and Python take as long as
+        the work. Sums over samples are many, and run along a row.
         """
-        response = self.response(self.position(op, values), values)
+        answers = self._responses(self._positions(op, values), values)
         if not self.disturbances:
-            return response[:, np.newaxis]
-        added = self._added(response, values)
-        return np.concatenate((response[np.newaxis], *(columns.T for _, columns in added))).T
+            return answers[:, np.newaxis]
+        found = []
+        for response, own in zip(answers, values, strict=True):
+            added = (columns.T for _, columns in self._added(response, own))
+            found.append(np.concatenate((response[np.newaxis], *added)))
+        return np.array(found)
+
+    def _responses(self, positions: FloatArray, values: FloatArray) -> FloatArray:
+        """Return the responses to many positions, (m, n) or one row for all, of values (m, k)."""
+        if not self.sensor and self.base.linear:
+            return responses([self.process_of(own) for own in values], positions, self.ts)
+        each = _each(positions, len(values))
+        return np.array([self.response(*pair) for pair in zip(each, values, strict=True)])
 
     def owners(self, op: FloatArray, values: FloatArray) -> tuple[str, ...]:
         """Return for each of the ``columns`` the effect that adds it; empty for the response."""
@@ -185,10 +214,15 @@ class Layout:
             return []
         time = np.asarray(self.ts * np.arange(len(response)), dtype=np.float64)
         found: list[tuple[Effect, FloatArray]] = []
-        for effect, own, guarded in self.disturbances:
+        for effect, own, guarded, _ in self.disturbances:
             add = partial(effect.columns, time, response, values[own])
             found.append((effect, array_of(effect, len(response), add) if guarded else add()))
         return found
+
+
+def _each(positions: FloatArray, count: int) -> FloatArray | list[FloatArray]:
+    """Return ``count`` positions, each (n,), of as many rows or of one for all."""
+    return positions if len(positions) == count else [positions[0]] * count
 
 
 def _place(effect: Effect) -> int:

@@ -9,26 +9,18 @@ import numpy as np
 
 from agent.physics.bases.base import StartingBase
 from agent.workbench.library import happens_once
+from agent.workbench.objective import Pinned, objective_of, whitened
 from agent.workbench.projection import nuisance_part, target_of
-from agent.workbench.search import (
-    STEP,
-    Pinned,
-    hypercube,
-    lowered,
-    objective_of,
-    searched,
-    spread_about,
-    whitened,
-)
+from agent.workbench.search import STEP, hypercube, lowered, searched, spread_about
 from agent.workbench.space import space_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.identify.noise.autoregression import Innovations
     from agent.physics.loop_model import Layout, LoopModel
+    from agent.workbench.objective import Objective
     from agent.workbench.projection import ProjectedPv, Solved
     from agent.workbench.record import Record
-    from agent.workbench.search import Objective
     from agent.workbench.space import Space
 
 SCAN = 400

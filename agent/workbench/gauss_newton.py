@@ -29,7 +29,7 @@ TRIES = 6
 
 
 def lowest(
-    residual: Callable[[FloatArray], FloatArray],
+    residuals: Callable[[FloatArray], FloatArray],
     start: FloatArray,
     steps: int,
     difference: float,
@@ -38,17 +38,17 @@ def lowest(
     """Return the point of the unit cube, (k,), with the least squares that is found from ``start``.
 
     Args:
-        residual: Of a point, (n,); not finite where there is none.
+        residuals: Of points, (m, k), each a row, (m, n); not finite where there is none.
         start: Where it begins, (k,).
         steps: At most.
         difference: Of two points for a derivative, part of the cube.
         flat: Part of the error by which a step lowers it at least.
     """
-    at, here = start, residual(start)
+    at, here = start, residuals(start[np.newaxis])[0]
     error, damping = float(here @ here), DAMPING
     for _ in range(steps):
-        slopes = _slopes(residual, at, here, difference)
-        along, squares = slopes.T @ here, slopes.T @ slopes
+        slopes = _slopes(residuals, at, here, difference)
+        along, squares = slopes @ here, slopes @ slopes.T
         if not np.isfinite(squares).all():
             break
         outward = ((at <= 0.0) & (along > 0.0)) | ((at >= 1.0) & (along < 0.0))
@@ -59,7 +59,7 @@ def lowest(
             moved = at.copy()
             step, _ = coefficients_and_lowered(damped, damped, along[free], 0, LEAST_DAMPING)
             moved[free] = np.clip(at[free] - step, 0.0, 1.0)
-            there = residual(moved)
+            there = residuals(moved[np.newaxis])[0]
             if (lower := float(there @ there)) < error:
                 at, here, error, damping = moved, there, lower, damping * LESS
                 break
@@ -70,12 +70,10 @@ def lowest(
 
 
 def _slopes(
-    residual: Callable[[FloatArray], FloatArray], at: FloatArray, here: FloatArray, difference: float
+    residuals: Callable[[FloatArray], FloatArray], at: FloatArray, here: FloatArray, difference: float
 ) -> FloatArray:
-    """Return the derivatives of the residual by the coordinates, (n, k)."""
-    slopes = np.empty((len(here), len(at)))
-    for i, place in enumerate(at.tolist()):
-        moved = at.copy()
-        moved[i] = place + difference if place + difference <= 1.0 else place - difference
-        slopes[:, i] = (residual(moved) - here) / (moved[i] - place)
-    return slopes
+    """Return the derivatives of the residual by the coordinates, (k, n)."""
+    moved = np.tile(at, (len(at), 1))
+    places = np.where(at + difference <= 1.0, at + difference, at - difference)
+    np.fill_diagonal(moved, places)
+    return np.asarray((residuals(moved) - here) / (places - at)[:, np.newaxis])

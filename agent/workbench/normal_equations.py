@@ -146,3 +146,29 @@ def left_of(
         for t in range(len(left)):
             left[t] += amount * row[t]
     return left
+
+
+@kernel
+def least_errors(
+    rows: FloatArray, weight: FloatArray, basis: FloatArray, pv: FloatArray, gain_sign: int, vanishes: float
+) -> FloatArray:
+    """Return the squares that many models leave of PV, (m,); infinite where a column is not finite.
+
+    ``rows``: the columns of each, (m, k, n); the others as ``lowered_by`` takes them.
+    """
+    errors, squares = np.empty(len(rows)), product(pv, pv)
+    for i in range(len(rows)):
+        errors[i] = max(squares - lowered_by(rows[i], weight, basis, pv, gain_sign, vanishes)[3], 0.0)
+    return errors
+
+
+@kernel
+def residuals_behind(
+    rows: FloatArray, weight: FloatArray, basis: FloatArray, pv: FloatArray, gain_sign: int, vanishes: float
+) -> FloatArray:
+    """Return what many models leave of PV, (m, n): PV itself where a column is not finite."""
+    left = np.empty((len(rows), len(pv)))
+    for i in range(len(rows)):
+        free, outside, coefficients, lowered = lowered_by(rows[i], weight, basis, pv, gain_sign, vanishes)
+        left[i] = pv if lowered == -np.inf else left_of(pv, free, coefficients, basis, outside)
+    return left

@@ -32,7 +32,7 @@ def nuisance_of(record: Record) -> FloatArray:
 
 @lru_cache(maxsize=16)
 def nuisance(samples: int, period: float) -> FloatArray:
-    """Return level, slope, a decay of one period and slow cosines as columns, (samples, k), not to be written.
+    """Return level, slope, a decay of one period and slow cosines as columns, (samples, k), read only.
 
     Args:
         samples: Of the record.

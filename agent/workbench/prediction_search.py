@@ -17,18 +17,10 @@ from agent.physics.bases.base import StartingBase
 from agent.workbench.fit import SCAN
 from agent.workbench.fit_order import instants_of
 from agent.workbench.library import happens_once
+from agent.workbench.objective import objective_of, whitened
 from agent.workbench.predictor import predictor_behind, predictor_with, renewed
 from agent.workbench.projection import target_of
-from agent.workbench.search import (
-    best_of,
-    by_slopes,
-    lowered,
-    objective_of,
-    of_last_effect,
-    searched,
-    spread_about,
-    whitened,
-)
+from agent.workbench.search import best_of, by_slopes, lowered, of_last_effect, searched, spread_about
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
@@ -233,5 +225,5 @@ def _placed(predicts: Predictor, at: FloatArray) -> FloatArray:
         for i in instants_of(predicts, effect.name):
             tried = np.tile(placed, (PLACES + 1, 1))
             tried[1:, i] = np.linspace(0.0, 1.0, PLACES)
-            placed = tried[int(np.argmin([predicts.error(each) for each in tried]))]
+            placed = tried[int(np.argmin(predicts.behind.errors(tried)))]
     return placed

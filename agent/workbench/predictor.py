@@ -13,15 +13,15 @@ import numpy as np
 
 from agent.identify.noise.autoregression import Innovations, innovations
 from agent.workbench.fit import Fit, residual_of
+from agent.workbench.objective import Objective, objective_of, whitened
 from agent.workbench.projection import VANISHES, nuisance_part
-from agent.workbench.search import Objective, objective_of, whitened
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
-    from agent.workbench.search import Whitened
+    from agent.workbench.objective import Whitened
     from agent.workbench.space import Space
 
 DIFFERENCE = 1e-3

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.workbench.normal_equations import left_of, lowered_by
+from agent.workbench.normal_equations import least_errors, left_of, lowered_by, residuals_behind
 from agent.workbench.nuisance import nuisance_of
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class ProjectedPv:
     pv: FloatArray
     """Zero where the weight is, PV units, (n,)."""
     basis: FloatArray
-    """Orthonormal columns of the nuisance on the samples that count, (n, q), one behind the other in memory."""
+    """Orthonormal columns of the nuisance on the samples that count, (n, q), column by column in memory."""
     gain_sign: int
     """+1 or -1; 0 where both are possible."""
     fixed_gain: bool
@@ -95,25 +95,33 @@ def solve(columns: FloatArray, target: ProjectedPv) -> Solved:
 
 def _with_gain(columns: FloatArray, target: ProjectedPv) -> Solved:
     """Return ``solve`` of a response that has a gain, by sums of products."""
-    free, outside, coefficients, lowered = _lowered(columns, target)
+    rows, basis = np.ascontiguousarray(columns.T), target.basis.T
+    free, outside, coefficients, lowered = lowered_by(
+        rows, target.weight, basis, target.pv, target.gain_sign, VANISHES
+    )
     if lowered == -np.inf:
         return Solved(np.inf, coefficients, target.pv)
-    residual = left_of(target.pv, free, coefficients, target.basis.T, outside)
+    residual = left_of(target.pv, free, coefficients, basis, outside)
     return Solved(float(residual @ residual), coefficients, residual)
 
 
-def least_error(columns: FloatArray, target: ProjectedPv) -> float:
-    """Return ``solve(columns, target).error`` by sums of products alone, many times as fast.
+def errors_of(rows: FloatArray, target: ProjectedPv) -> FloatArray:
+    """Return the errors, PV units squared, (m,), of many models; the columns of each are rows (m, 1 + k, n).
 
-    Right to about 1e-12 of the squares of PV. Only for a response that has a gain.
+    Of a response that has a gain by sums of products alone, right to about 1e-12 of the squares of PV.
     """
-    return max(float(target.pv @ target.pv) - _lowered(columns, target)[3], 0.0)
+    if target.fixed_gain:
+        return np.array([solve(each.T, target).error for each in rows])
+    rows = np.ascontiguousarray(rows)
+    return least_errors(rows, target.weight, target.basis.T, target.pv, target.gain_sign, VANISHES)
 
 
-def _lowered(columns: FloatArray, target: ProjectedPv) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """Return ``lowered_by`` of columns (n, 1 + k)."""
-    rows = np.ascontiguousarray(columns.T)
-    return lowered_by(rows, target.weight, target.basis.T, target.pv, target.gain_sign, VANISHES)
+def residuals_of(rows: FloatArray, target: ProjectedPv) -> FloatArray:
+    """Return the residuals, PV units, (m, n), of many models as ``errors_of`` takes them."""
+    if target.fixed_gain:
+        return np.array([solve(each.T, target).residual for each in rows])
+    rows = np.ascontiguousarray(rows)
+    return residuals_behind(rows, target.weight, target.basis.T, target.pv, target.gain_sign, VANISHES)
 
 
 def _least_squares(columns: FloatArray, values: FloatArray, squares: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def lowered_by_simplex(
-    error: Callable[[FloatArray], float],
+    errors_at: Callable[[FloatArray], FloatArray],
     start: FloatArray,
     step: float,
     evaluations: int,
@@ -31,7 +31,7 @@ def lowered_by_simplex(
     """Return the best point of the unit cube that the search finds from ``start`` (k,), k >= 1.
 
     Args:
-        error: What is lowered.
+        errors_at: What is lowered, of points, (m, k), (m,).
         start: Where it begins.
         step: To the first corners, inward where it would leave the cube.
         evaluations: For each coordinate, at most.
@@ -42,10 +42,14 @@ def lowered_by_simplex(
     count = len(start)
     left = evaluations * count
     corners = np.vstack((start, start + np.diag(np.where(start + step > 1.0, -step, step))))
-    errors = np.array([error(each) for each in corners[:left]])
+    errors = errors_at(corners[:left])
     corners = corners[: len(errors)]
     left -= len(errors)
     corners, errors = _sorted(corners, errors)
+
+    def error(point: FloatArray) -> float:
+        return float(errors_at(point[np.newaxis])[0])
+
     while left > 0 and len(errors) > count and errors[0] > enough:
         if np.abs(corners[1:] - corners[0]).max() <= near and errors[-1] - errors[0] <= flat:
             break
@@ -74,18 +78,20 @@ def lowered_by_simplex(
                 if nearer <= there if outside else nearer < errors[-1]:
                     corners[-1], found = contracted, nearer
                 else:
-                    left = _shrink(error, corners, errors, left)
+                    left = _shrink(errors_at, corners, errors, left)
                     found = errors[-1]
         errors[-1] = found
         corners, errors = _sorted(corners, errors)
     return np.asarray(corners[0], dtype=np.float64)
 
 
-def _shrink(error: Callable[[FloatArray], float], corners: FloatArray, errors: FloatArray, left: int) -> int:
+def _shrink(
+    errors_at: Callable[[FloatArray], FloatArray], corners: FloatArray, errors: FloatArray, left: int
+) -> int:
     """Halve the way of all corners to the first within ``left`` evaluations; return how many remain."""
-    for i in range(1, min(len(corners), left + 1)):
-        corners[i] = _inside(corners[0] + 0.5 * (corners[i] - corners[0]))
-        errors[i] = error(corners[i])
+    moved = slice(1, left + 1)
+    corners[moved] = _inside(corners[0] + 0.5 * (corners[moved] - corners[0]))
+    errors[moved] = errors_at(corners[moved])
     return max(left - len(corners) + 1, 0)
 
 

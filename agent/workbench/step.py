@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.fit import Fit
     from agent.workbench.folds import HeldOut
+    from agent.workbench.hooks import Map
     from agent.workbench.predictor import Predictor
     from agent.workbench.record import Record
     from agent.workbench.trial import Tried
@@ -90,10 +91,12 @@ def step_of(
     added: str | None = None,
     dropped: str | None = None,
     before: Step | None = None,
+    run: Map = map,
 ) -> Step:
     """Return the step to a model that was tried on ``record``, scored on ``validation`` too.
 
-    ``before``: the step that it was made from, with or without one effect; None of the base.
+    ``before``: the step that it was made from, with or without one effect; None of the base. ``run`` works on
+    several at a time.
     """
     counts = record.weight > 0
     missed = (record.pv - found.fit.pv)[counts]
@@ -106,7 +109,7 @@ def step_of(
         predicts=found.predicts,
         rmse_fit=float(np.sqrt(np.mean(missed**2))),
         fit_percent=100 * (1 - float(np.linalg.norm(missed)) / spread),
-        estimate=estimated(found, record),
+        estimate=estimated(found, record, run),
         verdict=verdict,
         rmse_validation=None if validation is None else rmse_on(found.fit, validation),
         of_laws=_of_laws(found, record, before, added),

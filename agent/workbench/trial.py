@@ -12,11 +12,13 @@ from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.effects.load_step import LoadStepEffect
 from agent.physics.effects.sinusoid import Sinusoid
 from agent.physics.foreign import EffectError
+from agent.workbench.event_scan import instants_seen
 from agent.workbench.evidence import criterion_of, far_likelier
 from agent.workbench.first.first_fit import FirstFit, first_fit
 from agent.workbench.fit import Fit, fit_from, nested_fit, refit, residual_of
 from agent.workbench.fit_order import largest_first
 from agent.workbench.folds import Folds, HeldOut, held_out
+from agent.workbench.library import happens_once
 from agent.workbench.prediction_search import predictor
 from agent.workbench.solved.fewest_steps import with_steps
 from agent.workbench.solved.more_harmonics import with_more_harmonics
@@ -82,10 +84,16 @@ def first_of(trial: Trial) -> FirstFit | None:
     return first_fit(predicts, best, trial.effect, starts)
 
 
-def first_or_failed(trial: Trial) -> FirstFit | EffectError | None:
-    """Return ``first_of``, or how an effect that others wrote failed: it costs its own trial only."""
+def begins_or_failed(trial: Trial) -> tuple[FloatArray | None, FirstFit | None] | EffectError:
+    """Return ``instants`` and ``first`` of a trial without them.
+
+    Or how an effect that others wrote failed: it costs its own trial only.
+    """
     try:
-        return first_of(trial)
+        instants = None
+        if trial.predicts is not None and happens_once(trial.effect, trial.record.facts):
+            instants = instants_seen(*trial.predicts, trial.effect)
+        return instants, first_of(replace(trial, instants=instants))
     except EffectError as error:
         return error
 

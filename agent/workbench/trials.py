@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,7 @@ from agent.workbench.first.begun import Begun
 from agent.workbench.first.deeper import deeper
 from agent.workbench.first.gaining import gaining, gains
 from agent.workbench.first.valves_beside import ValvesBeside
-from agent.workbench.first.valves_shared import sought, to_seek
+from agent.workbench.first.valves_shared import Seek, to_seek, to_seek_again, with_valve_of
 from agent.workbench.fit import fit
 from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.paired_blocks import lowers_error
@@ -129,7 +129,8 @@ class Trials:
             return ()
         if step.effects not in self._shown:
             self.progress("what the record can show", 0, 1)
-            self._shown[step.effects] = shown_by(*step.predicts, missing(step.fit.model, library))
+            effects = missing(step.fit.model, library)
+            self._shown[step.effects] = shown_by(*step.predicts, effects, self.run)
         return self._shown[step.effects]
 
     def judged_on(self, step: Step, effects: Sequence[Effect], able: Sequence[Effect] = ()) -> AllTried:
@@ -260,6 +261,10 @@ class Trials:
     def _share_valves(self, models: dict[str, Tried]) -> None:
         """Give each effect of hysteresis the valve of the likeliest, where it predicts better with it."""
         seeking = to_seek(models)
-        for name, fitted in zip(seeking, self.run(sought, list(seeking.values())), strict=True):
-            if fitted is not None:
-                models[name] = self.predicted(fitted)
+        self._seek_valves(models, seeking)
+        self._seek_valves(models, to_seek_again(models, seeking))
+
+    def _seek_valves(self, models: dict[str, Tried], seeking: Mapping[str, Seek]) -> None:
+        given = [(each, self.record, self.folds) for each in seeking.values()]
+        found = zip(seeking, self.run(with_valve_of, given), strict=True)
+        models.update({name: better for name, better in found if better is not None})

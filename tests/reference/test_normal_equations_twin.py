@@ -6,7 +6,12 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agent.workbench.normal_equations import coefficients_and_lowered
+from agent.workbench.normal_equations import (
+    coefficients_and_lowered,
+    least_errors,
+    lowered_by,
+    residuals_behind,
+)
 
 VANISHES = 1e-9
 
@@ -50,3 +55,39 @@ def test_two_alike_share() -> None:
     coefficients, lowered = coefficients_and_lowered(products, products, np.ones(2), 0, VANISHES)
     assert np.allclose(coefficients, 0.5)
     assert np.isclose(lowered, 1.0)
+
+
+def posed(seed: int, count: int, *, outside: int = 3) -> tuple[np.ndarray, ...]:
+    """Return columns as rows, which samples count, an orthonormal nuisance on these, PV without it."""
+    random = np.random.default_rng(seed)
+    weight = (random.random(60) < 0.8).astype(float)
+    basis = np.linalg.qr(random.standard_normal((60, outside)) * weight[:, None])[0].T
+    pv = random.standard_normal(60) * weight
+    rows = random.standard_normal((count, 60)) * 10.0 ** random.uniform(-2, 2, (count, 1))
+    return rows, weight, np.ascontiguousarray(basis), pv - basis.T @ (basis @ pv)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 4), st.sampled_from((-1, 0, 1)))
+def test_beside_a_nuisance_and_where_pv_counts(seed: int, count: int, gain_sign: int) -> None:
+    rows, weight, basis, pv = posed(seed, count)
+    free = (rows * weight).T
+    inside = free - basis.T @ (basis @ free)
+    coefficients = np.linalg.lstsq(inside, pv, rcond=None)[0]
+    if coefficients[0] * gain_sign < 0:
+        coefficients = np.concatenate(([0.0], np.linalg.lstsq(inside[:, 1:], pv, rcond=None)[0]))
+    left = pv - inside @ coefficients
+    how = (weight, basis, pv, gain_sign, VANISHES)
+    found = lowered_by(rows, *how)
+    np.testing.assert_allclose(found[2], coefficients, rtol=1e-5, atol=1e-9)
+    assert np.isclose(found[3], pv @ pv - left @ left, rtol=1e-6)
+    many = np.array((rows, 2.0 * rows))
+    np.testing.assert_allclose(least_errors(many, *how), left @ left, rtol=1e-6)
+    np.testing.assert_allclose(residuals_behind(many, *how), [left, left], atol=1e-6)
+
+
+def test_a_column_that_is_not_finite_is_no_model() -> None:
+    rows, weight, basis, pv = posed(1, 2)
+    rows[1, 5], weight[5] = np.inf, 1.0
+    how = (weight, basis, pv, 0, VANISHES)
+    assert least_errors(rows[np.newaxis], *how).tolist() == [np.inf]
+    assert residuals_behind(rows[np.newaxis], *how).tolist() == [pv.tolist()]

@@ -6,15 +6,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
+from agent.jit import kernel
 from agent.physics.processes.fopdt import fopdt
 from agent.physics.processes.integrator import integrator
 from agent.physics.processes.lag import lag_of_lines
 from agent.physics.processes.sopdt import sopdt
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Sequence
+
+    from agent.physics.bases.base import RespondingProcess
 
     FloatArray = NDArray[np.float64]
 
@@ -56,7 +60,7 @@ class LinearProcess:
             position: OP units, (n,), no NaN.
             ts: s.
         """
-        taus = sorted(lag / ts for lag in self.lags if lag > NO_LAG * ts)
+        taus = self._taus(ts)
         response = self._behind(taus, position, ts)
         if self.lead > 0.0:
             response = response - self.lead * self._speed(taus, response, position, ts)
@@ -64,6 +68,22 @@ class LinearProcess:
             beyond = cumulative_trapezoid(response - response.mean(), dx=ts, initial=0)
             response = response + self.creep * beyond
         return response
+
+    def behind_lags(self, ts: float) -> tuple[float, float, float] | None:
+        """Return delay and up to two time constants, samples, the shorter first; None of any other process.
+
+        A first-order lag has 0 for the second.
+        """
+        if self.integrates or self.lead > 0.0 or self.creep > 0.0:
+            return None
+        taus = self._taus(ts)
+        if len(taus) > 2:
+            return None
+        return max(self.delay / ts, 1.0), taus[0] if taus else NO_LAG, taus[1] if len(taus) > 1 else 0.0
+
+    def _taus(self, ts: float) -> list[float]:
+        """Return the time constants that are seen, samples, the shorter first."""
+        return sorted(lag / ts for lag in self.lags if lag > NO_LAG * ts)
 
     def counted_from(self, position: FloatArray) -> float:
         """Return the level of OP that the response to a position, (n,), is counted from, OP units."""
@@ -95,6 +115,30 @@ class LinearProcess:
         passed = np.empty_like(position)
         fopdt(position, float(np.mean(position)), NO_LAG, max(self.delay / ts, 1.0), passed)
         return passed if self.integrates else np.zeros_like(passed)
+
+
+def responses(processes: Sequence[RespondingProcess], positions: FloatArray, ts: float) -> FloatArray:
+    """Return ``respond`` of each of many processes, (m, n), to ``positions`` (m, n) or one row for all."""
+    # Those that are more than linear lags have a ``respond`` of their own.
+    lags = [each.behind_lags(ts) if type(each) is LinearProcess else None for each in processes]
+    plain = [each for each in lags if each is not None]
+    if len(plain) == len(processes):
+        return responses_behind_lags(positions, np.array(plain))
+    one = len(positions) == 1
+    return np.array([each.respond(positions[0 if one else i], ts) for i, each in enumerate(processes)])
+
+
+@kernel
+def responses_behind_lags(positions: NDArray[np.float64], lags: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return ``responses`` of processes with the numbers of ``LinearProcess.behind_lags``, (m, 3)."""
+    found = np.empty((len(lags), positions.shape[1]))
+    for i in range(len(lags)):
+        position = positions[min(i, len(positions) - 1)]
+        if lags[i, 2] > 0.0:
+            sopdt(position, position[0], lags[i, 1], lags[i, 2], lags[i, 0], found[i])
+        else:
+            fopdt(position, position[0], lags[i, 1], lags[i, 0], found[i])
+    return found
 
 
 def lagged(signal: FloatArray, tau: float) -> FloatArray:

@@ -13,11 +13,11 @@ from agent.physics.effects.hysteresis import (
     STIFF,
     motion_of,
     motion_values,
+    motions,
+    moved_stems,
     moving,
-    rest_before,
     start_of,
 )
-from agent.physics.valves.damped_stem import damped_stem_by_direction
 from agent.units import FrictionBands
 
 if TYPE_CHECKING:
@@ -55,15 +55,13 @@ class AsymmetricStiction:
 
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:
         """Return where the stem is."""
-        dead_band, j_up, j_down, start = (float(value) for value in values[:4])
-        if dead_band == j_up == j_down == 0.0:
-            return position
-        f_d = dead_band / 2
-        x0 = rest_before(float(position[0]), f_d + j_up, f_d + j_down, start)
-        stem = moving(values[4:], ts)
-        return damped_stem_by_direction(
-            position, f_d + j_up, f_d + j_down, f_d, x0, stem.damping, stem.supply, stem.rest
-        )
+        return np.asarray(self.apply_all(position[np.newaxis], values[np.newaxis], ts)[0])
+
+    def apply_all(self, positions: FloatArray, values: FloatArray, ts: float) -> FloatArray:
+        """Return where each of many stems is."""
+        f_d, up, down = values[:, 0] / 2, values[:, 1], values[:, 2]
+        valves = np.array((f_d + up, f_d + down, f_d, values[:, 3]))
+        return moved_stems(positions, valves, motions(values[:, 4:], ts))
 
     def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:
         """Return the values of a valve with these bands in both directions."""

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agent.jit import kernel
 from agent.physics.effect import Facts, Parameter, Stage
-from agent.physics.effects.actuator_lag import lagged
 from agent.physics.effects.hysteresis import S_BY_LAW, motion_of, rest_before, start_of
 from agent.physics.valves.damped_stem import DampedStem
 from agent.units import FrictionBands
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    FloatArray = NDArray[np.float64]
+FloatArray = NDArray[np.float64]
 
 
 @kernel
@@ -32,6 +29,31 @@ def backlash(command: FloatArray, width: float, x0: float) -> FloatArray:
         x = min(max(x, command[t] - 0.5 * width), command[t] + 0.5 * width)
         position[t] = x
     return position
+
+
+@kernel
+def slack_stems(positions: FloatArray, valves: FloatArray, ts: float) -> FloatArray:
+    """Return where many plugs with slack are, each behind the lag of its stem, OP units, (m, n).
+
+    Args:
+        positions: Where each is commanded to, or one row for all, OP units, (m, n) or (1, n).
+        valves: Width of the band and ``start_of``, OP units, and time constant of the stem, s, (m, 3).
+        ts: s.
+    """
+    plugs = np.empty((len(valves), positions.shape[1]))
+    for i in range(len(valves)):
+        command = positions[min(i, len(positions) - 1)]
+        width, start, tau = valves[i, 0], valves[i, 1], valves[i, 2]
+        if width == 0.0:
+            plugs[i] = command
+            continue
+        passes = -math.expm1(-ts / tau) if tau > 0.0 else 1.0
+        stem, place = np.empty(len(command)), command[0]
+        for t in range(len(command)):
+            place += passes * (command[t] - place)
+            stem[t] = place
+        plugs[i] = backlash(stem, width, rest_before(command[0], width / 2, width / 2, start))
+    return plugs
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,11 +79,11 @@ class Deadband:
 
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:
         """Return where the plug is."""
-        width, start, damping = (float(value) for value in values)
-        if width == 0.0:
-            return position
-        stem = lagged(position, damping, ts)
-        return backlash(stem, width, rest_before(float(position[0]), width / 2, width / 2, start))
+        return np.asarray(self.apply_all(position[np.newaxis], values[np.newaxis], ts)[0])
+
+    def apply_all(self, positions: FloatArray, values: FloatArray, ts: float) -> FloatArray:
+        """Return where each of many plugs is."""
+        return slack_stems(positions, values, ts)
 
     def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:
         """Return the values of a band as wide as S."""

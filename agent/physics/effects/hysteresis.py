@@ -5,14 +5,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
+from agent.jit import kernel
 from agent.physics.effect import Facts, Parameter, ValveEffect
-from agent.physics.valves.damped_stem import DAMPING, GIVE, REST, SUPPLY, DampedStem
+from agent.physics.valves.damped_stem import (
+    DAMPING,
+    GIVE,
+    REST,
+    SUPPLY,
+    DampedStem,
+    damped_stem_by_direction,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from numpy.typing import NDArray
 
     from agent.units import FrictionBands
 
@@ -57,6 +64,7 @@ def start_of(facts: Facts) -> Parameter:
     return Parameter("start", "OP", -facts.op_span, facts.op_span, of_record=True)
 
 
+@kernel
 def rest_before(op: float, f_s_up: float, f_s_down: float, start: float) -> float:
     """Return where a stem rests before the first sample, OP units; friction holds it there.
 
@@ -68,6 +76,31 @@ def rest_before(op: float, f_s_up: float, f_s_down: float, start: float) -> floa
     """
     rest = op + start - f_s_up if start >= 0.0 else op + start + f_s_down
     return min(max(rest, op - f_s_up), op + f_s_down)
+
+
+@kernel
+def moved_stems(
+    positions: NDArray[np.float64], valves: NDArray[np.float64], motion: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the positions of many damped stems, OP units, (m, n); one without friction follows at once.
+
+    Args:
+        positions: Where each is commanded to, or one row for all, OP units, (m, n) or (1, n).
+        valves: Static friction against a rising stem and against a falling one, kinetic friction, and
+            ``start_of``, OP units, (4, m).
+        motion: Damping and supply, samples, rest and give, as ``damped_stem`` takes them, (m, 4).
+    """
+    moved = np.empty((valves.shape[1], positions.shape[1]))
+    for i in range(valves.shape[1]):
+        command = positions[min(i, len(positions) - 1)]
+        f_s_up, f_s_down, f_d, start = valves[0, i], valves[1, i], valves[2, i], valves[3, i]
+        if f_s_up == 0.0 and f_s_down == 0.0:
+            moved[i] = command
+            continue
+        x0 = rest_before(command[0], f_s_up, f_s_down, start)
+        damping, supply, rest, give = motion[i, 0], motion[i, 1], motion[i, 2], motion[i, 3]
+        moved[i] = damped_stem_by_direction(command, f_s_up, f_s_down, f_d, x0, damping, supply, rest, give)
+    return moved
 
 
 def motion_of(facts: Facts, names: Sequence[str] = MOTION) -> tuple[Parameter, ...]:
@@ -90,11 +123,19 @@ def motion_of(facts: Facts, names: Sequence[str] = MOTION) -> tuple[Parameter, .
     )
 
 
+def motions(values: FloatArray, ts: float) -> FloatArray:
+    """Return motions as ``moved_stems`` takes them, (m, 4), of values of ``motion_of``, (m, 4) or (m, 3)."""
+    found = np.zeros((len(values), len(MOTION)))
+    found[:, : values.shape[1]] = values
+    found[:, :2] /= ts
+    found[found[:, 3] <= GIVE[0], 3] = 0.0
+    return found
+
+
 def moving(values: FloatArray, ts: float) -> DampedStem:
     """Return the stem of the values of ``motion_of``, (4,), or of a stiff one, (3,)."""
-    damping, supply, rest = (float(value) for value in values[:3])
-    give = float(values[3]) if len(values) == len(MOTION) and values[3] > GIVE[0] else 0.0
-    return DampedStem(damping=damping / ts, supply=supply / ts, rest=rest, give=give)
+    damping, supply, rest, give = motions(values[np.newaxis], ts)[0].tolist()
+    return DampedStem(damping=damping, supply=supply, rest=rest, give=give)
 
 
 def motion_values(stem: DampedStem, ts: float) -> FloatArray:

@@ -13,6 +13,8 @@ from agent.physics.effects.hysteresis import (
     S_BY_LAW,
     motion_of,
     motion_values,
+    motions,
+    moved_stems,
     moving,
     rest_before,
     start_of,
@@ -51,12 +53,24 @@ class Stiction:
 
     def apply(self, position: FloatArray, values: FloatArray, ts: float) -> FloatArray:
         """Return where the stem is."""
+        if self.law is None:
+            return np.asarray(self.apply_all(position[np.newaxis], values[np.newaxis], ts)[0])
         s, j_over_s, start = (float(value) for value in values[:3])
         if s == 0.0:
             return position
         bands = FrictionBands.from_s_j(s, j_over_s * s)
-        law = moving(values[3:], ts) if self.law is None else self.law
-        return law.position(position, bands, rest_before(float(position[0]), bands.f_s, bands.f_s, start))
+        rest = rest_before(float(position[0]), bands.f_s, bands.f_s, start)
+        return self.law.position(position, bands, rest)
+
+    def apply_all(self, positions: FloatArray, values: FloatArray, ts: float) -> FloatArray:
+        """Return where each of many stems is."""
+        if self.law is not None:
+            each = positions if len(positions) == len(values) else [positions[0]] * len(values)
+            return np.array([self.apply(*pair, ts) for pair in zip(each, values, strict=True)])
+        s, jump = values[:, 0], values[:, 1] * values[:, 0]
+        f_s, f_d = (s + jump) / 2, (s - jump) / 2
+        valves = np.array((f_s, f_s, f_d, values[:, 2]))
+        return moved_stems(positions, valves, motions(values[:, 3:], ts))
 
     def values_of(self, bands: FrictionBands, start: float, stem: DampedStem, ts: float) -> FloatArray:
         """Return the values of a valve with these bands."""

@@ -27,6 +27,8 @@ def with_free_memory(predicts: Predictor, best: FloatArray) -> Predictor:
     target, kept = predicts.behind.target, predicts.kept
     past = past_of(predicts, best, len(predicts.noise.coefficients)) * target.weight[:, np.newaxis]
     new = directions(past - target.basis @ (target.basis.T @ past))
-    freed = replace(target, pv=target.pv - new @ (new.T @ target.pv), basis=np.hstack((target.basis, new)))
+    freed = replace(
+        target, pv=target.pv - new @ (new.T @ target.pv), basis=np.vstack((target.basis.T, new.T)).T
+    )
     behind = replace(predicts.behind, target=freed)
     return replace(predicts, behind=behind, pv=freed.pv[kept], basis=freed.basis[kept])

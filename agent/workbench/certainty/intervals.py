@@ -26,7 +26,7 @@ from agent.workbench.certainty.likelihood_profile import (
     QUANTILE,
     as_likely,
     by_derivatives,
-    likelihood_profile,
+    profiles,
 )
 from agent.workbench.event_scan import instant_p
 from agent.workbench.fit_order import lags_alike, lags_in_order
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.folds import HeldOut
+    from agent.workbench.hooks import Map
     from agent.workbench.record import Record
     from agent.workbench.space import Space
     from agent.workbench.trial import Tried
@@ -75,8 +76,11 @@ class Estimate:
     """What was solved for: gain, heights, amplitude, phase; no gain where PV is the response itself."""
 
 
-def estimated(found: Tried, record: Record) -> Estimate:
-    """Return the parameters of a model; of one searched by its logarithm the interval is the logarithm's."""
+def estimated(found: Tried, record: Record, run: Map = map) -> Estimate:
+    """Return the parameters of a model; of one searched by its logarithm the interval is the logarithm's.
+
+    ``run`` works on several at a time.
+    """
     fitted = found.fit
     if found.predicts is None:
         space = space_of(fitted.model, record.facts)
@@ -88,12 +92,12 @@ def estimated(found: Tried, record: Record) -> Estimate:
     pairs = [*zip(space.names, space.parameters, strict=True)]
     wide = [QUANTILE if each.of_record else by_derivatives(name) for name, each in pairs]
     half = np.tile(wide * freed.spread(best), (2, 1))
-    points = as_likely(freed.behind, best, pairs, lags_alike(space))
+    points = as_likely(freed.behind, best, pairs, lags_alike(space), run)
     half = np.maximum(half, _reach(np.array([lags_in_order(space, each) for each in points]), best))
-    for i, parameter in enumerate(space.parameters):
-        if parameter.instant and not parameter.constant:
-            points = likelihood_profile(freed.behind, best, i, CLEARLY_AT_AN_INSTANT)
-            half[:, i] = np.maximum(half[:, i], _reach(points, best)[:, i])
+    instants = [i for i, each in enumerate(space.parameters) if each.instant and not each.constant]
+    ends = profiles(freed.behind, best, instants, CLEARLY_AT_AN_INSTANT, run=run)
+    for i, points in zip(instants, ends, strict=True):
+        half[:, i] = np.maximum(half[:, i], _reach(points, best)[:, i])
     half = np.maximum(half, _by_law(space, best)) + _reach(values_beside_a_lag(predicts, best), best)
     parameters = _within(space, best, half)
     return Estimate(

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Parameter
+    from agent.workbench.hooks import Map
 
 WIDER = 1.1
 """Intervals of what answers OP over those of the books, which take OP for given; in closed loop it holds the
@@ -61,11 +62,14 @@ class Profiled(Protocol):
     def rough(self) -> bool:
         """Whether their squares have steps or kinks."""
 
-    def residual(self, at: FloatArray) -> FloatArray:
-        """Return them at a point of the unit cube, (n,), zeros between them allowed."""
+    def residuals(self, points: FloatArray) -> FloatArray:
+        """Return them at points of the unit cube, (m, k), each a row, (m, n), zeros between them allowed."""
 
     def error(self, at: FloatArray) -> float:
-        """Return the sum of their squares; infinite where the point has no answer."""
+        """Return the sum of their squares at one of them; infinite where it has no answer."""
+
+    def errors(self, points: FloatArray) -> FloatArray:
+        """Return the same of points, (m,)."""
 
 
 def by_derivatives(name: str) -> float:
@@ -77,7 +81,11 @@ def by_derivatives(name: str) -> float:
 
 
 def as_likely(
-    model: Profiled, best: FloatArray, parameters: Sequence[tuple[str, Parameter]], alike: tuple[int, ...]
+    model: Profiled,
+    best: FloatArray,
+    parameters: Sequence[tuple[str, Parameter]],
+    alike: tuple[int, ...],
+    run: Map = map,
 ) -> FloatArray:
     """Return points as likely as the best, (m, k): the best, and the profiles of what lasts.
 
@@ -88,13 +96,30 @@ def as_likely(
         best: (k,).
         parameters: With their names, of the first coordinates of the point.
         alike: Coordinates.
+        run: Works on several at a time.
     """
-    points = [best]
-    for at, (name, parameter) in enumerate(parameters):
-        lasts = not (parameter.constant or parameter.of_record)
-        if lasts and name.rpartition(".")[2] not in MOTION:
-            points.extend(likelihood_profile(model, best, at, alike=alike))
-    return np.array(points)
+    lasting = [
+        at
+        for at, (name, parameter) in enumerate(parameters)
+        if not (parameter.constant or parameter.of_record or name.rpartition(".")[2] in MOTION)
+    ]
+    return np.vstack((best, *profiles(model, best, lasting, CLEARLY, alike, run)))
+
+
+def profiles(
+    model: Profiled,
+    best: FloatArray,
+    places: Sequence[int],
+    clearly: float,
+    alike: tuple[int, ...] = (),
+    run: Map = map,
+) -> list[FloatArray]:
+    """Return ``likelihood_profile`` of several coordinates, ``run`` working on several at a time."""
+    return list(run(_profile, [(model, best, at, clearly, alike) for at in places]))
+
+
+def _profile(given: tuple[Profiled, FloatArray, int, float, tuple[int, ...]]) -> FloatArray:
+    return likelihood_profile(*given)
 
 
 def likelihood_profile(
@@ -170,17 +195,21 @@ def refitted(
     moves = ~np.isin(np.arange(len(start)), held)
 
     def whole(others: FloatArray) -> FloatArray:
-        point = start.copy()
-        point[~moves], point[moves] = place, others
-        return point
+        points = np.tile(start, (len(others), 1))
+        points[:, ~moves], points[:, moves] = place, others
+        return points
 
-    def error(others: FloatArray) -> float:
-        return model.error(whole(others))
+    def errors(others: FloatArray) -> FloatArray:
+        return model.errors(whole(others))
 
     found = start[moves]
     if len(found):
-        found = lowest(lambda others: model.residual(whole(others)), found, STEPS, COARSE)
-    if len(found) and model.rough and error(found) > most:
-        flat = SAME / model.count * most
-        found = lowered_by_simplex(error, found, STEP, EVALUATIONS, near=1.0, flat=flat, enough=most)
-    return whole(found), error(found)
+        found = lowest(lambda others: model.residuals(whole(others)), found, STEPS, COARSE)
+    point = whole(found[np.newaxis])[0]
+    error = model.error(point)
+    if not (len(found) and model.rough and error > most):
+        return point, error
+    flat = SAME / model.count * most
+    found = lowered_by_simplex(errors, found, STEP, EVALUATIONS, near=1.0, flat=flat, enough=most)
+    point = whole(found[np.newaxis])[0]
+    return point, model.error(point)

@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING
 
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.foreign import EffectError
-from agent.workbench.event_scan import instants_seen
-from agent.workbench.library import happens_once
-from agent.workbench.trial import Trial, first_or_failed, optimum
+from agent.workbench.trial import Trial, begins_or_failed, optimum
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
     from agent.workbench.first.valves_beside import ValvesBeside
     from agent.workbench.fit import Fit
@@ -46,15 +43,16 @@ class Begun:
     def of(self, smaller: Step | Optimum, effects: Sequence[Effect]) -> list[Trial]:
         """Return the trial of each effect on a model, with its first fit; one that fails is left out."""
         new = [
-            replace(self._trial(smaller, each), instants=self._instants(smaller, each))
+            self._trial(smaller, each)
             for each in effects
             if _key(smaller, each) not in self._trials and each.name not in self.left_out
         ]
-        for trial, first in zip(new, self.run(first_or_failed, new), strict=True):
-            if isinstance(first, EffectError):
-                self.left_out[trial.effect.name] = str(first)
+        for trial, begins in zip(new, self.run(begins_or_failed, new), strict=True):
+            if isinstance(begins, EffectError):
+                self.left_out[trial.effect.name] = str(begins)
             else:
-                self._trials[_key(smaller, trial.effect)] = replace(trial, first=first)
+                instants, first = begins
+                self._trials[_key(smaller, trial.effect)] = replace(trial, instants=instants, first=first)
         return [self._trials[_key(smaller, each)] for each in effects if each.name not in self.left_out]
 
     def together(self, one: Step | Optimum, other: Effect) -> Optimum:
@@ -74,11 +72,6 @@ class Begun:
     def _trial(self, smaller: Step | Optimum, effect: Effect) -> Trial:
         valves = self.valves_beside(smaller.fit) if isinstance(effect, HysteresisEffect) else ()
         return Trial(smaller.fit, effect, self.record, self.folds, smaller.predicts, valves)
-
-    def _instants(self, smaller: Step | Optimum, effect: Effect) -> FloatArray | None:
-        if smaller.predicts is None or not happens_once(effect, self.record.facts):
-            return None
-        return instants_seen(*smaller.predicts, effect)
 
 
 def _key(model: Step | Optimum, effect: Effect) -> Key:

@@ -15,7 +15,7 @@ from agent.workbench.search import by_slopes, hypercube, of_last_effect
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
-    from agent.workbench.search import Objective
+    from agent.workbench.objective import Objective
 
 POINTS = 6000
 """That are looked at."""
@@ -40,7 +40,7 @@ def scanned(objective: Objective, at: FloatArray) -> FloatArray:
         if parameter.unit == "OP" and not parameter.of_record:
             spread = NARROWEST * (WIDEST / NARROWEST) ** points[:, place]
             points[:, place] = spread * objective.facts.op_span / parameter.high
-    errors = np.array([objective.error(each) for each in points])
+    errors = objective.errors(points)
     ends = [by_slopes(objective, points[each]) for each in np.argsort(errors)[:FOLLOWED]]
     ends.sort(key=objective.error)
     return np.array(ends[:KEPT])

@@ -1,12 +1,15 @@
-"""One valve for all effects of its family: each begins from that of the likeliest, and from a scan, as well.
+"""One valve for all effects of its family: each begins from that of the likeliest as well.
 
 Effects of hysteresis are nearly the same valve with other numbers, and their errors have narrow minima, so
-that a search may find one with the richer effect and miss it with the simpler one that is there.
+that a search may find one with the richer effect and miss it with the simpler one that is there. A scan looks
+for others with the effect of most numbers, which has the valves of the simpler ones among its own; where it
+finds a likelier one, the others begin from that.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,20 +17,32 @@ from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.foreign import EffectError
 from agent.workbench.first.valve_scan import scanned
 from agent.workbench.prediction_search import with_other_values
+from agent.workbench.trial import predicted
 from agent.workbench.valve_starts import ValveStart, with_valves
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.fit import Fit
+    from agent.workbench.folds import Folds
     from agent.workbench.predictor import Predictor
-    from agent.workbench.trial import Optimum
+    from agent.workbench.record import Record
+    from agent.workbench.trial import Optimum, Tried
 
-Sought = tuple["Optimum", ValveStart]
+
+class Seek(NamedTuple):
+    """What to look for with one effect of hysteresis."""
+
+    model: Optimum
+    """With the effect as its last."""
+    valve: ValveStart
+    """To begin from."""
+    scans: bool
+    """Whether to scan as well."""
 
 
-def to_seek(models: Mapping[str, Optimum]) -> dict[str, Sought]:
+def to_seek(models: Mapping[str, Optimum]) -> dict[str, Seek]:
     """Return the effects of hysteresis, the likeliest among them, each with the valve to seek it from.
 
     ``models``: with each effect, the last of each.
@@ -39,23 +54,55 @@ def to_seek(models: Mapping[str, Optimum]) -> dict[str, Sought]:
     }
     if not valves:
         return {}
-    likeliest = min(valves, key=lambda name: valves[name][0].variance(valves[name][1]))
-    valve = _valve(*valves[likeliest])
-    return {name: (models[name], valve) for name in valves}
+    valve = _valve(*valves[_likeliest(models, valves)])
+    richest = max(valves, key=lambda name: len(models[name].fit.values))
+    return {name: Seek(models[name], valve, name == richest) for name in valves}
 
 
-def sought(each: Sought) -> Fit | None:
+def to_seek_again(models: Mapping[str, Optimum], before: Mapping[str, Seek]) -> dict[str, Seek]:
+    """Return those that are to begin from the valve of another that has become likelier; mostly none.
+
+    Args:
+        models: After ``before``.
+        before: Of ``to_seek``.
+    """
+    if not before:
+        return {}
+    likeliest = _likeliest(models, before)
+    found = models[likeliest].predicts
+    if found is None or models[likeliest] is before[likeliest].model:
+        return {}
+    valve = _valve(*found)
+    return {name: Seek(models[name], valve, scans=False) for name in before if name != likeliest}
+
+
+def _likeliest(models: Mapping[str, Optimum], names: Iterable[str]) -> str:
+    def variance(name: str) -> float:
+        found = models[name].predicts
+        return math.inf if found is None else found[0].variance(found[1])
+
+    return min(names, key=variance)
+
+
+def with_valve_of(each: tuple[Seek, Record, Folds]) -> Tried | None:
     """Return a model where it predicts better with the process and the stem of a valve; None: nowhere."""
-    model, valve = each
+    seek, record, folds = each
+    fitted = _sought(seek)
+    return None if fitted is None else predicted(fitted, record, folds)
+
+
+def _sought(seek: Seek) -> Fit | None:
+    model = seek.model
     if model.predicts is None:
         return None
     predicts, at = model.predicts
     effect = model.fit.model.effects[-1]
     if not isinstance(effect, HysteresisEffect):
         return None
-    points = predicts.space.at(with_valves(model.fit, effect, (valve,), predicts.objective.facts))
+    points = predicts.space.at(with_valves(model.fit, effect, (seek.valve,), predicts.objective.facts))
     try:
-        points = np.vstack((points, scanned(predicts.objective, points[0])))
+        if seek.scans:
+            points = np.vstack((points, scanned(predicts.objective, points[0])))
         found = with_other_values(predicts, at, points)
     except EffectError:  # of somebody else, at values that no fit before had; the model stays as it is
         return None

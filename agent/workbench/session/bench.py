@@ -277,9 +277,9 @@ class Bench:
         dropped: str | None = None,
     ) -> Step:
         """Make a model that was tried the newest step, and return it."""
-        before = self._steps[-1] if self._steps else None
+        before, run, record = self._steps[-1] if self._steps else None, self.trials.run, self.record
         step = step_of(
-            found, self.record, self._validation, verdict, added=added, dropped=dropped, before=before
+            found, record, self._validation, verdict, added=added, dropped=dropped, before=before, run=run
         )
         self._made[self._path(added, dropped)] = step
         self._steps.append(step)

@@ -73,6 +73,14 @@ class Joint:
         rows = zip(self.predictors, self.values(at), self.scales.tolist(), strict=True)
         return np.concatenate([_solved(each, row)[1] / scale for each, row, scale in rows])
 
+    def residuals(self, points: FloatArray) -> FloatArray:
+        """Return the same at points, (m, k), each a row, (m, samples)."""
+        return np.array([self.residual(each) for each in points])
+
+    def errors(self, points: FloatArray) -> FloatArray:
+        """Return ``error`` at points, (m, k), (m,)."""
+        return np.array([self.error(each) for each in points])
+
     def error(self, at: FloatArray) -> float:
         """Return the sum of their squares; infinite where the model has no answer."""
         left = self.residual(at)
@@ -197,10 +205,10 @@ def fitted_together(
 
 
 def _lowered(joint: Joint, start: FloatArray) -> FloatArray:
-    found = lowest(joint.residual, start, STEPS, COARSE)
+    found = lowest(joint.residuals, start, STEPS, COARSE)
     if not joint.rough:
         return found
-    return lowered_by_simplex(joint.error, found, STEP, EVALUATIONS, near=1.0, flat=SAME)
+    return lowered_by_simplex(joint.errors, found, STEP, EVALUATIONS, near=1.0, flat=SAME)
 
 
 def _judged(joint: Joint, at: FloatArray) -> JointFit | None:

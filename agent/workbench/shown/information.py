@@ -18,17 +18,20 @@ import numpy as np
 
 from agent.analysis.record.signals import noise_level
 from agent.physics.foreign import EffectError
+from agent.workbench.objective import whitened
 from agent.workbench.residual.movable import beyond, movable
 from agent.workbench.residual.very_strong import VERY_STRONG
-from agent.workbench.search import hypercube, searched, whitened
+from agent.workbench.search import hypercube, searched
 from agent.workbench.shown.changes import PLACES, changes
 from agent.workbench.shown.excitation import excitation_of, not_excited
+from agent.workbench.shown.score import shares_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
 
     from agent.analysis.record.recording import FloatArray
     from agent.physics.effect import Effect
+    from agent.workbench.hooks import Map
     from agent.workbench.predictor import Predictor
     from agent.workbench.search import Round
 
@@ -52,14 +55,24 @@ class Shown:
     """In words why the record cannot show it; None where it can."""
 
 
-def shown_by(predicts: Predictor, best: FloatArray, effects: Iterable[Effect]) -> tuple[Shown, ...]:
+def shown_by(
+    predicts: Predictor, best: FloatArray, effects: Sequence[Effect], run: Map = map
+) -> tuple[Shown, ...]:
     """Return what a record can show of each of some effects.
 
     Args:
         predicts: Of the model without them.
         best: The point of the unit cube where its predictions are best, (k,).
         effects: That could be added.
+        run: Works on several at a time.
     """
+    shares = [(share, predicts, best) for share in shares_of(effects)]
+    found = {each.effect: each for own in run(_shown_by, shares) for each in own}
+    return tuple(found[each.name] for each in effects if each.name in found)
+
+
+def _shown_by(share: tuple[Sequence[Effect], Predictor, FloatArray]) -> list[Shown]:
+    effects, predicts, best = share
     did = excitation_of(predicts.objective.record.op)
     smaller = _Smaller(predicts, best, movable(predicts, best))
     found = []
@@ -74,7 +87,7 @@ def shown_by(predicts: Predictor, best: FloatArray, effects: Iterable[Effect]) -
         elif why_not is None and information < VERY_STRONG:
             why_not = f"it would move PV by {_part(information, predicts)} of the noise at most"
         found.append(Shown(effect.name, information, why_not))
-    return tuple(found)
+    return found
 
 
 @dataclass(frozen=True, slots=True)

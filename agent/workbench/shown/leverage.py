@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.workbench.objective import objective_of
 from agent.workbench.projection import target_of
 from agent.workbench.residual.state_dependence import directions
-from agent.workbench.search import objective_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray

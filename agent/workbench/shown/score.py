@@ -86,11 +86,15 @@ def scores_of(
 
     ``run`` works on several at a time.
     """
-    shares = [tuple(effects[k::SHARES]) for k in range(min(SHARES, len(effects)))]
     found = {}
-    for own in run(_scores_of, [(each, predicts, best) for each in shares]):
+    for own in run(_scores_of, [(each, predicts, best) for each in shares_of(effects)]):
         found.update(own)
     return found
+
+
+def shares_of(effects: Sequence[Effect]) -> list[tuple[Effect, ...]]:
+    """Return effects in ``SHARES``, for as many processes at most; none of them is empty."""
+    return [tuple(effects[k::SHARES]) for k in range(min(SHARES, len(effects)))]
 
 
 def _scores_of(share: tuple[tuple[Effect, ...], Predictor, FloatArray]) -> dict[str, float]:

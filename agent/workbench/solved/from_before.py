@@ -37,7 +37,7 @@ def from_before(model: LoopModel, values: FloatArray, record: Record) -> FloatAr
     edges = np.unique([0, *(longest * 0.5 ** np.arange(PARTS)).round().astype(int)])
     ago = longest - np.arange(longest + len(record))[:, np.newaxis]
     moves = ((ago > edges[:-1]) & (ago <= edges[1:])).astype(np.float64)
-    for effect, own, _ in layout.valve:
+    for effect, own, *_ in layout.valve:
         if effect.family in LINEAR:
             moves = np.column_stack([effect.apply(each, values[own], layout.ts) for each in moves.T])
     position = layout.position(record.op, values)

@@ -24,9 +24,9 @@ from agent.workbench.first.first_fit import FirstFit, first_fit
 from agent.workbench.first.gaining import gaining
 from agent.workbench.fit import fit
 from agent.workbench.inputs.measured_input import MeasuredInput
+from agent.workbench.objective import objective_of
 from agent.workbench.prediction_search import predictor
 from agent.workbench.record import bare_record
-from agent.workbench.search import objective_of
 from agent.workbench.session import Workbench
 from agent.workbench.shown.score import WORTH_A_FIT, scores_of
 from agent.workbench.trial import Trial, beside, optimum
@@ -102,7 +102,7 @@ def test_a_valve_is_priced_as_the_verdict_prices_it():
     (begun,) = bench.trials.begun.of(bench.step, [Stiction()])
     assert begun.first.criterion > WORTH_A_FIT
     found = evidence_of(bench.step, optimum(begun), bench.record, 1)
-    assert found.criterion == pytest.approx(begun.first.criterion, abs=10)
+    assert found.criterion > begun.first.criterion - 10  # the whole search may end in a deeper valley
 
 
 def test_an_inverse_response_that_dead_time_hides_is_fitted():

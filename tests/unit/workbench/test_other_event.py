@@ -13,12 +13,12 @@ from agent.workbench.checks.other_event import begins_with_op, is_only_another_l
 from agent.workbench.event_scan import instants_seen
 from agent.workbench.first.first_fit import first_fit
 from agent.workbench.fit import fit, nested_fit
+from agent.workbench.objective import objective_of
 from agent.workbench.prediction_search import predictor
 from agent.workbench.predictor import predictor_behind
 from agent.workbench.projection import target_of
 from agent.workbench.record import bare_record
 from agent.workbench.residual.holm import LEVEL
-from agent.workbench.search import objective_of
 from agent.workbench.trial import beside
 
 LATER = np.arange(N) > 1000

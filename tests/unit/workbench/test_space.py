@@ -19,6 +19,15 @@ def test_there_and_back(at):
     assert SPACE.at(SPACE.values(np.array(at))) == pytest.approx(np.array(at), abs=1e-9)
 
 
+@given(st.lists(st.floats(-0.5, 1.5), min_size=2 * len(SPACE), max_size=2 * len(SPACE)))
+def test_values_are_those_of_numpy_within_the_cube(at):
+    points = np.array(at).reshape(2, -1)
+    inner = SPACE.low + np.clip(points, 0.0, 1.0) * (SPACE.high - SPACE.low)
+    expected = np.where(SPACE.log, np.exp(inner), inner)
+    assert SPACE.values(points) == pytest.approx(expected, rel=1e-12)
+    assert SPACE.values(points[1]).tolist() == SPACE.values(points)[1].tolist()
+
+
 def test_a_logarithm_is_halfway_at_the_geometric_mean():
     tau = SPACE.names.index("tau")
     parameter = SPACE.parameters[tau]

@@ -26,7 +26,7 @@ def test_the_simpler_effect_is_found_where_the_richer_one_was() -> None:
     assert tried is not None
     seeking = to_seek(tried.models)
     assert set(seeking) == {"stiction", "asymmetric_stiction", "deadband"}
-    assert seeking["deadband"][1].bands.s == pytest.approx(plant.parameters["stiction.s"][0], rel=0.1)
+    assert seeking["deadband"].valve.bands.s == pytest.approx(plant.parameters["stiction.s"][0], rel=0.1)
 
 
 def test_without_hysteresis_there_is_nothing_to_seek() -> None:
