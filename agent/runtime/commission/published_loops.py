@@ -38,7 +38,9 @@ async def find_published_loops(
         return len(groups_of([NamedTag(each, (each,)) for each in names], patterns))
 
     tags = [
-        tag for topic, payloads in heard.messages.items() for tag in heard_tags(topic, payloads, loops_of)
+        tag
+        for topic, payloads in sorted(heard.messages.items())  # which came first is chance
+        for tag in heard_tags(topic, payloads, loops_of)
     ]
     places = {str(place): tag for place, tag in enumerate(tags)}
     groups = groups_of([NamedTag(place, (tag.name,)) for place, tag in places.items()], patterns)
