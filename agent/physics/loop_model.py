@@ -11,6 +11,7 @@ import numpy as np
 from agent.physics.bases.linear_process import LinearProcess, responses
 from agent.physics.effect import ManyValves
 from agent.physics.foreign import array_of, is_built_in, result_of
+from agent.physics.rows import row_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -130,7 +131,7 @@ class Layout:
             if many:
                 positions = cast("ManyValves", effect).apply_all(positions, values[:, own], self.ts)
                 continue
-            pairs = zip(_each(positions, len(values)), values[:, own], strict=True)
+            pairs = ((row_of(positions, i), each) for i, each in enumerate(values[:, own]))
             moves = (partial(effect.apply, *pair, self.ts) for pair in pairs)
             positions = np.array([array_of(effect, len(op), move) if guarded else move() for move in moves])
         return positions
@@ -200,8 +201,7 @@ class Layout:
         """Return the responses to many positions, (m, n) or one row for all, of values (m, k)."""
         if not self.sensor and self.base.linear:
             return responses([self.process_of(own) for own in values], positions, self.ts)
-        each = _each(positions, len(values))
-        return np.array([self.response(*pair) for pair in zip(each, values, strict=True)])
+        return np.array([self.response(row_of(positions, i), own) for i, own in enumerate(values)])
 
     def owners(self, op: FloatArray, values: FloatArray) -> tuple[str, ...]:
         """Return for each of the ``columns`` the effect that adds it; empty for the response."""
@@ -218,11 +218,6 @@ class Layout:
             add = partial(effect.columns, time, response, values[own])
             found.append((effect, array_of(effect, len(response), add) if guarded else add()))
         return found
-
-
-def _each(positions: FloatArray, count: int) -> FloatArray | list[FloatArray]:
-    """Return ``count`` positions, each (n,), of as many rows or of one for all."""
-    return positions if len(positions) == count else [positions[0]] * count
 
 
 def _place(effect: Effect) -> int:

@@ -69,12 +69,8 @@ class Objective:
         """Return the best coefficients at a point of the unit cube, (k,)."""
         return solve(self.columns(at), self.target)
 
-    def residual(self, at: FloatArray) -> FloatArray:
-        """Return what the best coefficients leave at a point of the unit cube, PV units, (n,)."""
-        return self.solved(at).residual
-
     def residuals(self, points: FloatArray) -> FloatArray:
-        """Return the same at points of the unit cube, (m, k), each a row, (m, n)."""
+        """Return what the best coefficients leave at points, (m, k), each a row, PV units, (m, n)."""
         return residuals_of(self.rows(points), self.target)
 
     def error(self, at: FloatArray) -> float:
@@ -144,7 +140,8 @@ class Pinned:
 
     def whole(self, free: FloatArray) -> FloatArray:
         """Return all coordinates, (..., k), of those that move."""
-        point = np.tile(self.at, (*free.shape[:-1], 1)).reshape(*free.shape[:-1], len(self.at))
+        point = np.empty((*free.shape[:-1], len(self.at)))
+        point[...] = self.at
         point[..., self.free] = free
         return point
 

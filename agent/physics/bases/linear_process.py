@@ -14,6 +14,7 @@ from agent.physics.processes.fopdt import fopdt
 from agent.physics.processes.integrator import integrator
 from agent.physics.processes.lag import lag_of_lines
 from agent.physics.processes.sopdt import sopdt
+from agent.physics.rows import row_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -124,8 +125,7 @@ def responses(processes: Sequence[RespondingProcess], positions: FloatArray, ts:
     plain = [each for each in lags if each is not None]
     if len(plain) == len(processes):
         return responses_behind_lags(positions, np.array(plain))
-    one = len(positions) == 1
-    return np.array([each.respond(positions[0 if one else i], ts) for i, each in enumerate(processes)])
+    return np.array([each.respond(row_of(positions, i), ts) for i, each in enumerate(processes)])
 
 
 @kernel
@@ -133,7 +133,7 @@ def responses_behind_lags(positions: NDArray[np.float64], lags: NDArray[np.float
     """Return ``responses`` of processes with the numbers of ``LinearProcess.behind_lags``, (m, 3)."""
     found = np.empty((len(lags), positions.shape[1]))
     for i in range(len(lags)):
-        position = positions[min(i, len(positions) - 1)]
+        position = row_of(positions, i)
         if lags[i, 2] > 0.0:
             sopdt(position, position[0], lags[i, 1], lags[i, 2], lags[i, 0], found[i])
         else:

@@ -4,29 +4,30 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.signal import lfilter
+from numpy.typing import NDArray
 
+from agent.jit import kernel
 from agent.physics.effect import Facts, Parameter, Stage
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    FloatArray = NDArray[np.float64]
+FloatArray = NDArray[np.float64]
 
 
+@kernel
 def lagged(command: FloatArray, tau: float, ts: float) -> FloatArray:
     """Return what follows a command (n,) behind a lag of ``tau`` s, at the end of each sample of ``ts`` s.
 
     Exact for a command that is held meanwhile; before the first sample all is at rest.
     """
     if tau <= 0.0:
-        return command
+        return command.copy()
     keep = math.exp(-ts / tau)
-    deviation = lfilter([1.0 - keep], [1.0, -keep], command - command[0])
-    return np.asarray(command[0] + deviation)
+    followed, deviation = np.empty(command.size), 0.0
+    for t in range(command.size):
+        deviation = (1.0 - keep) * (command[t] - command[0]) + keep * deviation
+        followed[t] = command[0] + deviation
+    return followed
 
 
 @dataclass(frozen=True, slots=True)

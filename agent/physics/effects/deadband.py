@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,9 @@ from numpy.typing import NDArray
 
 from agent.jit import kernel
 from agent.physics.effect import Facts, Parameter, Stage
+from agent.physics.effects.actuator_lag import lagged
 from agent.physics.effects.hysteresis import S_BY_LAW, motion_of, rest_before, start_of
+from agent.physics.rows import row_of
 from agent.physics.valves.damped_stem import DampedStem
 from agent.units import FrictionBands
 
@@ -42,16 +43,12 @@ def slack_stems(positions: FloatArray, valves: FloatArray, ts: float) -> FloatAr
     """
     plugs = np.empty((len(valves), positions.shape[1]))
     for i in range(len(valves)):
-        command = positions[min(i, len(positions) - 1)]
+        command = row_of(positions, i)
         width, start, tau = valves[i, 0], valves[i, 1], valves[i, 2]
         if width == 0.0:
             plugs[i] = command
             continue
-        passes = -math.expm1(-ts / tau) if tau > 0.0 else 1.0
-        stem, place = np.empty(len(command)), command[0]
-        for t in range(len(command)):
-            place += passes * (command[t] - place)
-            stem[t] = place
+        stem = lagged(command, tau, ts)
         plugs[i] = backlash(stem, width, rest_before(command[0], width / 2, width / 2, start))
     return plugs
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from agent.jit import kernel
 from agent.physics.effect import Facts, Parameter, ValveEffect
+from agent.physics.rows import row_of
 from agent.physics.valves.damped_stem import (
     DAMPING,
     GIVE,
@@ -92,7 +93,7 @@ def moved_stems(
     """
     moved = np.empty((valves.shape[1], positions.shape[1]))
     for i in range(valves.shape[1]):
-        command = positions[min(i, len(positions) - 1)]
+        command = row_of(positions, i)
         f_s_up, f_s_down, f_d, start = valves[0, i], valves[1, i], valves[2, i], valves[3, i]
         if f_s_up == 0.0 and f_s_down == 0.0:
             moved[i] = command

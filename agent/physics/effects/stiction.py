@@ -19,6 +19,7 @@ from agent.physics.effects.hysteresis import (
     rest_before,
     start_of,
 )
+from agent.physics.rows import row_of
 from agent.physics.valves.damped_stem import DampedStem
 from agent.units import FrictionBands
 
@@ -65,8 +66,7 @@ class Stiction:
     def apply_all(self, positions: FloatArray, values: FloatArray, ts: float) -> FloatArray:
         """Return where each of many stems is."""
         if self.law is not None:
-            each = positions if len(positions) == len(values) else [positions[0]] * len(values)
-            return np.array([self.apply(*pair, ts) for pair in zip(each, values, strict=True)])
+            return np.array([self.apply(row_of(positions, i), own, ts) for i, own in enumerate(values)])
         s, jump = values[:, 0], values[:, 1] * values[:, 0]
         f_s, f_d = (s + jump) / 2, (s - jump) / 2
         valves = np.array((f_s, f_s, f_d, values[:, 2]))
