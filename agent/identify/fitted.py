@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from agent.identify.objective import S, free_run_error
+from agent.identify.free_run_error import free_run_error
+from agent.identify.objective import S
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

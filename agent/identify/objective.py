@@ -1,4 +1,4 @@
-"""Free-run error of one candidate, with gain, level, slope and start-up solved in closed form.
+"""One candidate: its valve, its process, and gain, level, slope and start-up solved in closed form.
 
 Variable projection: PV = gain * process(valve(OP)) + basis * coefficients + start-up * exp(-t / tau) is
 linear in gain, coefficients and start-up, so only the rest is searched (design, fact 4).
@@ -267,29 +267,3 @@ def in_bounds(candidate: FloatArray, problem: Problem) -> bool:
     if not (0.0 <= candidate[J_RATIO] <= 1.0):
         return False
     return bool(candidate[S] == 0.0 or candidate[LOG_REST] <= RIGID or stem_in_bounds(candidate))
-
-
-@kernel
-def free_run_error(candidate: FloatArray, structure: int, problem: Problem) -> float:
-    """Return the sum of squares of PV minus its free run, PV units squared; infinite out of bounds."""
-    if not in_bounds(candidate, problem):
-        return IMPOSSIBLE
-    return process_error(valve_position(candidate, problem), candidate, structure, problem)
-
-
-@kernel
-def free_run_errors(candidates: FloatArray, structure: int, problem: Problem) -> FloatArray:
-    """Return the errors of many candidates (k, SIZE), (k,); handing over a problem takes as long as one."""
-    errors = np.empty(len(candidates))
-    for i in range(len(candidates)):
-        errors[i] = free_run_error(candidates[i], structure, problem)
-    return errors
-
-
-@kernel
-def process_error(position: FloatArray, candidate: FloatArray, structure: int, problem: Problem) -> float:
-    """Return the same of a candidate whose valve is at ``position``, OP units, (n,)."""
-    if not in_bounds(candidate, problem):
-        return IMPOSSIBLE
-    response = process_response(position, candidate, structure, problem.block, problem.keep)
-    return max(0.0, fit_gain(response, candidate, structure, problem)[0])

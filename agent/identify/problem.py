@@ -82,6 +82,8 @@ class Problem(NamedTuple):
     """Mean speed of OP without its noise, OP units per sample."""
     quiet: int
     """Samples before the loop begins to swing: what counts periods counts them from there."""
+    whitening: FloatArray
+    """Coefficients of the autoregression behind which PV and responses to OP stand, (p,); none: p = 0."""
 
 
 def pose(
@@ -89,8 +91,8 @@ def pose(
     signal_pv: FloatArray,
     gain_sign: int = 0,
     fixed_delay: int = 0,
-    blocks_per_period: float = BLOCKS_PER_PERIOD,
     pass_time: float = PASS_TIME,
+    least_blocks: int = 1,
 ) -> Problem | str:
     """Return the problem, or in plain words why the record poses none.
 
@@ -99,8 +101,8 @@ def pose(
         signal_pv: PV units, likewise.
         gain_sign: Sign of the process gain; 0 where both are possible.
         fixed_delay: Delay that the user gave, samples; 0: search it.
-        blocks_per_period: Least number of blocks a period, as far as there are samples.
         pass_time: Time constant of the high-pass filter, periods.
+        least_blocks: Of the record, as far as there are samples.
     """
     known = np.isfinite(signal_op) & np.isfinite(signal_pv)
     n = len(signal_op)
@@ -113,7 +115,7 @@ def pose(
     op = bridge(signal_op)
     period = dominant_period(op)
     known &= ~after_gaps(signal_op, period) & ~after_gaps(signal_pv, period)
-    block = max(1, int(period / blocks_per_period))
+    block = max(1, min(int(period / BLOCKS_PER_PERIOD), n // least_blocks))
     counts = block_means(known.astype(np.float64), block) == 1.0
     counts[: int(min(BURN * period, n / 12) / block)] = False
     pv = block_means(bridge(signal_pv), block)
@@ -139,6 +141,7 @@ def pose(
         period=period,
         op_speed=smooth_speed(op, period),
         quiet=quiet_start(op, period),
+        whitening=np.empty(0),
     )
 
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.identify.free_run_error import response_to
 from agent.identify.objective import (
     INTEGRATOR,
     LOG_TAU,
     fit_gain,
-    process_response,
     valve_position,
 )
 
@@ -32,7 +32,7 @@ LEAST_LAG = 2
 def residuals(candidate: FloatArray, structure: int, problem: Problem) -> FloatArray:
     """Return high-passed PV minus the model, zero where it does not count, PV units, (m,)."""
     position = valve_position(candidate, problem)
-    response = process_response(position, candidate, structure, problem.block, problem.keep)
+    response = response_to(position, candidate, structure, problem)
     _, gain, start_up = fit_gain(response, candidate, structure, problem)
     modelled = gain * response
     if structure != INTEGRATOR:

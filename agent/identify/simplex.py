@@ -10,6 +10,7 @@ import numpy as np
 
 from agent.identify.arrays import FloatArray, IntArray
 from agent.identify.fitted import Fitted
+from agent.identify.free_run_error import process_error
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -17,7 +18,6 @@ from agent.identify.objective import (
     LOG_TAU,
     LOG_TAU2,
     SOPDT,
-    process_error,
     valve_position,
 )
 from agent.identify.problem import Problem

@@ -12,7 +12,8 @@ from agent.analysis.quantify.free_run.found import find
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import FloatArray, LoopWindow
 from agent.identify.bank import bank
-from agent.identify.objective import S, free_run_error
+from agent.identify.free_run_error import free_run_error
+from agent.identify.objective import S
 from agent.identify.problem import Problem, first_periods
 from agent.identify.search.cycle import STRUCTURES
 from agent.identify.search.grid import COARSE, DELAYS, FARTHEST, LAGS, LEVEL_STEP, STEMS, scan

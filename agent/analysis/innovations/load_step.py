@@ -14,7 +14,8 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from agent.analysis.innovations.process_search import refitted
 from agent.analysis.innovations.whitened import Fit, fitted, log_likelihood
-from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2, process_response
+from agent.identify.free_run_error import response_to
+from agent.identify.objective import DELAY, LOG_TAU, LOG_TAU2
 from agent.identify.search.linear import process_grid
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ def _best_step(linear: Fit, problem: Problem) -> LoadStep:
     by_lag: dict[float, Shape] = {}
     for candidate in candidates:
         candidate[DELAY] = problem.fixed_delay or candidate[DELAY]
-        answer = process_response(problem.op, candidate, linear.structure, problem.block, problem.keep)
+        answer = response_to(problem.op, candidate, linear.structure, problem)
         answer = answer * problem.weight
         answers.append(answer - problem.basis @ (problem.basis.T @ answer))
         lag = float(candidate[LOG_TAU])
@@ -143,7 +144,7 @@ def _response(candidate: FloatArray, structure: int, problem: Problem) -> FloatA
     at_once[DELAY] = 1.0
     load = np.ones(len(problem.pv) * problem.block)
     load[: problem.block] = 0.0
-    return process_response(load, at_once, structure, problem.block, problem.keep)
+    return response_to(load, at_once, structure, problem)
 
 
 def _without(problem: Problem, structure: int, step: LoadStep) -> Problem:

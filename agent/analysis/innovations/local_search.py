@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.identify.free_run_error import process_error
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -25,7 +26,6 @@ from agent.identify.objective import (
     STEM_LOW,
     S,
     in_bounds,
-    process_error,
     valve_position,
 )
 from agent.identify.problem import Problem

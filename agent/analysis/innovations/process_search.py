@@ -10,13 +10,13 @@ import numpy as np
 
 from agent.analysis.innovations.whitened import behind_noise, fitted, likelihood_behind, log_likelihood
 from agent.analysis.quantify.free_run.problem import structures
+from agent.identify.free_run_error import free_run_errors
 from agent.identify.objective import (
     FOPDT,
     INTEGRATOR,
     LOG_TAU,
     LOG_TAU2,
     SOPDT,
-    free_run_errors,
 )
 from agent.identify.search.linear import process_grid
 

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from agent.analysis.innovations.prewhitened import behind_autoregression
 from agent.analysis.innovations.process_search import best_process
 from agent.analysis.innovations.slip_filter import HOLDS, Friction, ObservedPv, likeliest_history
 from agent.analysis.innovations.stem import StickingStem
-from agent.analysis.innovations.whitened import LEAST_SHARE, Fit, noise_of
+from agent.analysis.innovations.whitened import LEAST_SHARE, Fit
+from agent.identify.free_run_error import response_to
 from agent.identify.noise.prediction_filter import unpredicted
 from agent.identify.noise.student import FREEDOM, student_scale
 from agent.identify.objective import (
@@ -29,6 +29,7 @@ from agent.identify.objective import (
 )
 from agent.identify.residuals import residuals
 from agent.identify.search.grid import STEMS
+from agent.identify.white_view import behind_autoregression, noise_of
 from agent.physics.valves.damped_stem import stem_motion
 
 if TYPE_CHECKING:
@@ -122,11 +123,11 @@ def _seen(stem: StickingStem, op: FloatArray) -> tuple[ObservedPv, Process] | No
     """Return what stems of OP (n,) are weighed by: innovations and process of a fit behind another stem."""
     candidate, structure = stem.fit.candidate, stem.fit.structure
     filtered = stem.behind[stem.fit.noise]
-    noise = noise_of(stem.fit, filtered, longest=False)
+    noise = noise_of(candidate, structure, filtered, longest=False)
     if noise is None:
         return None
     behind = behind_autoregression(filtered, noise)
-    response = process_response(behind.op, candidate, structure, behind.block, behind.keep)
+    response = response_to(behind.op, candidate, structure, behind)
     _, gain, _ = fit_gain(response, candidate, structure, behind)
     left = residuals(candidate, structure, behind)
     known = behind.weight > 0

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agent.analysis.innovations.prewhitened import behind_autoregression
-from agent.identify.noise.autoregression import MOST_LAGS, innovations
+from agent.identify.free_run_error import free_run_error
 from agent.identify.noise.student import student_likelihood
 from agent.identify.objective import (
     DELAY,
@@ -17,21 +16,18 @@ from agent.identify.objective import (
     INTEGRATOR,
     LOG_TAU,
     SOPDT,
-    free_run_error,
     valve_position,
 )
 from agent.identify.residuals import residuals
 from agent.identify.simplex import STEP, not_given, simplex
+from agent.identify.white_view import behind_autoregression, noise_of
 
 if TYPE_CHECKING:
     from agent.analysis.record.recording import FloatArray
-    from agent.identify.noise.autoregression import Innovations
     from agent.identify.problem import Problem
 
 AXES = {FOPDT: (LOG_TAU, DELAY), SOPDT: (LOG_TAU, DELAY), INTEGRATOR: (DELAY,)}
 """What is searched of a process; the second pole keeps its ratio."""
-LAGS = (MOST_LAGS, 15, 7, 3)
-"""Of the autoregression, which takes from the innovations what a filter of one pole left."""
 LEAST_SHARE = 1e-12
 """Mean square below which an error is rounding, over that of PV."""
 
@@ -83,7 +79,7 @@ def log_likelihood(fit: Fit, problem: Problem) -> float:
 
 def behind_noise(fit: Fit, problem: Problem) -> Problem | None:
     """Return the problem behind the autoregression of a fit; None where samples are too few."""
-    noise = noise_of(fit, problem)
+    noise = noise_of(fit.candidate, fit.structure, problem)
     return None if noise is None else behind_autoregression(problem, noise)
 
 
@@ -93,14 +89,3 @@ def likelihood_behind(fit: Fit, problem: Problem, behind: Problem | None) -> flo
         return -math.inf
     new = residuals(fit.candidate, fit.structure, behind)[behind.weight > 0]
     return student_likelihood(new, LEAST_SHARE * float(problem.pv @ problem.pv) / len(new))
-
-
-def noise_of(fit: Fit, problem: Problem, *, longest: bool = True) -> Innovations | None:
-    """Return the autoregression of what a fit leaves behind its filter; None where samples are too few.
-
-    Where gaps leave too few samples in a row for many lags, it has fewer. ``longest`` as in ``innovations``.
-    """
-    left = residuals(fit.candidate, fit.structure, problem)
-    left = np.where(problem.weight > 0, left, np.nan)
-    found = (innovations(left, longest=longest, lags=lags) for lags in LAGS)
-    return next((each for each in found if each is not None), None)

@@ -13,7 +13,8 @@ import numpy as np
 
 from agent.analysis.evidence.weighing import LITTLE_LIKELIHOOD
 from agent.analysis.innovations.whitened import fitted, log_likelihood
-from agent.identify.objective import fit_gain, process_response
+from agent.identify.free_run_error import response_to
+from agent.identify.objective import fit_gain
 from agent.physics.valves.he2007 import he2007
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def chance_to_show(linear: Fit, problem: Problem, op_range: float) -> float:
         problem: The record behind that filter, OP from its least value.
         op_range: Units of ``problem.op``.
     """
-    follows = process_response(problem.op, linear.candidate, linear.structure, problem.block, problem.keep)
+    follows = response_to(problem.op, linear.candidate, linear.structure, problem)
     error, gain, _ = fit_gain(follows, linear.candidate, linear.structure, problem)
     count = float(problem.weight.sum())
     responds = log_likelihood(linear, problem) - log_likelihood(
@@ -53,7 +54,7 @@ def chance_to_show(linear: Fit, problem: Problem, op_range: float) -> float:
         if np.ptp(stem) == 0:
             shown.append(responds)
             continue
-        pv = process_response(stem, linear.candidate, linear.structure, problem.block, problem.keep)
+        pv = response_to(stem, linear.candidate, linear.structure, problem)
         pv = gain * pv * problem.weight
         pv = (pv - problem.basis @ (problem.basis.T @ pv)) * problem.weight
         rest = fitted(linear.candidate, linear.structure, problem._replace(pv=pv), linear.noise, EVALUATIONS)

@@ -32,34 +32,39 @@ ROUNDS = tuple(0.06 * 6.0 ** (-k / 23) for k in range(24))
 not found, and intervals did not reach it (simulated loops, seeds 67000 to 67029)."""
 FEW_ROUNDS = ROUNDS[::8]
 """Where a valve explains little: nobody needs the interval of its S."""
-GAIN = 0.02
+GAIN = 0.002
 """Share by which the best of a cell becomes better where it gains;"""
 IN_VAIN = 3
 """rounds in a row without a cell that gains end it: intervals hold as often with three of four rounds, less
 often with half of them (seeds 67000 to 67029)."""
 CHILDREN = 6
-WORTH = 2.0
+BROOD = 200
+EVALUATIONS = 4
+"""Gauss-Newton steps with which a model of another view is taken over."""
+WORTH = 1.3
 """Cost over the least above which a model is no parent: above what a record cannot distinguish."""
 
 
+def met_by(searched: Searched, problem: Problem) -> Candidates:
+    """Return the best models that a search has met in some cells, on parts of the record among them."""
+    early = [_of_cells(each, problem).sorted(OF_EACH_HORIZON) for each in searched.early]
+    return join(searched.finalists, *early)
+
+
 def elites_of(
-    searched: Searched, problem: Problem, possible: IntArray, rounds: Sequence[float] = ROUNDS
+    met: Candidates, problem: Problem, possible: IntArray, rounds: Sequence[float] = ROUNDS
 ) -> Candidates:
     """Return the best model of each cell of S and of J, best first.
 
     Args:
-        searched: What the search found.
+        met: Models to begin with, in whichever view they were met.
         problem: The record.
         possible: 1 for each structure that is possible, (3,).
         rounds: Largest step of each round of children, OP spans.
     """
     rng = np.random.default_rng(1)
-    early = [_of_cells(each, problem).sorted(OF_EACH_HORIZON) for each in searched.early]
-    archive = searched.finalists
-    if early:
-        before = join(*early)
-        refit(before, problem, 4)
-        archive = join(archive, before)
+    archive = met.take(np.arange(len(met.costs)))
+    refit(archive, problem, EVALUATIONS)
     vain = 0
     before_round: dict[float, float] = {}
     for step in rounds:
@@ -70,7 +75,7 @@ def elites_of(
         if vain == IN_VAIN:
             break
         before_round = best
-        archive = join(archive, generation(parents, CHILDREN, step, problem, possible, rng))
+        archive = join(archive, generation(parents, max(CHILDREN, BROOD // max(1, len(parents.costs))), step, problem, possible, rng))
     archive = _of_cells(archive, problem)
     return archive.sorted(len(archive.costs))
 

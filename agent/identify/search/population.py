@@ -26,7 +26,7 @@ from agent.identify.objective import (
 from agent.identify.problem import Problem
 from agent.identify.search.price import price
 from agent.identify.side_by_side.gauss_newton import ERROR, GIVE_UP, fit_processes, fits_for
-from agent.identify.side_by_side.positions import alike, fill_positions, group_for, pass_high
+from agent.identify.side_by_side.positions import alike, fill_positions, group_for, pass_filters
 from agent.identify.slices import in_slices
 from agent.jit import kernel
 from agent.lanes import WIDTH
@@ -168,7 +168,7 @@ def _refit(
             factors[lane] = price(candidates[i], structures[i], problem, counted)
             fits.values[GIVE_UP, lane] = give_up / factors[lane]
         fill_positions(candidates, places, problem, group)
-        pass_high(problem, group)
+        pass_filters(problem, group)
         fit_processes(candidates, structures, places, problem, evaluations, group.passed, fits)
         for lane in range(places.size):
             costs[places[lane]] = factors[lane] * fits.values[ERROR, lane]

@@ -22,7 +22,7 @@ class CandidateGroup(NamedTuple):
     positions: Rows
     """Of their stems, OP units, (n, ``WIDTH``)."""
     passed: Rows
-    """Block means of the positions, high-passed but for a factor, OP units, (m, ``WIDTH``)."""
+    """Block means of the positions behind the filters, but for a factor, OP units, (m, ``WIDTH``)."""
 
 
 @kernel
@@ -57,6 +57,14 @@ def fill_positions(candidates: FloatArray, places: IntArray, problem: Problem, g
 
 
 @kernel
+def pass_filters(problem: Problem, group: CandidateGroup) -> None:
+    """Fill ``passed`` with the block means of the positions behind the filters, but for the factor of one."""
+    pass_high(problem, group)
+    if problem.whitening.size:
+        whiten(problem.whitening, group.passed)
+
+
+@kernel
 def pass_high(problem: Problem, group: CandidateGroup) -> None:
     """Fill ``passed`` with the block means of the positions behind the high pass, but for its factor."""
     positions, block, share = group.positions, problem.block, 1.0 / problem.block
@@ -70,3 +78,13 @@ def pass_high(problem: Problem, group: CandidateGroup) -> None:
             high = fused(problem.keep, high, mean - former)
         former = mean
         store(group.passed, b, high)
+
+
+@kernel
+def whiten(coefficients: FloatArray, series: Rows) -> None:
+    """Take from each block what an autoregression (p,) predicts of it, in place; before it all were zero."""
+    for b in range(len(series) - 1, 0, -1):
+        left = load(series, b)
+        for lag in range(1, min(coefficients.size, b) + 1):
+            left = fused(-coefficients[lag - 1], load(series, b - lag), left)
+        store(series, b, left)

@@ -35,6 +35,7 @@ from agent.analysis.results import (
     SimulatedModel,
 )
 from agent.identify.fitted import Fitted
+from agent.identify.free_run_error import response_to
 from agent.identify.objective import (
     DELAY,
     FOPDT,
@@ -104,16 +105,16 @@ def answer(
         found = None
     best = found.best if found else linear
     chosen = linear if decision == "no_stiction" else best
-    of_process = process_intervals_of(found, problem, window.ts) if found and chosen is best else None
+    of_process = process_intervals_of(found, window.ts) if found and chosen is best else None
     model_pv, model_mv = simulate(chosen, problem, window)
     other = None
     if found and chosen is not best:
-        of_best = process_intervals_of(found, problem, window.ts)
-        other = SimulatedModel(process(best, problem, window.ts, of_best), *simulate(best, problem, window))
+        of_best = process(best, found.view, window.ts, process_intervals_of(found, window.ts))
+        other = SimulatedModel(of_best, *simulate(best, problem, window))
     return Quantification(
         quantifier=name,
         stiction=stiction_estimate(found, problem, hidden_movement(window)) if found else None,
-        process=process(chosen, problem, window.ts, of_process),
+        process=process(chosen, found.view if found and chosen is best else problem, window.ts, of_process),
         free_run_percent=fit_percent(best, problem),
         linear_percent=fit_percent(linear, problem),
         evidence=evidence,
@@ -161,21 +162,21 @@ def decide(evidence: float, found: Found | None, problem: Problem, *, spent: boo
 def fitted_gain(fitted: Fitted, problem: Problem) -> float:
     """Return the gain, PV units per OP unit (per OP unit and sample for an integrator)."""
     position = valve_position(fitted.candidate, problem)
-    response = process_response(position, fitted.candidate, fitted.structure, problem.block, problem.keep)
+    response = response_to(position, fitted.candidate, fitted.structure, problem)
     return float(fit_gain(response, fitted.candidate, fitted.structure, problem)[1])
 
 
-def process_intervals_of(found: Found, problem: Problem, ts: float) -> ProcessIntervals:
+def process_intervals_of(found: Found, ts: float) -> ProcessIntervals:
     """Return the ranges of the process over the models that fit alike, engineering units."""
     per = ts if found.best.structure == INTEGRATOR else 1.0
-    gains = [fitted_gain(fitted, problem) / per for fitted in same_structure(found)]
-    return process_intervals(found, gains, process_reach(found.best, problem, LEAST_P), ts)
+    gains = [fitted_gain(fitted, found.view) / per for fitted in same_structure(found)]
+    return process_intervals(found, gains, process_reach(found.best, found.view, LEAST_P), ts)
 
 
 def process(
     fitted: Fitted, problem: Problem, ts: float, intervals: ProcessIntervals | None
 ) -> ProcessEstimate:
-    """Return the process in engineering units."""
+    """Return the process in engineering units, its gain solved in a view of the record."""
     gain = fitted_gain(fitted, problem)
     tau = math.exp(fitted.candidate[LOG_TAU]) * ts
     integrates = fitted.structure == INTEGRATOR

@@ -13,6 +13,7 @@ import numpy as np
 from scipy import stats
 
 from agent.identify.confidence_set import sums_of_pieces
+from agent.identify.free_run_error import response_to
 from agent.identify.objective import (
     DELAY,
     INTEGRATOR,
@@ -20,7 +21,6 @@ from agent.identify.objective import (
     LOG_TAU2,
     SOPDT,
     fit_gain,
-    process_response,
     valve_position,
 )
 from agent.identify.residuals import residuals
@@ -50,7 +50,7 @@ def process_reach(fitted: Fitted, problem: Problem, p: float) -> dict[str, float
     position = valve_position(fitted.candidate, problem)
 
     def response(candidate: FloatArray) -> FloatArray:
-        return process_response(position, candidate, fitted.structure, problem.block, problem.keep)
+        return response_to(position, candidate, fitted.structure, problem)
 
     own = response(fitted.candidate)
     _, gain, _ = fit_gain(own, fitted.candidate, fitted.structure, problem)
