@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,7 @@ from agent.workbench.first.begun import Begun
 from agent.workbench.first.deeper import deeper
 from agent.workbench.first.gaining import gaining, gains
 from agent.workbench.first.valves_beside import ValvesBeside
-from agent.workbench.first.valves_shared import Seek, to_seek, to_seek_again, with_valve_of
+from agent.workbench.first.valves_shared import likeliest_valve, to_seek, with_valve_of
 from agent.workbench.fit import fit
 from agent.workbench.library import acts_on_op, happens_once, missing
 from agent.workbench.paired_blocks import lowers_error
@@ -52,6 +52,8 @@ if TYPE_CHECKING:
 
 BESIDE = 2
 """Effects that are fitted beside one with which something remains, the best by their scores."""
+GIVEN = 2
+"""Valves that are given to the others at most."""
 
 
 @dataclass(slots=True)
@@ -259,12 +261,17 @@ class Trials:
         return {each.name: models[each.name] for each in effects if each.name in models}
 
     def _share_valves(self, models: dict[str, Tried]) -> None:
-        """Give each effect of hysteresis the valve of the likeliest, where it predicts better with it."""
-        seeking = to_seek(models)
-        self._seek_valves(models, seeking)
-        self._seek_valves(models, to_seek_again(models, seeking))
+        """Give each effect of hysteresis the valve of the likeliest, where it predicts better with it.
 
-    def _seek_valves(self, models: dict[str, Tried], seeking: Mapping[str, Seek]) -> None:
-        given = [(each, self.record, self.folds) for each in seeking.values()]
-        found = zip(seeking, self.run(with_valve_of, given), strict=True)
-        models.update({name: better for name, better in found if better is not None})
+        One that becomes the likeliest by it gives the others its own.
+        """
+        given = None
+        for _ in range(GIVEN):
+            likeliest = likeliest_valve(models)
+            if likeliest in {None, given}:
+                break
+            seeking = to_seek(models, likeliest)
+            tasks = [(each, self.record, self.folds) for each in seeking.values()]
+            found = zip(seeking, self.run(with_valve_of, tasks), strict=True)
+            models.update({name: better for name, better in found if better is not None})
+            given = likeliest

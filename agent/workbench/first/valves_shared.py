@@ -1,27 +1,21 @@
 """One valve for all effects of its family: each begins from that of the likeliest as well.
 
 Effects of hysteresis are nearly the same valve with other numbers, and their errors have narrow minima, so
-that a search may find one with the richer effect and miss it with the simpler one that is there. A scan looks
-for others with the effect of most numbers, which has the valves of the simpler ones among its own; where it
-finds a likelier one, the others begin from that.
+that a search may find one with the richer effect and miss it with the simpler one that is there.
 """
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
 
 from agent.physics.effects.hysteresis import HysteresisEffect
 from agent.physics.foreign import EffectError
-from agent.workbench.first.valve_scan import scanned
 from agent.workbench.prediction_search import with_other_values
 from agent.workbench.trial import predicted
 from agent.workbench.valve_starts import ValveStart, with_valves
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
 
     from agent.analysis.record.recording import FloatArray
     from agent.workbench.fit import Fit
@@ -38,50 +32,32 @@ class Seek(NamedTuple):
     """With the effect as its last."""
     valve: ValveStart
     """To begin from."""
-    scans: bool
-    """Whether to scan as well."""
 
 
-def to_seek(models: Mapping[str, Optimum]) -> dict[str, Seek]:
-    """Return the effects of hysteresis, the likeliest among them, each with the valve to seek it from.
+def likeliest_valve(models: Mapping[str, Optimum]) -> str | None:
+    """Return which effect of hysteresis makes a record likeliest; None where there are none.
 
     ``models``: with each effect, the last of each.
     """
-    valves = {
-        name: model.predicts
+    variances = {
+        name: model.predicts[0].variance(model.predicts[1])
         for name, model in models.items()
         if model.predicts is not None and isinstance(model.fit.model.effects[-1], HysteresisEffect)
     }
-    if not valves:
-        return {}
-    valve = _valve(*valves[_likeliest(models, valves)])
-    richest = max(valves, key=lambda name: len(models[name].fit.values))
-    return {name: Seek(models[name], valve, name == richest) for name in valves}
+    return min(variances, key=variances.__getitem__, default=None)
 
 
-def to_seek_again(models: Mapping[str, Optimum], before: Mapping[str, Seek]) -> dict[str, Seek]:
-    """Return those that are to begin from the valve of another that has become likelier; mostly none.
-
-    Args:
-        models: After ``before``.
-        before: Of ``to_seek``.
-    """
-    if not before:
-        return {}
-    likeliest = _likeliest(models, before)
+def to_seek(models: Mapping[str, Optimum], likeliest: str) -> dict[str, Seek]:
+    """Return the other effects of hysteresis, each to be sought from the valve of the likeliest."""
     found = models[likeliest].predicts
-    if found is None or models[likeliest] is before[likeliest].model:
+    if found is None:
         return {}
     valve = _valve(*found)
-    return {name: Seek(models[name], valve, scans=False) for name in before if name != likeliest}
-
-
-def _likeliest(models: Mapping[str, Optimum], names: Iterable[str]) -> str:
-    def variance(name: str) -> float:
-        found = models[name].predicts
-        return math.inf if found is None else found[0].variance(found[1])
-
-    return min(names, key=variance)
+    return {
+        name: Seek(model, valve)
+        for name, model in models.items()
+        if name != likeliest and isinstance(model.fit.model.effects[-1], HysteresisEffect)
+    }
 
 
 def with_valve_of(each: tuple[Seek, Record, Folds]) -> Tried | None:
@@ -101,8 +77,6 @@ def _sought(seek: Seek) -> Fit | None:
         return None
     points = predicts.space.at(with_valves(model.fit, effect, (seek.valve,), predicts.objective.facts))
     try:
-        if seek.scans:
-            points = np.vstack((points, scanned(predicts.objective, points[0])))
         found = with_other_values(predicts, at, points)
     except EffectError:  # of somebody else, at values that no fit before had; the model stays as it is
         return None
