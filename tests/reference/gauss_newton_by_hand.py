@@ -1,6 +1,7 @@
 """The process behind a known path by dense least squares: columns by differences, one matrix, ``lstsq``."""
 
 import numpy as np
+from scipy.signal import lfilter
 
 from agent.identify.objective import DELAY, INTEGRATOR, LOG_TAU, LOG_TAU2, process_response
 
@@ -43,7 +44,8 @@ def step(candidate, structure, problem, position):
 
 
 def _response(candidate, structure, problem, position):
-    return process_response(position, candidate, structure, problem.block, problem.keep)
+    response = process_response(position, candidate, structure, problem.block, problem.keep)
+    return lfilter(np.concatenate(([1.0], -problem.whitening)), [1.0], response)
 
 
 def _left(matrix, pv):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import lfilter
 
 from agent.analysis.innovations import load_wave, local_search
 from agent.analysis.quantify.free_run.problem import pose
@@ -12,6 +13,7 @@ from agent.identify import bank as banks
 from agent.identify import bank_score as scores
 from agent.identify import objective
 from agent.identify.first_slip import first_slip
+from agent.identify.free_run_error import free_run_error, free_run_errors, response_to
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -76,6 +78,16 @@ def test_the_response_is_the_averaged_filtered_and_shifted_valve(seed, structure
     )
 
 
+@FEW
+@given(seed=SEEDS, structure=STRUCTURES)
+def test_behind_an_autoregression_the_response_is_less_what_its_past_predicts(seed, structure):
+    problem = problem_of(seed)._replace(whitening=np.array([0.9, -0.3, 0.05]))
+    candidate = candidate_of(seed, problem)
+    plain = objective.process_response(problem.op, candidate, structure, problem.block, problem.keep)
+    found = response_to(problem.op, candidate, structure, problem)
+    np.testing.assert_allclose(found, lfilter([1.0, -0.9, 0.3, -0.05], [1.0], plain), atol=1e-10)
+
+
 @pytest.mark.parametrize("direction", [-1.0, 1.0])
 def test_the_stem_first_slips_where_op_passes_the_level(direction):
     upward = problem_of(1)
@@ -123,7 +135,7 @@ def test_the_error_is_that_of_least_squares(seed, structure, acting, slowness, w
     slow_error, slow_gain = slow.fit_gain(response, candidate, structure, problem)
     assert error == pytest.approx(slow_error, abs=1e-6 * np.sum(problem.pv**2))
     assert gain == pytest.approx(slow_gain, rel=1e-4, abs=1e-6)
-    assert objective.free_run_error(candidate, structure, problem) == pytest.approx(error, rel=1e-9)
+    assert free_run_error(candidate, structure, problem) == pytest.approx(error, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -133,17 +145,17 @@ def test_the_error_is_that_of_least_squares(seed, structure, acting, slowness, w
 def test_out_of_bounds_is_infinitely_bad(axis, value):
     problem = problem_of(1)
     candidate = candidate_of(1, problem)
-    assert np.isfinite(objective.free_run_error(candidate, FOPDT, problem))
+    assert np.isfinite(free_run_error(candidate, FOPDT, problem))
     candidate[axis] = value
-    assert objective.free_run_error(candidate, FOPDT, problem) == np.inf
+    assert free_run_error(candidate, FOPDT, problem) == np.inf
 
 
 def test_a_second_lag_that_vanishes_is_none():
     problem = problem_of(1)
     candidate = candidate_of(1, problem)
-    alone = objective.free_run_error(candidate, FOPDT, problem)
+    alone = free_run_error(candidate, FOPDT, problem)
     candidate[LOG_TAU2] = -1000.0  # as far as a simplex may run
-    assert objective.free_run_error(candidate, SOPDT, problem) == pytest.approx(alone)
+    assert free_run_error(candidate, SOPDT, problem) == pytest.approx(alone)
 
 
 @FEW
@@ -211,7 +223,7 @@ def test_the_scan_keeps_the_best_first_slip_of_each_cell(seed, acting):
 def test_searches_never_lose_and_repeat_themselves(seed):
     problem = problem_of(seed)
     start = candidate_of(seed, problem)
-    before = objective.free_run_error(start, FOPDT, problem)
+    before = free_run_error(start, FOPDT, problem)
     axes = np.array([LOG_TAU, DELAY, LOG_TAU2])
     runs = [
         lambda rng: local_search.random_steps(start, before, 1.0, FOPDT, problem, 150, rng),
@@ -221,8 +233,8 @@ def test_searches_never_lose_and_repeat_themselves(seed):
         found, error = run(np.random.default_rng(seed))
         again, _ = run(np.random.default_rng(seed))
         np.testing.assert_array_equal(found, again)
-        assert error == pytest.approx(objective.free_run_error(found, structure, problem), rel=1e-9)
-        assert error <= objective.free_run_error(start, structure, problem)
+        assert error == pytest.approx(free_run_error(found, structure, problem), rel=1e-9)
+        assert error <= free_run_error(start, structure, problem)
 
 
 @pytest.mark.parametrize("structure", [FOPDT, SOPDT, INTEGRATOR])
@@ -230,6 +242,6 @@ def test_many_candidates_have_the_errors_of_each(structure):
     problem = problem_of(4)
     several = np.array([candidate_of(seed, problem) for seed in range(5)])
     np.testing.assert_array_equal(
-        objective.free_run_errors(several, structure, problem),
-        [objective.free_run_error(each, structure, problem) for each in several],
+        free_run_errors(several, structure, problem),
+        [free_run_error(each, structure, problem) for each in several],
     )

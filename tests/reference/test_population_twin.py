@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 
 from agent.identify.bounds import keep_in_bounds
+from agent.identify.free_run_error import process_error
 from agent.identify.objective import (
     BRISTLES,
     DELAY,
@@ -22,7 +23,6 @@ from agent.identify.objective import (
     SOPDT,
     S,
     in_bounds,
-    process_error,
     valve_position,
 )
 from agent.identify.search.anywhere import valves_from_anywhere
@@ -31,7 +31,7 @@ from agent.identify.search.cycle import STRUCTURES, possible_of
 from agent.identify.search.population import S_BINS, apart, reach, refit
 from agent.identify.search.price import DEAR, DEAR_BRISTLES, price
 from agent.identify.side_by_side.gauss_newton import ERROR, GIVE_UP, fit_processes, fits_for, processes_at
-from agent.identify.side_by_side.positions import fill_positions, group_for, pass_high
+from agent.identify.side_by_side.positions import fill_positions, group_for, pass_filters
 from agent.identify.side_by_side.process_columns import fill_products
 from agent.identify.side_by_side.process_step import steps_of
 from agent.jit import kernel
@@ -47,20 +47,24 @@ GUARDED = 1e-4
 """Relative: start-ups that hardly differ from response and nuisance are left out sooner than there."""
 
 
+NONE, SOME = np.empty(0), np.array([0.7, -0.2, 0.1])
+"""Coefficients of the autoregression behind which a record stands."""
+
+
 def assert_guarded(error, exact):
     assert error == pytest.approx(exact, rel=GUARDED)
 
 
-def prepared(seed):
+def prepared(seed, whitening=NONE):
     """A record, and a candidate with the room for its fits: alone in its group, so in each lane."""
-    problem = problem_of(seed, acting="reverse")
+    problem = problem_of(seed, acting="reverse")._replace(whitening=whitening)
     candidate = candidate_of(seed, problem)
     candidate[LOG_TAU] = max(candidate[LOG_TAU], SLOW)
     candidate[LOG_TAU2] = candidate[LOG_TAU] - 1.0
     keep_in_bounds(candidate, problem)
     group, fits = group_for(problem), fits_for(problem)
     fill_positions(candidate[None], ALONE, problem, group)
-    pass_high(problem, group)
+    pass_filters(problem, group)
     fits.values[GIVE_UP] = np.inf
     return problem, candidate, group.passed, fits
 
@@ -95,22 +99,24 @@ def fitted(candidate, structure, problem, evaluations, passed, fits):
     return fits.values[ERROR, 0]
 
 
+@pytest.mark.parametrize("whitening", [NONE, SOME])
 @pytest.mark.parametrize("structure", [FOPDT, SOPDT, INTEGRATOR])
 @FEW
 @given(SEEDS)
-def test_the_error_of_a_step_is_the_free_run_error(structure, seed):
-    problem, candidate, passed, fits = prepared(seed)
+def test_the_error_of_a_step_is_the_free_run_error(structure, whitening, seed):
+    problem, candidate, passed, fits = prepared(seed, whitening)
     position = valve_position(candidate, problem)
     error, *_ = step_of(candidate, structure, problem, passed, fits)
     assert_guarded(error, process_error(position, candidate, structure, problem))
     assert_guarded(error, slow.error(candidate, structure, problem, position, problem.gain_sign))
 
 
+@pytest.mark.parametrize("whitening", [NONE, SOME])
 @pytest.mark.parametrize("structure", [FOPDT, SOPDT])
 @FEW
 @given(SEEDS)
-def test_a_step_is_that_of_dense_least_squares(structure, seed):
-    problem, candidate, passed, fits = prepared(seed)
+def test_a_step_is_that_of_dense_least_squares(structure, whitening, seed):
+    problem, candidate, passed, fits = prepared(seed, whitening)
     candidate[DELAY] = 4.3  # between two blocks the response has a derivative
     error, predicted, log_tau, delay = step_of(candidate, structure, problem, passed, fits)
     left, step = slow.step(candidate, structure, problem, valve_position(candidate, problem))

@@ -13,7 +13,7 @@ from agent.identify.objective import FOPDT, INTEGRATOR, J_RATIO, SOPDT, S
 from agent.identify.search import cycle
 from agent.identify.search import search as searching
 from agent.identify.search.cycle import first_horizon, next_cycle, nothing, possible_of
-from agent.identify.search.elites import J_CELL, S_CELL, elites_of
+from agent.identify.search.elites import J_CELL, S_CELL, elites_of, met_by
 from agent.identify.search.linear import best_linear
 from agent.identify.search.search import search, surprise
 from agent.physics.valves.damped_stem import damped_stem
@@ -111,7 +111,7 @@ def test_structures_that_are_not_possible_are_not_found():
 def test_elites_are_the_best_of_their_cells_and_include_the_best():
     problem = views()[0]
     searched = next_cycle(nothing(), problem)
-    models = elites_of(searched, problem, possible_of((FOPDT, SOPDT, INTEGRATOR)))
+    models = elites_of(met_by(searched, problem), problem, possible_of((FOPDT, SOPDT, INTEGRATOR)))
     assert np.all(np.diff(models.costs) >= 0)
     assert models.costs[0] <= searched.finalists.costs[0]
     s = models.candidates[:, S]
