@@ -158,6 +158,17 @@ class Sticks:
 
 
 @dataclass(frozen=True, slots=True)
+class SearchedValve:
+    """The valve with the least error in free run, where that is not the likeliest one."""
+
+    s: float
+    """OP units, like J."""
+    j: float
+    mv: FloatArray
+    """How its stem moved, OP units, (n,)."""
+
+
+@dataclass(frozen=True, slots=True)
 class Quantification:
     """Answer of one quantifier on one window."""
 
@@ -199,6 +210,8 @@ class Quantification:
     """Whether the search ended with its budget spent, so that a better valve might be found."""
     sticking: SimulatedModel | None = None
     """The model that sticks where the chosen one does not, for a verdict that others decide."""
+    searched: SearchedValve | None = None
+    """On which evidence and verdict rest; None: the valve that is reported."""
 
     @property
     def s(self) -> IntervalEstimate | None:

@@ -42,9 +42,12 @@ def valve_of(window: LoopWindow, found: Quantification) -> FoundValve | None:
     """Return the valve of an answer; None where it has none."""
     if found.stiction is None or not found.stiction.s.value > 0:
         return None
+    s, j = found.stiction.s.value, found.stiction.j.value
     moved = found.model_mv if found.sticking is None else found.sticking.mv
+    if found.searched is not None:
+        s, j, moved = found.searched.s, found.searched.j, found.searched.mv
     stem = None if moved is None else np.ascontiguousarray((moved - np.nanmin(window.op)) / window.op_span)
-    return FoundValve(found.stiction.s.value / window.op_span, found.stiction.j.value / window.op_span, stem)
+    return FoundValve(s / window.op_span, j / window.op_span, stem)
 
 
 def stems_of(

@@ -20,6 +20,7 @@ from agent.analysis.quantify.free_run.intervals import (
     hidden_movement,
     process_intervals,
     profile,
+    s_and_j,
     same_structure,
     stiction_estimate,
 )
@@ -32,6 +33,7 @@ from agent.analysis.results import (
     ProcessEstimate,
     ProcessIntervals,
     Quantification,
+    SearchedValve,
     SimulatedModel,
 )
 from agent.identify.fitted import Fitted
@@ -122,16 +124,22 @@ def answer(
         model_pv=model_pv,
         model_mv=model_mv,
         profile=profile(found, problem, window.ts) if found else None,
-        quick_evidence=quick_evidence(window, best) if found else 1.0,
-        turns=turns(valve_position(best.candidate, problem)) if found else 0,
+        quick_evidence=quick_evidence(window, found.searched) if found else 1.0,
+        turns=turns(valve_position(found.searched.candidate, problem)) if found else 0,
         search_spent=spent,
         sticking=other,
+        searched=searched_valve(found.searched, problem) if found else None,
     )
 
 
 def evidence_of(found: Found | None, linear: Fitted) -> float:
     """Return the linear over the sticking error, at least 1."""
-    return max(1.0, linear.error / max(found.least_error, 1e-300)) if found else 1.0
+    return max(1.0, linear.error / max(found.searched.error, 1e-300)) if found else 1.0
+
+
+def searched_valve(fitted: Fitted, problem: Problem) -> SearchedValve:
+    """Return the valve of a model with its stem."""
+    return SearchedValve(*s_and_j(fitted), valve_position(fitted.candidate, problem))
 
 
 def unanswered(name: str, failure: str) -> Quantification:
@@ -152,10 +160,10 @@ def decide(evidence: float, found: Found | None, problem: Problem, *, spent: boo
         return "no_stiction"
     if evidence < SLIDES_BELOW:
         return "undecided" if spent else "no_stiction"
-    if found.best.candidate[S] < LEAST_S * problem.op_span:
+    if found.searched.candidate[S] < LEAST_S * problem.op_span:
         return "no_stiction"
-    sees_it = turns(valve_position(found.best.candidate, problem)) > 0
-    explains = fit_percent(found.best, problem) >= LEAST_FIT
+    sees_it = turns(valve_position(found.searched.candidate, problem)) > 0
+    explains = fit_percent(found.searched, problem) >= LEAST_FIT
     return "stiction" if evidence >= STICKS_ABOVE and sees_it and explains else "undecided"
 
 

@@ -34,14 +34,14 @@ class Found:
 
     best: Fitted
     """The likeliest; its error is that of the slow view."""
+    searched: Fitted
+    """What the search found, in the slow view: the verdict was learnt with such valves, and rests on it."""
     others: tuple[Fitted, ...]
     """The best of each cell of S and of J in ``view``, the best among them; the least error first."""
     p: FloatArray
     """Of each of them that it is as good as the best, in that view (``confidence_set``), (k,)."""
     view: Problem
     """The record behind the autoregression of what the best leaves, in its units."""
-    least_error: float
-    """The least sum of squares in the slow view, PV units squared."""
     ended: SearchEnd
     """Why the search ended."""
 
@@ -74,9 +74,8 @@ def find(window: LoopWindow, problem: Problem) -> Found | None:
     likeliest = polished(fits[0], view)
     others = tuple(by_error([likeliest, *fits[1:]]))
     free_run = start(likeliest.candidate, likeliest.structure, problem)
-    searched_for = _in_units(best.candidate, best.structure, problem)
-    least = min(polished(each, problem).error for each in (free_run, searched_for))
-    return Found(free_run, others, p_of_models(others, view), view, least, searched.ended)
+    own_best = polished(_in_units(best.candidate, best.structure, problem), problem)
+    return Found(free_run, own_best, others, p_of_models(others, view), view, searched.ended)
 
 
 def _in_units(candidate: FloatArray, structure: int, problem: Problem) -> Fitted:
