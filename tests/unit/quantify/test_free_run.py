@@ -1,5 +1,7 @@
 """``free_run`` on the shipped simulated plants, whose valves obey laws that it does not fit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -42,7 +44,8 @@ def test_the_verdict_is_the_truth(name):
     else:
         assert found.decision == scenario.truth.verdict
     assert found.failure is None
-    assert found.free_run_percent >= found.linear_percent - 1e-9
+    # The likeliest valve is not that with the least error: where none sticks it may have a little more.
+    assert found.free_run_percent >= found.linear_percent - 0.1
     if scenario.truth.verdict == "stiction":
         assert found.evidence > 2
         assert found.free_run_percent > found.linear_percent
@@ -195,7 +198,8 @@ def test_a_search_that_was_spent_without_a_valve_as_good_as_none_is_undecided(en
     window = plant("fic103_healthy")[1]
     problem = pose(window)
     linear = best_linear(problem, structures(window.hints))
-    worse = Found(linear, (linear,), np.ones(1), 2.0 * linear.error, ended)
+    bad = replace(linear, error=2.0 * linear.error)
+    worse = Found(linear, bad, (linear,), np.ones(1), problem, ended)
     found = answer("free_run", worse, linear, problem, window)
     assert (found.decision, found.evidence, found.stiction) == (decision, 1.0, None)
     assert found.search_spent == (ended == "spent")

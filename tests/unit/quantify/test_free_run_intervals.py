@@ -42,7 +42,7 @@ def fitted(error, s, j, structure=FOPDT, delay=3.0):
 def found_of(best, others):
     """A model whose error is 2.5 times the least has the least p that counts."""
     p = np.array([LEAST_P ** ((each.error - best.error) / 1.5) for each in others])
-    return Found(best, others, p, best.error, "white")
+    return Found(best, best, others, p, PROBLEM, "white")
 
 
 def test_models_count_as_alike_from_the_limit():
