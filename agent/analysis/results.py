@@ -159,7 +159,7 @@ class Sticks:
 
 @dataclass(frozen=True, slots=True)
 class SearchedValve:
-    """The valve with the least error in free run, where that is not the likeliest one."""
+    """The valve with the least error in free run, which need not be the likeliest."""
 
     s: float
     """OP units, like J."""

@@ -124,17 +124,17 @@ def answer(
         model_pv=model_pv,
         model_mv=model_mv,
         profile=profile(found, problem, window.ts) if found else None,
-        quick_evidence=quick_evidence(window, found.searched) if found else 1.0,
-        turns=turns(valve_position(found.searched.candidate, problem)) if found else 0,
+        quick_evidence=quick_evidence(window, found.least) if found else 1.0,
+        turns=turns(valve_position(found.least.candidate, problem)) if found else 0,
         search_spent=spent,
         sticking=other,
-        searched=searched_valve(found.searched, problem) if found else None,
+        searched=searched_valve(found.least, problem) if found else None,
     )
 
 
 def evidence_of(found: Found | None, linear: Fitted) -> float:
     """Return the linear over the sticking error, at least 1."""
-    return max(1.0, linear.error / max(found.searched.error, 1e-300)) if found else 1.0
+    return max(1.0, linear.error / max(found.least.error, 1e-300)) if found else 1.0
 
 
 def searched_valve(fitted: Fitted, problem: Problem) -> SearchedValve:
@@ -160,10 +160,10 @@ def decide(evidence: float, found: Found | None, problem: Problem, *, spent: boo
         return "no_stiction"
     if evidence < SLIDES_BELOW:
         return "undecided" if spent else "no_stiction"
-    if found.searched.candidate[S] < LEAST_S * problem.op_span:
+    if found.least.candidate[S] < LEAST_S * problem.op_span:
         return "no_stiction"
-    sees_it = turns(valve_position(found.searched.candidate, problem)) > 0
-    explains = fit_percent(found.searched, problem) >= LEAST_FIT
+    sees_it = turns(valve_position(found.least.candidate, problem)) > 0
+    explains = fit_percent(found.least, problem) >= LEAST_FIT
     return "stiction" if evidence >= STICKS_ABOVE and sees_it and explains else "undecided"
 
 

@@ -34,8 +34,9 @@ class Found:
 
     best: Fitted
     """The likeliest; its error is that of the slow view."""
-    searched: Fitted
-    """What the search found, in the slow view: the verdict was learnt with such valves, and rests on it."""
+    least: Fitted
+    """Of it and what the search found, that with the least error in the slow view: verdicts were learnt with
+    such valves, and rest on it."""
     others: tuple[Fitted, ...]
     """The best of each cell of S and of J in ``view``, the best among them; the least error first."""
     p: FloatArray
@@ -74,8 +75,11 @@ def find(window: LoopWindow, problem: Problem) -> Found | None:
     likeliest = polished(fits[0], view)
     others = tuple(by_error([likeliest, *fits[1:]]))
     free_run = start(likeliest.candidate, likeliest.structure, problem)
-    own_best = polished(_in_units(best.candidate, best.structure, problem), problem)
-    return Found(free_run, own_best, others, p_of_models(others, view), view, searched.ended)
+    ends = (
+        polished(each, problem) for each in (_in_units(best.candidate, best.structure, problem), free_run)
+    )
+    least = min(ends, key=lambda each: each.error)
+    return Found(free_run, least, others, p_of_models(others, view), view, searched.ended)
 
 
 def _in_units(candidate: FloatArray, structure: int, problem: Problem) -> Fitted:
