@@ -158,7 +158,7 @@ class Sticks:
 
 
 @dataclass(frozen=True, slots=True)
-class SearchedValve:
+class LeastErrorValve:
     """The valve with the least error in free run, which need not be the likeliest."""
 
     s: float
@@ -210,7 +210,7 @@ class Quantification:
     """Whether the search ended with its budget spent, so that a better valve might be found."""
     sticking: SimulatedModel | None = None
     """The model that sticks where the chosen one does not, for a verdict that others decide."""
-    searched: SearchedValve | None = None
+    least_error: LeastErrorValve | None = None
     """On which evidence and verdict rest; None: the valve that is reported."""
 
     @property

@@ -44,8 +44,8 @@ def valve_of(window: LoopWindow, found: Quantification) -> FoundValve | None:
         return None
     s, j = found.stiction.s.value, found.stiction.j.value
     moved = found.model_mv if found.sticking is None else found.sticking.mv
-    if found.searched is not None:
-        s, j, moved = found.searched.s, found.searched.j, found.searched.mv
+    if found.least_error is not None:
+        s, j, moved = found.least_error.s, found.least_error.j, found.least_error.mv
     stem = None if moved is None else np.ascontiguousarray((moved - np.nanmin(window.op)) / window.op_span)
     return FoundValve(s / window.op_span, j / window.op_span, stem)
 

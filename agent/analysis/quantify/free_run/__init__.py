@@ -29,11 +29,11 @@ from agent.analysis.quantify.free_run.process_reach import process_reach
 from agent.analysis.quantify.free_run.quick_evidence import quick_evidence
 from agent.analysis.quantify.valves.turns import turns
 from agent.analysis.results import (
+    LeastErrorValve,
     MethodVerdict,
     ProcessEstimate,
     ProcessIntervals,
     Quantification,
-    SearchedValve,
     SimulatedModel,
 )
 from agent.identify.fitted import Fitted
@@ -124,22 +124,22 @@ def answer(
         model_pv=model_pv,
         model_mv=model_mv,
         profile=profile(found, problem, window.ts) if found else None,
-        quick_evidence=quick_evidence(window, found.least) if found else 1.0,
-        turns=turns(valve_position(found.least.candidate, problem)) if found else 0,
+        quick_evidence=quick_evidence(window, found.least_error) if found else 1.0,
+        turns=turns(valve_position(found.least_error.candidate, problem)) if found else 0,
         search_spent=spent,
         sticking=other,
-        searched=searched_valve(found.least, problem) if found else None,
+        least_error=least_error_valve(found.least_error, problem) if found else None,
     )
 
 
 def evidence_of(found: Found | None, linear: Fitted) -> float:
     """Return the linear over the sticking error, at least 1."""
-    return max(1.0, linear.error / max(found.least.error, 1e-300)) if found else 1.0
+    return max(1.0, linear.error / max(found.least_error.error, 1e-300)) if found else 1.0
 
 
-def searched_valve(fitted: Fitted, problem: Problem) -> SearchedValve:
+def least_error_valve(fitted: Fitted, problem: Problem) -> LeastErrorValve:
     """Return the valve of a model with its stem."""
-    return SearchedValve(*s_and_j(fitted), valve_position(fitted.candidate, problem))
+    return LeastErrorValve(*s_and_j(fitted), valve_position(fitted.candidate, problem))
 
 
 def unanswered(name: str, failure: str) -> Quantification:
@@ -160,10 +160,10 @@ def decide(evidence: float, found: Found | None, problem: Problem, *, spent: boo
         return "no_stiction"
     if evidence < SLIDES_BELOW:
         return "undecided" if spent else "no_stiction"
-    if found.least.candidate[S] < LEAST_S * problem.op_span:
+    if found.least_error.candidate[S] < LEAST_S * problem.op_span:
         return "no_stiction"
-    sees_it = turns(valve_position(found.least.candidate, problem)) > 0
-    explains = fit_percent(found.least, problem) >= LEAST_FIT
+    sees_it = turns(valve_position(found.least_error.candidate, problem)) > 0
+    explains = fit_percent(found.least_error, problem) >= LEAST_FIT
     return "stiction" if evidence >= STICKS_ABOVE and sees_it and explains else "undecided"
 
 

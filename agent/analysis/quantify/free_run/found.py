@@ -34,7 +34,7 @@ class Found:
 
     best: Fitted
     """The likeliest; its error is that of the slow view."""
-    least: Fitted
+    least_error: Fitted
     """Of it and what the search found, that with the least error in the slow view: verdicts were learnt with
     such valves, and rest on it."""
     others: tuple[Fitted, ...]
@@ -78,8 +78,8 @@ def find(window: LoopWindow, problem: Problem) -> Found | None:
     ends = (
         polished(each, problem) for each in (_in_units(best.candidate, best.structure, problem), free_run)
     )
-    least = min(ends, key=lambda each: each.error)
-    return Found(free_run, least, others, p_of_models(others, view), view, searched.ended)
+    least_error = min(ends, key=lambda each: each.error)
+    return Found(free_run, least_error, others, p_of_models(others, view), view, searched.ended)
 
 
 def _in_units(candidate: FloatArray, structure: int, problem: Problem) -> Fitted:
