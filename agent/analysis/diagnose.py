@@ -140,7 +140,10 @@ def as_decided(found: Quantification, op_span: float) -> Quantification:
 
 
 def with_innovations(found: Quantification, window: LoopWindow) -> Quantification:
-    """Return the answer of ``free_run`` with what the innovations say; another or a complete one as it is."""
+    """Return the answer of ``free_run`` with what the innovations say; another or a complete one as it is.
+
+    The valve with the least error goes no further: nobody else needs its curve.
+    """
     known = found.log_likelihood_ratio is not None
     if known or found.failure is not None or found.quick_evidence is None:
         return found
@@ -151,6 +154,7 @@ def with_innovations(found: Quantification, window: LoopWindow) -> Quantificatio
         would_show=say.would_show,
         load_wave=say.wave,
         slip_scatter=say.slip_scatter,
+        least_error=None,
     )
 
 

@@ -211,7 +211,8 @@ class Quantification:
     sticking: SimulatedModel | None = None
     """The model that sticks where the chosen one does not, for a verdict that others decide."""
     least_error: LeastErrorValve | None = None
-    """On which evidence and verdict rest; None: the valve that is reported."""
+    """On which evidence and verdict rest, for the innovations; None: the valve that is reported, or theirs is
+    known."""
 
     @property
     def s(self) -> IntervalEstimate | None:

@@ -8,8 +8,11 @@ import pytest
 from scipy import stats
 from scipy.signal import lfilter
 
+from agent.analysis.diagnose import with_innovations
 from agent.analysis.innovations import innovations_say
 from agent.analysis.innovations.noise_models import noise_models
+from agent.analysis.innovations.stems import valve_of
+from agent.analysis.quantify import quantifier
 from agent.analysis.quantify.free_run.problem import pose
 from agent.analysis.record.recording import LoopHints, LoopWindow
 from agent.analysis.results import Quantification
@@ -135,3 +138,17 @@ def test_student_likelihood_is_that_of_the_distribution():
     true = stats.t.logpdf(values, 4, scale=scale).sum()
     constant = 400 * stats.t.logpdf(0.0, 4)
     assert student_likelihood(values, 0.0) + constant == pytest.approx(true, abs=0.05)
+
+
+def test_the_innovations_weigh_the_valve_with_the_least_error_and_hand_it_on_to_nobody():
+    window = record(sticks=True)
+    found = quantifier("free_run").quantify(window)
+    least = found.least_error
+    seen = valve_of(window, found)
+    assert seen.bands == pytest.approx((least.s / window.op_span, least.j / window.op_span))
+    np.testing.assert_allclose(seen.stem, (least.mv - window.op.min()) / window.op_span)
+    reported = valve_of(window, replace(found, least_error=None))
+    assert reported.s == pytest.approx(found.stiction.s.value / window.op_span)
+    done = with_innovations(found, window)
+    assert done.least_error is None
+    assert done.log_likelihood_ratio > CLEAR
