@@ -33,7 +33,7 @@ not found, and intervals did not reach it (simulated loops, seeds 67000 to 67029
 FEW_ROUNDS = ROUNDS[::8]
 """Where a valve explains little: nobody needs the interval of its S."""
 GAIN = 0.002
-"""Share by which the best of a cell becomes better where it gains: some nats;"""
+"""Share by which the best of a cell becomes better where it gains: a nat or two of a thousand samples;"""
 IN_VAIN = 3
 """rounds in a row without a cell that gains end it: intervals hold as often with three of four rounds, less
 often with half of them (seeds 67000 to 67029)."""
@@ -76,12 +76,8 @@ def elites_of(
         if vain == IN_VAIN:
             break
         before_round = best
-        archive = join(
-            archive,
-            generation(
-                parents, max(CHILDREN, BROOD // max(1, len(parents.costs))), step, problem, possible, rng
-            ),
-        )
+        children = max(CHILDREN, BROOD // max(1, len(parents.costs)))
+        archive = join(archive, generation(parents, children, step, problem, possible, rng))
     archive = _of_cells(archive, problem)
     return archive.sorted(len(archive.costs))
 
