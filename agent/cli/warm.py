@@ -43,18 +43,22 @@ def _warm_workbench(window: LoopWindow) -> None:
     from agent.physics.loop_model import LoopModel
     from agent.workbench.fit import fit_at
     from agent.workbench.library import applies
+    from agent.workbench.objective import objective_of
     from agent.workbench.prediction_search import predictor
     from agent.workbench.projection import target_of
     from agent.workbench.record import bare_record
-    from agent.workbench.space import space_of
 
     record = bare_record(window)
     effects = usable_effects().effects
     for base in BASES:
         own = [effect for effect in effects if applies(effect, base)]
         for model in (LoopModel(base), *(LoopModel(base, (effect,)) for effect in own)):
-            space = space_of(model, record.facts)
             target = target_of(record, record.weight, linear=base.linear)
-            fitted = fit_at(model, record, target, space.values(np.full(len(space), 0.5)))
+            objective = objective_of(model, record, target)
+            # Parts of several points lie otherwise in memory than those of one, and in the middle a number
+            # that may have either sign is none.
+            points = np.full((2, len(objective.space)), [[0.5], [0.4]])
+            objective.errors(points)
+            fitted = fit_at(model, record, target, objective.space.values(points[0]))
         if base.linear:
             predictor(fitted, record)
