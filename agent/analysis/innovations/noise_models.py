@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agent.analysis.quantify.free_run.problem import FINE
 from agent.identify.problem import bridge, high_pass, nuisance_basis
 from agent.physics.processes.decimation import block_means
 
@@ -23,13 +24,11 @@ MEMORIES = (0.4, 2.0, 15.0)
 """Time constants of the filters, blocks. One more is as long as the record: it takes a slow drift off."""
 LONGEST = 1 / 3
 """Of the other time constants, over the record."""
-MOST_BLOCKS = 3000
-"""Blocks of a record; a block of one sample unless the record is longer: the instants of slips count."""
 
 
 def noise_models(window: LoopWindow, problem: Problem) -> list[Problem]:
     """Return the problem behind each filter, in fine blocks, the quickest noise first."""
-    block = max(1, len(window) // MOST_BLOCKS)
+    block = max(1, len(window) // FINE)
     n = len(window) // block * block
     counts = np.zeros(len(window))
     counts[: len(problem.weight) * problem.block] = np.repeat(problem.weight, problem.block)

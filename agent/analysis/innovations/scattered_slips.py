@@ -19,13 +19,11 @@ from agent.analysis.innovations.slip_filter import HOLDS, Friction, ObservedPv, 
 from agent.analysis.innovations.stem import StickingStem
 from agent.analysis.innovations.whitened import LEAST_SHARE, Fit
 from agent.identify.free_run_error import response_to
-from agent.identify.noise.prediction_filter import unpredicted
 from agent.identify.noise.student import FREEDOM, student_scale
 from agent.identify.objective import (
     Process,
     fit_gain,
     process_of,
-    process_response,
 )
 from agent.identify.residuals import residuals
 from agent.identify.search.grid import STEMS
@@ -101,7 +99,7 @@ def with_scattered_slips(
         observed = _seen(stem, whitened[0].op)
         if observed is None:
             break
-        seen, process = observed
+        seen, process, white = observed
         tried = product(sizes, sorted({j_ratio, *J_RATIOS}))
         found = (_moves(seen, process, share * s, ratio, scatter) for share, ratio in tried)
         moves = max(found, key=attrgetter("likelihood"))
@@ -110,7 +108,7 @@ def with_scattered_slips(
         if fit is None or not moves.factors.size:
             break
         # All stems together are less likely than the one that is chosen: so much its freedom costs.
-        freedom = moves.likelihood - _log_likelihood(moves.position, stem.fit, seen, process)
+        freedom = moves.likelihood - _log_likelihood(moves.position, stem.fit, seen, white)
         s, j_ratio, scatter = _refined(moves)
         stem = StickingStem(fit, behind, (s, j_ratio * s), freedom - price)
         if best is not None and stem.likelihood < best.stem.likelihood + WORTH:
@@ -119,8 +117,11 @@ def with_scattered_slips(
     return best
 
 
-def _seen(stem: StickingStem, op: FloatArray) -> tuple[ObservedPv, Process] | None:
-    """Return what stems of OP (n,) are weighed by: innovations and process of a fit behind another stem."""
+def _seen(stem: StickingStem, op: FloatArray) -> tuple[ObservedPv, Process, Problem] | None:
+    """Return what stems of OP (n,) are weighed by: innovations and process of a fit behind another stem.
+
+    And the record behind the autoregression that they are of.
+    """
     candidate, structure = stem.fit.candidate, stem.fit.structure
     filtered = stem.behind[stem.fit.noise]
     noise = noise_of(candidate, structure, filtered, longest=False)
@@ -137,7 +138,7 @@ def _seen(stem: StickingStem, op: FloatArray) -> tuple[ObservedPv, Process] | No
     target = left + gain * response
     lags = noise.coefficients
     seen = ObservedPv(op[: len(left)], target, behind.weight, squares, (FREEDOM + 1) / 2, gain, lags)
-    return seen, process
+    return seen, process, behind
 
 
 def _moves(seen: ObservedPv, process: Process, s: float, j_ratio: float, scatter: float) -> _Moves:
@@ -150,10 +151,9 @@ def _moves(seen: ObservedPv, process: Process, s: float, j_ratio: float, scatter
     return _Moves(likelihood, friction, position, factors[factors > 0])
 
 
-def _log_likelihood(position: FloatArray, fit: Fit, seen: ObservedPv, process: Process) -> float:
+def _log_likelihood(position: FloatArray, fit: Fit, seen: ObservedPv, white: Problem) -> float:
     """Return that of PV behind one stem (n,), as the filter counts it, nats."""
-    response = process_response(position, fit.candidate, fit.structure, process.block, process.keep)
-    new = unpredicted(response[np.newaxis], seen.coefficients)[0]
+    new = response_to(position, fit.candidate, fit.structure, white)
     left = (seen.target - seen.gain * new)[seen.weight > 0]
     return -seen.power * float(np.sum(np.log1p(left * left / seen.squares)))
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from agent.identify.objective import J_RATIO, S
 from agent.identify.search.children import generation
-from agent.identify.search.population import Candidates, join, least, refit
+from agent.identify.search.population import Candidates, join, least, taken_over
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,8 +40,6 @@ often with half of them (seeds 67000 to 67029)."""
 CHILDREN, BROOD = 6, 200
 """Of each parent and of all, at least: where a record allows one valve only, a few children do not find how
 its numbers move together (seeds 98800 to 98819 and six loops with hidden valves, some 70 nats worse)."""
-EVALUATIONS = 4
-"""Gauss-Newton steps with which a model of another view is taken over."""
 WORTH = 1.3
 """Cost over the least above which a model is no parent: above what a record cannot distinguish."""
 
@@ -64,8 +62,7 @@ def elites_of(
         rounds: Largest step of each round of children, OP spans.
     """
     rng = np.random.default_rng(1)
-    archive = met.take(np.arange(len(met.costs)))
-    refit(archive, problem, EVALUATIONS)
+    archive = taken_over(met, problem)
     vain = 0
     before_round: dict[float, float] = {}
     for step in rounds:

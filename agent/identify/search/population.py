@@ -34,6 +34,8 @@ from agent.physics.valves.damped_stem import GIVE
 
 S_BINS, STRUCTURES = 16, 3
 """Niches: bins of S over the OP span, for each structure."""
+TAKEN_OVER = 4
+"""Gauss-Newton steps with which a model of one view is taken over in another."""
 SAME_ERROR = 1e-5
 """Relative difference of two errors below which they are of one candidate."""
 
@@ -172,6 +174,13 @@ def _refit(
         fit_processes(candidates, structures, places, problem, evaluations, group.passed, fits)
         for lane in range(places.size):
             costs[places[lane]] = factors[lane] * fits.values[ERROR, lane]
+
+
+def taken_over(population: Candidates, problem: Problem) -> Candidates:
+    """Return a population of one view of a record in another, its processes fitted there, as copies."""
+    copies = population.take(np.arange(len(population.costs)))
+    refit(copies, problem, TAKEN_OVER)
+    return copies
 
 
 def periods_of(problem: Problem) -> float:

@@ -13,12 +13,10 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-
 from agent.identify.fitted import Fitted, start
 from agent.identify.objective import J_RATIO, S
 from agent.identify.search.cycle import FINALISTS, STRUCTURES, Searched, next_cycle, nothing
-from agent.identify.search.population import Candidates, counted_blocks, join, least, refit
+from agent.identify.search.population import counted_blocks, join, least, taken_over
 from agent.identify.simplex import polished
 
 if TYPE_CHECKING:
@@ -37,8 +35,6 @@ J is weakly determined in many records, but where it differs by more they are di
 LIKELIER = 10.0
 """Difference of -2 log likelihood from which the quick view decides: very strong evidence (Kass and Raftery,
 JASA 90 (1995) 773)."""
-EVALUATIONS = 4
-"""Gauss-Newton steps with which a model of one view is taken over in the other."""
 BUDGET = 120e6
 """Samples through which valves may be simulated before the last turn: about a second of one core."""
 SearchEnd = Literal["white", "agreed", "explains_little", "spent"]
@@ -76,7 +72,7 @@ def search(
     def go_on(view: int, *, around: bool, guests: bool = False) -> None:
         seen = found[view].finalists
         if guests:
-            seen = join(seen, _refitted(found[1 - view].finalists, views[view])).sorted(FINALISTS)
+            seen = join(seen, taken_over(found[1 - view].finalists, views[view])).sorted(FINALISTS)
         found[view] = next_cycle(
             found[view], views[view], structures, limits[view], around=seen if around else None, seed=seed
         )
@@ -105,12 +101,6 @@ def _end(found: Sequence[Searched], view: int, views: Sequence[Problem], *, own:
     if found[view].ended == "white" and view == likelier(found, views):
         return "white"
     return "agreed" if own and _agree(found, views) else None
-
-
-def _refitted(population: Candidates, problem: Problem) -> Candidates:
-    copies = population.take(np.arange(len(population.costs)))
-    refit(copies, problem, EVALUATIONS)
-    return copies
 
 
 def likelier(found: Sequence[Searched], views: Sequence[Problem]) -> int:

@@ -106,6 +106,7 @@ def answer(
     if evidence == 1.0:
         found = None
     best = found.best if found else linear
+    least_error = least_error_valve(found.least_error, problem) if found else None
     chosen = linear if decision == "no_stiction" else best
     of_process = process_intervals_of(found, window.ts) if found and chosen is best else None
     model_pv, model_mv = simulate(chosen, problem, window)
@@ -125,10 +126,10 @@ def answer(
         model_mv=model_mv,
         profile=profile(found, problem, window.ts) if found else None,
         quick_evidence=quick_evidence(window, found.least_error) if found else 1.0,
-        turns=turns(valve_position(found.least_error.candidate, problem)) if found else 0,
+        turns=turns(least_error.mv) if least_error else 0,
         search_spent=spent,
         sticking=other,
-        least_error=least_error_valve(found.least_error, problem) if found else None,
+        least_error=least_error,
     )
 
 

@@ -18,7 +18,7 @@ SLOW, QUICK = PASS_TIME, 0.1
 """Time constants of the high-pass filters through which a record is seen, periods. Behind the second one a
 load that wanders is nearly white, and what a slip does to PV remains."""
 FINE = 3000
-"""Blocks of a record, at least, where the instants of slips count."""
+"""Blocks of a record where the instants of slips count; fewer samples are a block each."""
 
 
 def pose(window: LoopWindow, pass_time: float = SLOW, least_blocks: int = 1) -> Problem | str:
